@@ -1,0 +1,22 @@
+"""Case files: the words that they may use, reading and checking them, and writing them with all defaults."""
+
+from __future__ import annotations
+
+from mpmcol.case.load import flattened_text, load_case, resolved_toml
+from mpmcol.case.problems import Problem
+from mpmcol.case.reference import explain, json_schema, key_names
+from mpmcol.case.schema import Case, case_hash
+from mpmcol.case.source import shipped_cases
+
+__all__ = [
+    "Case",
+    "Problem",
+    "case_hash",
+    "explain",
+    "flattened_text",
+    "json_schema",
+    "key_names",
+    "load_case",
+    "resolved_toml",
+    "shipped_cases",
+]

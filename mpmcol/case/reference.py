@@ -1,0 +1,148 @@
+"""The reference of all keys: look-up by name, `explain`, and the JSON schema for editors."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pydantic.fields import FieldInfo
+from pydantic_core import PydanticUndefined
+
+from mpmcol.case import words
+from mpmcol.case.schema import Case, LawName
+from mpmcol.errors import UsageError
+from mpmcol.laws import LAWS
+from mpmcol.units import Keys, choice
+
+_LAW = FieldInfo(annotation=LawName, description="law of the material; the other keys depend on it")
+_EXTENDS = FieldInfo(
+    annotation=str,
+    default=None,
+    description="case to start from, shipped or a path; each table given here replaces the one of that case",
+)
+
+
+def fields_at(table: tuple[str, ...], law: str) -> dict[str, FieldInfo]:
+    """Give the keys of a table by name; () is the top level; the keys of material depend on the law."""
+    if not table:
+        return {"extends": _EXTENDS, **words.fields(Case)}
+    if table == ("material",):
+        return words.fields(LAWS[law].Material) | {"law": _LAW} if law in LAWS else {}
+    *parent, name = table
+    field = fields_at(tuple(parent), law).get(name)
+    keys = words.subtable(field) if field else None
+    return words.fields(keys) if keys else {}
+
+
+def field_at(key: tuple[str, ...], law: str) -> FieldInfo:
+    """Give the field of a key; without a known law, a key of material is looked up in all laws."""
+    laws = [law] if law in LAWS else list(LAWS)
+    found = [fields_at(key[:-1], name).get(key[-1]) for name in laws]
+    return next((field for field in found if field), choice("a key that does not exist"))
+
+
+def key_names(table: tuple[str, ...] = ()) -> list[str]:
+    """Give the dotted names of all keys and tables, in the order of the schema."""
+    names: dict[str, None] = {}
+    for law in LAWS:
+        for name in fields_at(table, law):
+            names[".".join((*table, name))] = None
+            names |= dict.fromkeys(key_names((*table, name)))
+    return list(names)
+
+
+def explain(key: str = "") -> str:
+    """Explain a key or a table: what it is, what it accepts, its unit and its default.
+
+    An empty key explains all tables. UsageError if there is no such key; it names the nearest.
+    """
+    if not key:
+        tables = [name for name in fields_at((), "") if name not in ("schema", "title", "extends")]
+        return "\n\n".join(map(explain, ["schema", "title", "extends", *tables]))
+    names = key_names()
+    if key not in names:
+        near = words.nearest(key, names) or _ending(key, names)
+        meant = f' Did you mean "{near}"?' if near else ""
+        raise UsageError(f"there is no key {words.shown(key)}.{meant} (mpmcol explain lists all keys)")
+    path = tuple(key.split("."))
+    inside = [name for name in names if name.startswith(key + ".") and name.count(".") == len(path)]
+    title = f"[{key}]" if inside else key
+    lines = [f"{title}   {field_at(path, '').description}"] if inside else [key, *_details(path)]
+    return "\n".join([*lines, *(line for name in inside for line in _indented(name))])
+
+
+def _ending(key: str, names: list[str]) -> str | None:
+    by_ending = {name.rpartition(".")[2]: name for name in names}
+    near = words.nearest(key.rpartition(".")[2], by_ending)
+    return by_ending[near] if near else None
+
+
+def _indented(name: str) -> list[str]:
+    return [f"  {name}", *("  " + line for line in _details(tuple(name.split("."))))]
+
+
+def _details(path: tuple[str, ...]) -> list[str]:
+    field = field_at(path, "")
+    lines = [f"    {field.description}", f"    {words.expected(field)}{_default(field)}"]
+    laws = [law for law in LAWS if path[-1] in fields_at(path[:-1], law)]
+    return lines + ([f"    laws: {', '.join(laws)}"] if len(laws) < len(LAWS) else [])
+
+
+def _default(field: FieldInfo) -> str:
+    if field.is_required():
+        return "; required"
+    plain = field.default not in (None, PydanticUndefined, "") and not isinstance(field.default, Keys)
+    return f"; default {words.shown(field.default)}" if plain else "; optional"
+
+
+def json_schema() -> dict[str, Any]:
+    """Give the JSON schema of a case file, draft 4 and without references, as TOML editors want it."""
+    schema = _table_schema(fields_at((), ""))
+    required = schema.pop("required")
+    schema["anyOf"] = [{"required": ["extends"]}, {"required": required}]
+    return {"$schema": "http://json-schema.org/draft-04/schema#", "title": "mpmcol case", **schema}
+
+
+def _table_schema(fields: dict[str, FieldInfo]) -> dict[str, Any]:
+    required = [name for name, field in fields.items() if field.is_required()]
+    properties = {name: _field_schema(name, field) for name, field in fields.items()}
+    schema = {"type": "object", "properties": properties, "additionalProperties": False}
+    return schema | ({"required": required} if required else {})
+
+
+def _material_schema(material: type[Keys]) -> dict[str, Any]:
+    schema = _table_schema(words.fields(material))
+    return schema | {"required": ["law", *schema["required"]]}
+
+
+def _field_schema(name: str, field: FieldInfo) -> dict[str, Any]:
+    if name == "material":
+        described: dict[str, Any] = {"description": field.description}
+        return described | {"oneOf": [_material_schema(law.Material) for law in LAWS.values()]}
+    table = words.subtable(field)
+    if table:
+        return {"description": field.description, **_table_schema(words.fields(table))}
+    schema = {"description": f"{field.description} ({words.expected(field)})", **_value_schema(field)}
+    plain = field.default not in (None, PydanticUndefined) and field.default != float("inf")
+    return schema | ({"default": field.default} if plain else {})
+
+
+def _value_schema(field: FieldInfo) -> dict[str, Any]:
+    if number := words.number_of(field):
+        return _number_schema(number.bounds)
+    if item := words.item_number(field):
+        return {"type": "array", "items": _number_schema(item.bounds), "minItems": 1}
+    if allowed := words.allowed(field):
+        return {"enum": list(allowed)}
+    kind = {bool: "boolean", int: "integer"}.get(words.value_type(field), "string")
+    least = words.minimum(field)
+    return {"type": kind} | ({} if least is None else {"minimum": least})
+
+
+def _number_schema(bounds: dict[str, float]) -> dict[str, Any]:
+    schema: dict[str, Any] = {"type": ["number", "string"]}
+    for name, bound in bounds.items():
+        side = "minimum" if name[0] == "g" else "maximum"
+        schema[side] = bound
+        if name[1] == "t":
+            schema[f"exclusive{side.capitalize()}"] = True
+    return schema

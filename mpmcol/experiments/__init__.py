@@ -1,0 +1,113 @@
+"""Published experiments on column collapse, and scores against them.
+
+To add a data set, write a file beside this one and add one line to EXPERIMENTS.
+"""
+
+from __future__ import annotations
+
+from difflib import get_close_matches
+from typing import Any
+
+from numpy.typing import ArrayLike
+
+from mpmcol.errors import UsageError
+from mpmcol.experiments import (
+    balmforth_kerswell_2005,
+    bougouin_lacaze_2018,
+    bui_2008,
+    dunatunga_kamrin_2015,
+    kumar_dem,
+    lagree_2011,
+    lajeunesse_2004,
+    lajeunesse_2005,
+    lube_2004,
+    lube_2005,
+    lube_2005_single_break,
+    lube_2007,
+    paper_axisymmetric,
+    paper_plane,
+)
+from mpmcol.experiments.base import Experiment, Law, Piece, Profile, ProfileScore, Score
+from mpmcol.experiments.scores import score_laws, score_profile
+
+__all__ = [
+    "EXPERIMENTS",
+    "Experiment",
+    "Law",
+    "Piece",
+    "Profile",
+    "ProfileScore",
+    "Score",
+    "expected_runout",
+    "find_experiment",
+    "profile_score",
+    "score",
+]
+
+_FILES = (
+    paper_plane,
+    lube_2007,
+    lube_2005,
+    lube_2005_single_break,
+    lajeunesse_2005,
+    balmforth_kerswell_2005,
+    bougouin_lacaze_2018,
+    bui_2008,
+    lagree_2011,
+    dunatunga_kamrin_2015,
+    kumar_dem,
+    paper_axisymmetric,
+    lube_2004,
+    lajeunesse_2004,
+)
+EXPERIMENTS: dict[str, Experiment] = {file.EXPERIMENT.name: file.EXPERIMENT for file in _FILES}
+
+# The farthest-running laboratory law of each model; neither has a gap and both only grow.
+_FARTHEST = {
+    "plane": bougouin_lacaze_2018.EXPERIMENT.laws[0],
+    "axisymmetric": lajeunesse_2004.EXPERIMENT.laws[0],
+}
+
+
+def find_experiment(name: str, model: str) -> Experiment:
+    """The experiment of that name; "paper" is the paper's own for the model.
+
+    Raises:
+        UsageError: there is no such experiment, or it is of another model.
+    """
+    experiment = EXPERIMENTS.get(f"paper-{model}" if name == "paper" else name)
+    if experiment is None:
+        near = get_close_matches(name, EXPERIMENTS, n=1)
+        hint = f"; did you mean {near[0]!r}?" if near else f"; known: paper, {', '.join(EXPERIMENTS)}"
+        raise UsageError(f"no experiment is called {name!r}{hint}")
+    if experiment.model != model:
+        raise UsageError(f"experiment {name!r} is {experiment.model}, the column is {model}")
+    return experiment
+
+
+def score(measured: Any, a: float, model: str) -> list[Score]:
+    """Errors against every published law of the model ("plane" or "axisymmetric") at aspect ratio a.
+
+    Args:
+        measured: a `Measurement`, or a mapping of quantities ("zeta", "beta", "stop_time") to a number or to a
+            mapping of front definitions to numbers.
+
+    Where a law has no value at a, the score says so in its comment and has no error: nothing is extrapolated. A law
+    that several entries share is scored once, under the first (the paper's) name.
+    """
+    return score_laws(EXPERIMENTS, measured, a, model)
+
+
+def profile_score(profile_x: ArrayLike, profile_y: ArrayLike, experiment: Experiment) -> ProfileScore | None:
+    """A deposit profile (m, by increasing x and ending at zero) against the digitised surface of an experiment.
+
+    A surface in metres is compared as it is, so the column must have its size (`experiment.fits`); a universal shape
+    is scaled to the deposit's own length and height. None if the experiment has no surface.
+    """
+    return score_profile(profile_x, profile_y, experiment)
+
+
+def expected_runout(model: str, a: float) -> float:
+    """A generous zeta for sizing the domain, for every a > 0: the farthest-running laboratory law, with its power
+    laws extended at both ends. Friction and damping make a model run less far than this, as a rule."""
+    return next(piece for piece in reversed(_FARTHEST[model].pieces) if a >= piece.lo)(a)

@@ -1,0 +1,138 @@
+"""Records of published experiments: laws of the aspect ratio, digitised profiles, and the scores against them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+# No scatter is published for most laws. The one set that gives it (Bougouin & Lacaze 2018) has +-0.3 on prefactors
+# of 2.7 and 3.7; different sets of the same quantity lie 16-33 % apart.
+ASSUMED_SCATTER = "no scatter published; assumed"
+RUNOUT_SCATTER = 0.10
+HEIGHT_SCATTER = 0.05
+
+
+@dataclass(frozen=True)
+class Piece:
+    """prefactor * a**exponent on lo <= a < hi."""
+
+    lo: float
+    hi: float
+    prefactor: float
+    exponent: float
+
+    def __call__(self, a: float) -> float:
+        return float(self.prefactor * a**self.exponent)
+
+    def __contains__(self, a: float) -> bool:
+        return self.lo <= a < self.hi
+
+
+@dataclass(frozen=True)
+class Law:
+    """A published power law of the aspect ratio a, in pieces of increasing a.
+
+    Quantities: "zeta" = (r_f - r_i) / r_i, "beta" = h_f / h_i, "stop_time" = t / sqrt(h_i / g) at which the front
+    stops. `scatter` is relative to the value and `scatter_source` says where it is from. A law without pieces is
+    known to exist but cannot be evaluated; its note says why.
+    """
+
+    quantity: Literal["zeta", "beta", "stop_time"]
+    pieces: tuple[Piece, ...]
+    scatter: float
+    scatter_source: str = ASSUMED_SCATTER
+    note: str = ""
+
+    def __call__(self, a: float) -> float | None:
+        """Value at a, or None outside the ranges of the law."""
+        return next((piece(a) for piece in self.pieces if a in piece), None)
+
+    def gap(self, a: float) -> str:
+        """Why the law has no value at a: the gap or the end of its range that a lies in."""
+        if not self.pieces:
+            return self.note
+        lo = max((piece.hi for piece in self.pieces if piece.hi <= a), default=0.0)
+        hi = min((piece.lo for piece in self.pieces if piece.lo > a), default=math.inf)
+        if lo == 0.0:
+            return f"no law for a < {hi:g}"
+        return f"no law for a >= {lo:g}" if hi == math.inf else f"no law for {lo:g} <= a < {hi:g}"
+
+
+@dataclass(frozen=True)
+class Profile:
+    """Digitised points of a final deposit, wall or axis at x = 0 and base at y = 0.
+
+    `unit` is "m", or "1" for a shape in x / r_f and y / h_f.
+    """
+
+    name: str
+    x: tuple[float, ...]
+    y: tuple[float, ...]
+    unit: Literal["m", "1"]
+    source: str
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """A published data set; at most one law a quantity, so that (name, quantity) names a law."""
+
+    name: str
+    title: str
+    model: Literal["plane", "axisymmetric"]
+    release: Literal["one-sided", "two-sided"]
+    kind: Literal["laboratory", "simulation"]
+    material: str
+    laws: tuple[Law, ...]
+    profiles: tuple[Profile, ...] = ()
+    doi: str = ""
+    note: str = ""
+    column: tuple[float, float] | None = None  # (r_i, h_i) in m, where it is one column
+
+    def law(self, quantity: str) -> Law | None:
+        """The law of a quantity, or None."""
+        return next((law for law in self.laws if law.quantity == quantity), None)
+
+    def expected(self, quantity: str, a: float) -> tuple[float, float] | None:
+        """Value of the quantity's law at a and its absolute scatter; None without a law there."""
+        law = self.law(quantity)
+        value = law(a) if law else None
+        return None if law is None or value is None else (value, law.scatter * value)
+
+    def fits(self, r_i: float, h_i: float) -> bool:
+        """Whether a column has the size of the experiment's (to 2 %), so that profiles in m can be compared."""
+        return self.column is None or all(
+            math.isclose(size, own, rel_tol=0.02) for size, own in zip((r_i, h_i), self.column, strict=True)
+        )
+
+
+@dataclass(frozen=True)
+class Score:
+    """One value against one law. `error` is value / expected - 1; None with the reason in `comment`."""
+
+    experiment: str
+    quantity: str
+    front_definition: str  # "" unless the quantity is measured with a front
+    value: float
+    expected: float | None
+    error: float | None
+    scatter: float
+    comment: str
+
+    @property
+    def within_scatter(self) -> bool | None:
+        """Whether the error is no larger than the scatter of the experiment; None where there is no law."""
+        return None if self.error is None else abs(self.error) <= self.scatter
+
+
+@dataclass(frozen=True)
+class ProfileScore:
+    """A deposit against a digitised surface: RMS distance in height (mm), and the front where both are in m."""
+
+    experiment: str
+    profile: str
+    rms_mm: float
+    front: float | None
+    expected_front: float | None
+    error: float | None  # front / expected_front - 1
+    comment: str

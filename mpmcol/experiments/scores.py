@@ -1,0 +1,110 @@
+"""Comparison of measured values and profiles with the published experiments."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from mpmcol.experiments.base import Experiment, Law, Profile, ProfileScore, Score
+
+
+def score_laws(experiments: Mapping[str, Experiment], measured: Any, a: float, model: str) -> list[Score]:
+    """Scores of `measured` against every law of the model, each law once, under the first name that has it."""
+    values = list(_values(measured))
+    return [
+        _score(experiment, law, front, value, a)
+        for experiment, law in _laws(experiments, model)
+        for quantity, front, value in values
+        if quantity == law.quantity
+    ]
+
+
+def score_profile(profile_x: ArrayLike, profile_y: ArrayLike, experiment: Experiment) -> ProfileScore | None:
+    """See `mpmcol.experiments.profile_score`."""
+    surface = next((profile for profile in experiment.profiles if "surface" in profile.name), None)
+    if surface is None:
+        return None
+    x, y = np.asarray(profile_x, dtype=float), np.asarray(profile_y, dtype=float)
+    return (_score_in_metres if surface.unit == "m" else _score_normalised)(x, y, experiment, surface)
+
+
+def _laws(experiments: Mapping[str, Experiment], model: str) -> Iterator[tuple[Experiment, Law]]:
+    seen: set[Law] = set()
+    for experiment in experiments.values():
+        for law in experiment.laws if experiment.model == model else ():
+            if law not in seen:
+                seen.add(law)
+                yield experiment, law
+
+
+def _values(measured: Any) -> Iterator[tuple[str, str, float]]:
+    """(quantity, front definition, value) of a mapping of quantities or of an object with zeta and beta."""
+    values = measured if isinstance(measured, Mapping) else {"zeta": measured.zeta, "beta": measured.beta}
+    for quantity, value in values.items():
+        fronts = value if isinstance(value, Mapping) else {"": value}
+        for front, number in fronts.items():
+            yield quantity, front, number
+
+
+def _score(experiment: Experiment, law: Law, front: str, value: float, a: float) -> Score:
+    expected = law(a)
+    return Score(
+        experiment=experiment.name,
+        quantity=law.quantity,
+        front_definition=front,
+        value=value,
+        expected=expected,
+        error=None if expected is None else value / expected - 1.0,
+        scatter=law.scatter,
+        comment=law.gap(a) if expected is None else experiment.material,
+    )
+
+
+def _score_in_metres(
+    x: np.ndarray, y: np.ndarray, experiment: Experiment, surface: Profile
+) -> ProfileScore:
+    tip = surface.x[-1]
+    front = _crossing(x, y, surface.y[-1])
+    return ProfileScore(
+        experiment=experiment.name,
+        profile=surface.name,
+        rms_mm=_rms_mm(x, y, np.array(surface.x), np.array(surface.y)),
+        front=front,
+        expected_front=tip,
+        error=front / tip - 1.0,
+        comment=f"both fronts where the surface is {1e3 * surface.y[-1]:.1f} mm high; {experiment.material}",
+    )
+
+
+def _score_normalised(
+    x: np.ndarray, y: np.ndarray, experiment: Experiment, surface: Profile
+) -> ProfileScore:
+    length, height = _crossing(x, y, 0.0), float(y[:1].sum())
+    return ProfileScore(
+        experiment=experiment.name,
+        profile=surface.name,
+        rms_mm=_rms_mm(x, y, length * np.array(surface.x), height * np.array(surface.y)),
+        front=None,
+        expected_front=None,
+        error=None,
+        comment="shape only: scaled to the length and height of the deposit",
+    )
+
+
+def _rms_mm(x: np.ndarray, y: np.ndarray, surface_x: np.ndarray, surface_y: np.ndarray) -> float:
+    """Root mean square over the length of the digitised surface, so that its spacing of points has no weight."""
+    station = np.linspace(surface_x[0], surface_x[-1], 1001)
+    difference = np.interp(station, x, y, right=0.0) - np.interp(station, surface_x, surface_y)
+    return float(1e3 * np.sqrt(np.mean(difference**2)))
+
+
+def _crossing(x: np.ndarray, y: np.ndarray, level: float) -> float:
+    """Farthest x at which the profile comes down to the level, linear between its points; 0 if nowhere above it."""
+    above = np.flatnonzero(y > level)
+    if not above.size:
+        return 0.0
+    pair = slice(above[-1], above[-1] + 2)
+    return float(np.interp(-level, -y[pair], x[pair]))

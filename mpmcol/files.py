@@ -1,0 +1,77 @@
+"""Files that are either whole or absent: every file of a results folder is written through here."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import os
+from pathlib import Path
+
+from mpmcol.errors import OutputError
+
+REMEDIES = {
+    errno.ENOSPC: "free some space on this disk, or choose another folder",
+    errno.EDQUOT: "your quota is used up: free some space, or choose another folder",
+    errno.EACCES: "choose a folder that you may write to, or mend its permissions",
+    errno.EPERM: "choose a folder that you may write to, or mend its permissions",
+    errno.EROFS: "this disk is read-only: choose another folder",
+    errno.ENOENT: "the folder is gone: create it again, or choose another folder",
+    errno.ENOTDIR: "a part of this path is a file, not a folder: choose another folder",
+    errno.EEXIST: "a file of that name is in the way: move it, or choose another folder",
+    errno.EISDIR: "a folder of that name is in the way: move it, or choose another name",
+}
+
+
+def atomic_write(path: Path, data: bytes) -> None:
+    """Replace the file `path` by `data` so that a crash at any moment leaves the old or the new content, whole.
+
+    Raises OutputError with the path, the reason and the remedy; the old file is then untouched.
+    """
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    try:
+        _write_synced(temporary, data)
+        os.replace(temporary, path)
+        _sync_folder(path.parent)
+    except OSError as error:
+        raise _cannot_write(path, error) from error
+    finally:
+        with contextlib.suppress(OSError):
+            temporary.unlink(missing_ok=True)
+
+
+def make_folder(path: Path) -> Path:
+    """Create the folder `path` and its parents where they are missing; raises OutputError."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise _cannot_write(path, error) from error
+    return path
+
+
+def _write_synced(path: Path, data: bytes) -> None:
+    descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o666)
+    try:
+        rest = memoryview(data)
+        while rest:
+            rest = rest[os.write(descriptor, rest) :]
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def _sync_folder(folder: Path) -> None:
+    """Make the rename itself last; some network file systems cannot sync a folder and say EINVAL."""
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    except OSError as error:
+        if error.errno != errno.EINVAL:
+            raise
+    finally:
+        os.close(descriptor)
+
+
+def _cannot_write(path: Path, error: OSError) -> OutputError:
+    reason = error.strerror or str(error)
+    remedy = REMEDIES.get(error.errno or 0, "check the disk and the folder, then run again")
+    return OutputError(f"{path}: cannot be written: {reason}; {remedy}")

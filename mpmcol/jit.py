@@ -1,0 +1,106 @@
+"""The only place that decides how code is compiled: decorators, threads, and where compiled code is kept.
+
+Numba's disk cache does not see edits of helpers in other files, so the cache folder carries a hash of every
+file that holds compiled code; it is chosen here, before any kernel is declared.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import platform
+import shutil
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+os.environ.setdefault("NUMBA_THREADING_LAYER_PRIORITY", "omp tbb workqueue")
+
+import llvmlite  # noqa: E402  (the threading layer is read when numba is imported)
+import numba  # noqa: E402
+import numpy as np  # noqa: E402
+from numba import prange as prange  # noqa: E402
+from numba.extending import register_jitable  # noqa: E402
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+COMPILED_SOURCES = ("kernels", "laws", "simd.py", "basis.py", "state.py", "jit.py")
+_STALE_AFTER_S = 7 * 24 * 3600.0
+_FLAGS: dict[str, Any] = {"error_model": "numpy", "nogil": True}
+
+
+def source_digest() -> str:
+    """Hash of everything compiled code depends on: our sources, Numba, its LLVM binding, NumPy, Python."""
+    digest = hashlib.sha256()
+    versions = (numba.__version__, llvmlite.__version__, np.__version__, platform.python_version())
+    digest.update(repr(versions).encode())
+    package = Path(__file__).parent
+    for name in COMPILED_SOURCES:
+        entry = package / name
+        for path in sorted(entry.rglob("*.py")) if entry.is_dir() else [entry]:
+            digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def _cache_root() -> Path:
+    """The user's cache folder, or a temporary one where the home folder is missing or read-only."""
+    chosen = Path(os.environ.get("MPMCOL_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME") or "~/.cache")
+    try:
+        folder = chosen.expanduser() / "mpmcol"
+        folder.mkdir(parents=True, exist_ok=True)
+        if os.access(folder, os.W_OK):
+            return folder
+    except (OSError, RuntimeError):
+        pass
+    return Path(tempfile.gettempdir()) / "mpmcol-cache"
+
+
+def _remove_stale(root: Path, keep: Path) -> None:
+    """Delete cache folders of other versions that nobody used for a week."""
+    for folder in root.iterdir():
+        if folder != keep and folder.is_dir() and time.time() - folder.stat().st_mtime > _STALE_AFTER_S:
+            shutil.rmtree(folder, ignore_errors=True)
+
+
+def _choose_cache_folder() -> Path:
+    root = _cache_root()
+    folder = root / source_digest()
+    folder.mkdir(parents=True, exist_ok=True)
+    os.utime(folder)
+    _remove_stale(root, folder)
+    return folder
+
+
+CACHE_FOLDER = _choose_cache_folder()
+numba.config.CACHE_DIR = str(CACHE_FOLDER)
+JIT_DISABLED = bool(numba.config.DISABLE_JIT)
+
+
+def device(function: F) -> F:
+    """A formula: plain Python when called from Python, compiled into its caller when called from a kernel."""
+    return register_jitable(**_FLAGS)(function)
+
+
+def phase(function: F) -> F:
+    """A parallel loop that is part of a kernel; `kernel(function)` makes it callable on its own."""
+    return register_jitable(parallel=True, **_FLAGS)(function)
+
+
+def kernel(function: F) -> F:
+    """An entry point from Python: compiled, parallel, kept on disk. No fastmath: NaN checks and equal bits."""
+    return numba.njit(parallel=True, cache=True, **_FLAGS)(function)
+
+
+def driver(function: F) -> F:
+    """An entry point from Python that runs phases one after the other: compiled and kept on disk."""
+    return numba.njit(cache=True, **_FLAGS)(function)
+
+
+def set_threads(threads: int | None) -> int:
+    """Use `threads` threads (all cores that Numba was given if None); returns the number in use."""
+    limit = numba.config.NUMBA_NUM_THREADS
+    chosen = limit if threads is None else max(1, min(threads, limit))
+    numba.set_num_threads(chosen)
+    return chosen

@@ -1,0 +1,149 @@
+"""The step of the paper (section 2.1.4, update stress last), many times per call."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+from types import ModuleType
+from typing import Any
+
+from mpmcol.jit import device, driver, phase, prange
+from mpmcol.kernels.grid_2d import (
+    DAMPING, KINETIC_AFTER, KINETIC_BEFORE, NODE_REPORT, UNBALANCED, WALLS, WEIGHT, update_grid,
+)  # fmt: skip
+from mpmcol.kernels.stress_2d import make_update_stress
+from mpmcol.kernels.transfer_2d import clear, gather, keep_off_walls, p2g
+from mpmcol.state import ROW, VX, VY, J, X, Y
+
+# what a tile of points reports after G2P
+SPEED, TRAVEL, WORK, FAULT, TILE_REPORT = range(5)
+# clock of a run: numbers that change from step to step
+TIME, DT, TRAVELLED, LAST_TRAVEL, STEPS, CLOCK = range(6)
+# ledger: sums since the start of the run (J per metre or radian), and the state of rest of the last step
+L_DAMPING, L_WALLS, L_WORK, L_GRID, L_KINETIC, L_UNBALANCED, LEDGER = range(7)
+
+J_MIN, J_MAX = 0.1, 50.0
+NO_FAULT = -1.0
+
+
+def make_update_points(column_law: ModuleType, base_law: ModuleType) -> Callable[..., None]:
+    """G2P and stress, tile by tile, with the laws of column and base frozen in."""
+    column_stress, base_stress = make_update_stress(column_law), make_update_stress(base_law)
+
+    @phase
+    def update_points(rows, grid, tiles, settings, column, base, c2_column, c2_base, dt, report):  # noqa: ANN001, ANN202
+        """Move all points and update their stress.
+
+        Reads: nodes (v~, a). Writes: rows, report (n_tiles, 4). Eq. (26)-(34), and c_p + |v_p| of Eq. (35)-(36).
+        """
+        nodes, start, split = grid.nodes, tiles.start, tiles.split
+        for t in prange(len(split)):
+            report[t, SPEED], report[t, TRAVEL], report[t, WORK] = 0.0, 0.0, 0.0
+            report[t, FAULT] = NO_FAULT
+            for p in range(start[t], start[t + 1]):
+                travel = gather(rows, p * ROW, nodes, grid, settings, dt)
+                report[t, TRAVEL] = max(report[t, TRAVEL], travel)
+                keep_off_walls(rows, p * ROW, grid)
+            for p in range(start[t], split[t]):
+                report[t, WORK] += column_stress(rows, p * ROW, column, settings, dt)
+                _inspect(rows, p, c2_column, report, t)
+                if not _is_inside(rows, p * ROW, grid):
+                    report[t, FAULT] = p
+            for p in range(split[t], start[t + 1]):
+                report[t, WORK] += base_stress(rows, p * ROW, base, settings, dt)
+                _inspect(rows, p, c2_base, report, t)
+
+    return update_points
+
+
+@device
+def _inspect(rows, p, c2, report, t):  # noqa: ANN001, ANN202
+    """Note the point's wave speed plus speed, and the point itself if it is faster than its waves or not finite."""
+    o = p * ROW
+    c2_p = c2 * rows[o + J]  # Eq. 36 at the current density
+    v2 = rows[o + VX] * rows[o + VX] + rows[o + VY] * rows[o + VY]
+    report[t, SPEED] = max(report[t, SPEED], c2_p**0.5 + v2**0.5)
+    if not (v2 <= c2_p and rows[o + J] >= J_MIN and rows[o + J] <= J_MAX):
+        report[t, FAULT] = p
+
+
+@device
+def _is_inside(rows, o, grid):  # noqa: ANN001, ANN202
+    """Whether a point of the column is two cells away from the open ends of the domain."""
+    right = grid.origin_x + (grid.n_x - 3) * grid.h
+    return rows[o + X] < right and rows[o + Y] < grid.origin_y + (grid.n_y - 3) * grid.h
+
+
+@device
+def _is_ordered(clock):  # noqa: ANN001, ANN202
+    """Whether no point can be more than one cell away from where it was sorted after one more step."""
+    return clock[TRAVELLED] + max(0.1, 2.0 * clock[LAST_TRAVEL]) < 1.0
+
+
+@device
+def _sum_nodes(report, ledger):  # noqa: ANN001, ANN202
+    """Add the report of the grid to the ledger, in a fixed order."""
+    before, after, damping, walls, unbalanced, weight = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(len(report)):
+        before += report[k, KINETIC_BEFORE]
+        after += report[k, KINETIC_AFTER]
+        damping += report[k, DAMPING]
+        walls += report[k, WALLS]
+        unbalanced += report[k, UNBALANCED]
+        weight += report[k, WEIGHT]
+    ledger[L_DAMPING] += damping
+    ledger[L_WALLS] += walls
+    ledger[L_GRID] += after - before
+    ledger[L_KINETIC] = after
+    ledger[L_UNBALANCED] = unbalanced / weight if weight > 0.0 else 0.0
+
+
+@device
+def _sum_points(report, ledger, clock, courant):  # noqa: ANN001, ANN202
+    """Time step of Eq. 35, travel and stress work from the report of the points; returns the first bad point."""
+    speed, travel, work, fault = 0.0, 0.0, 0.0, NO_FAULT
+    for t in range(len(report)):
+        speed = max(speed, report[t, SPEED])
+        travel = max(travel, report[t, TRAVEL])
+        work += report[t, WORK]
+        if fault == NO_FAULT:
+            fault = report[t, FAULT]
+    ledger[L_WORK] += work
+    clock[TRAVELLED] += travel
+    clock[LAST_TRAVEL] = travel
+    clock[DT] = courant / speed
+    return fault
+
+
+@lru_cache(maxsize=None)
+def make_cycle(column_law: ModuleType, base_law: ModuleType) -> Callable[..., Any]:
+    """The compiled loop over steps for these two laws."""
+    update_points = make_update_points(column_law, base_law)
+
+    @driver
+    def cycle(  # noqa: ANN202
+        rows, grid, tiles, settings, column, base, c2_column, c2_base, smallest_mass, reports, clock, ledger, end, steps
+    ):  # noqa: ANN001
+        """Step until `clock[TIME] >= end`, `steps` are done, points are out of order, or one goes wrong.
+
+        Reads: settings, params. Writes: rows, nodes, reports, clock, ledger. Eq. (13)-(36). Returns the row of the
+        first bad point, or -1.
+        """
+        node_report, tile_report = reports
+        for _ in range(steps):
+            if clock[TIME] >= end or not _is_ordered(clock):
+                break
+            dt = clock[DT]
+            clear(grid, tiles)
+            p2g(rows, grid, tiles, settings)
+            update_grid(grid, tiles, settings, smallest_mass, dt, node_report)
+            update_points(rows, grid, tiles, settings, column, base, c2_column, c2_base, dt, tile_report)
+            _sum_nodes(node_report, ledger)
+            clock[TIME] += dt
+            clock[STEPS] += 1.0
+            fault = _sum_points(tile_report, ledger, clock, settings.cfl * grid.h)
+            if fault != NO_FAULT:
+                return fault
+        return NO_FAULT
+
+    return cycle

@@ -1,0 +1,100 @@
+"""Mohr-Coulomb with a non-associated flow rule, returned exactly in closed form.
+
+Principal stresses s1 >= s2 >= s3, tension positive, k = (1 + sin phi) / (1 - sin phi), m the same with psi, all
+stresses measured from the apex c cot(phi):  f = k s1 - s3 <= 0,  potential m s1 - s3.  Face, both edges and apex
+follow Clausen, Damkilde & Andersen (2007), doi:10.1016/j.compstruc.2007.04.002. With psi = 0 no plastic flow can
+remove tension; the same formulas then cut tension off at the apex.
+"""
+
+from __future__ import annotations
+
+from math import radians, sin, tan
+from typing import Literal, NamedTuple
+
+from mpmcol.jit import device
+from mpmcol.laws.elastic import Elasticity
+from mpmcol.units import choice, quantity
+
+STATE: tuple[str, ...] = ()
+
+
+class Material(Elasticity):
+    """[material] with law = "mohr-coulomb"."""
+
+    law: Literal["mohr-coulomb"] = choice("law of the material", "mohr-coulomb")
+    friction_deg: float = quantity("angle of internal friction phi", "deg", gt=0.0, lt=90.0)
+    dilatancy_deg: float = quantity("angle of dilatancy psi, at most friction_deg", "deg", 0.0, ge=0.0, lt=90.0)
+    cohesion: float = quantity("cohesion c", "Pa", 0.0, ge=0.0)
+
+    @property
+    def active_pressure_ratio(self) -> float:
+        """K_a = 1 / N_phi, the ratio of horizontal to vertical stress at active yield."""
+        return 1.0 / flow_number(sin(radians(self.friction_deg)))
+
+
+class MohrCoulombParams(NamedTuple):
+    """Moduli (Pa), N_phi, N_psi, and the mean stress at the apex (Pa)."""
+
+    bulk_modulus: float
+    shear_modulus: float
+    n_phi: float
+    n_psi: float
+    apex: float
+
+
+def make_params(material: Material) -> MohrCoulombParams:
+    """Angles to flow numbers, cohesion to the apex."""
+    phi, psi = radians(material.friction_deg), radians(material.dilatancy_deg)
+    return MohrCoulombParams(
+        material.bulk_modulus,
+        material.shear_modulus,
+        flow_number(sin(phi)),
+        flow_number(sin(psi)),
+        material.cohesion / tan(phi),
+    )
+
+
+@device
+def flow_number(sine: float) -> float:
+    """N = (1 + sin) / (1 - sin)."""
+    return (1.0 + sine) / (1.0 - sine)
+
+
+@device
+def return_map(s1, s2, s3, history, params):  # noqa: ANN001, ANN202
+    """Return sorted principal stresses to the yield surface; see `mpmcol.laws` for what comes back."""
+    a = params.apex
+    if params.n_phi * (s1 - a) - (s3 - a) <= 0.0:
+        return s1, s2, s3, history, 0.0, True
+    t1, t2, t3, freed = return_to_cone(
+        s1 - a, s2 - a, s3 - a, params.n_phi, params.n_psi, params.bulk_modulus, params.shear_modulus
+    )
+    return t1 + a, t2 + a, t3 + a, history, freed, False
+
+
+@device
+def apex(history, params):  # noqa: ANN001, ANN202
+    """Mean stress of an opened point."""
+    return params.apex
+
+
+@device
+def return_to_cone(s1, s2, s3, k, m, bulk, shear):  # noqa: ANN001, ANN202
+    """Return a yielding stress, measured from the apex; also the volumetric strain that the apex sets free."""
+    p = (s1 + s2 + s3) / 3.0
+    spread = (k - 1.0) * (m - 1.0) / (3.0 * shear)
+    tension1 = (s1 + s2 - 2.0 * p + m * (s3 - p)) / (2.0 * shear) + (2.0 + m) * p / (3.0 * bulk)
+    tension2 = (s1 - p + m * (s2 + s3 - 2.0 * p)) / (2.0 * shear) + (1.0 + 2.0 * m) * p / (3.0 * bulk)
+    if tension1 >= 0.0 and tension2 >= 0.0:
+        return 0.0, 0.0, 0.0, max(p / bulk, 0.0)
+
+    coupling = (0.5 * bulk / shear - 1.0 / 3.0) * (m - 1.0)  # lambda / 2G (m - 1)
+    step = (k * s1 - s3) / (k * m + 1.0 + coupling * (k - 1.0))
+    t1, t2, t3 = s1 - step * (m + coupling), s2 - step * coupling, s3 - step * (coupling - 1.0)
+    if t1 < t2:
+        t1 = tension1 / (spread + (2.0 + m) * (2.0 + k) / (9.0 * bulk))
+        return t1, t1, k * t1, 0.0
+    if t3 > t2:
+        t1 = tension2 / (spread + (1.0 + 2.0 * m) * (1.0 + 2.0 * k) / (9.0 * bulk))
+        return t1, k * t1, k * t1, 0.0
+    return t1, t2, t3, 0.0

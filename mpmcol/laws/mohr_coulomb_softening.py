@@ -1,0 +1,96 @@
+"""Mohr-Coulomb whose friction and dilatancy fade from peak to residual values with plastic shear strain.
+
+phi = phi_r + (phi_p - phi_r) exp(-beta eps), psi likewise (Fern & Soga 2016, doi:10.1007/s11440-016-0436-x; Table 1
+of the paper), eps = path integral of sqrt(2/3 de:de) with de the deviatoric plastic strain increment. Other codes
+use other factors than sqrt(2/3); `strain_factor` stands for it.
+"""
+
+from __future__ import annotations
+
+from math import exp, radians, sin, sqrt, tan
+from typing import Literal, NamedTuple
+
+from mpmcol.jit import device
+from mpmcol.laws.elastic import Elasticity
+from mpmcol.laws.mohr_coulomb import flow_number, return_to_cone
+from mpmcol.units import choice, quantity
+
+STATE: tuple[str, ...] = ("plastic_shear_strain",)
+
+
+class Material(Elasticity):
+    """[material] with law = "mohr-coulomb-softening"."""
+
+    law: Literal["mohr-coulomb-softening"] = choice("law of the material", "mohr-coulomb-softening")
+    friction_peak_deg: float = quantity("angle of friction before softening", "deg", gt=0.0, lt=90.0)
+    friction_residual_deg: float = quantity("angle of friction after softening", "deg", gt=0.0, lt=90.0)
+    dilatancy_peak_deg: float = quantity("angle of dilatancy before softening", "deg", 0.0, ge=0.0, lt=90.0)
+    dilatancy_residual_deg: float = quantity("angle of dilatancy after softening", "deg", 0.0, ge=0.0, lt=90.0)
+    softening_rate: float = quantity("shape factor beta of the exponential decay (Table 1)", gt=0.0)
+    strain_factor: float = quantity("factor in eps = factor * sqrt(de:de)", default=sqrt(2.0 / 3.0), gt=0.0)
+    cohesion: float = quantity("cohesion c, which does not soften", "Pa", 0.0, ge=0.0)
+
+    @property
+    def active_pressure_ratio(self) -> float:
+        """K_a = 1 / N_phi of the peak state, the ratio of horizontal to vertical stress at active yield."""
+        return 1.0 / flow_number(sin(radians(self.friction_peak_deg)))
+
+
+class SofteningParams(NamedTuple):
+    """Moduli (Pa), residual angles and their peak excess (radians), decay, cohesion (Pa), smaller N_phi."""
+
+    bulk_modulus: float
+    shear_modulus: float
+    phi_residual: float
+    phi_excess: float
+    psi_residual: float
+    psi_excess: float
+    rate: float
+    strain_factor: float
+    cohesion: float
+    weakest_n_phi: float
+
+
+def make_params(material: Material) -> SofteningParams:
+    """Degrees to radians, peak values to their excess over the residual ones."""
+    phi_r, psi_r = radians(material.friction_residual_deg), radians(material.dilatancy_residual_deg)
+    phi_p, psi_p = radians(material.friction_peak_deg), radians(material.dilatancy_peak_deg)
+    return SofteningParams(
+        material.bulk_modulus,
+        material.shear_modulus,
+        phi_r,
+        phi_p - phi_r,
+        psi_r,
+        psi_p - psi_r,
+        material.softening_rate,
+        material.strain_factor,
+        material.cohesion,
+        flow_number(sin(min(phi_r, phi_p))),
+    )
+
+
+@device
+def return_map(s1, s2, s3, history, params):  # noqa: ANN001, ANN202
+    """Return sorted principal stresses to the yield surface of the strain so far, then add to that strain."""
+    eps, other = history
+    if params.cohesion == 0.0 and params.weakest_n_phi * s1 - s3 <= 0.0:
+        return s1, s2, s3, history, 0.0, True
+    left = exp(-params.rate * eps)
+    phi = params.phi_residual + params.phi_excess * left
+    k = flow_number(sin(phi))
+    a = params.cohesion / tan(phi)
+    if k * (s1 - a) - (s3 - a) <= 0.0:
+        return s1, s2, s3, history, 0.0, True
+    m = flow_number(sin(params.psi_residual + params.psi_excess * left))
+    t1, t2, t3, freed = return_to_cone(s1 - a, s2 - a, s3 - a, k, m, params.bulk_modulus, params.shear_modulus)
+    d1, d2, d3 = s1 - a - t1, s2 - a - t2, s3 - a - t3
+    mean = (d1 + d2 + d3) / 3.0
+    norm = sqrt((d1 - mean) ** 2 + (d2 - mean) ** 2 + (d3 - mean) ** 2) / (2.0 * params.shear_modulus)
+    return t1 + a, t2 + a, t3 + a, (eps + params.strain_factor * norm, other), freed, False
+
+
+@device
+def apex(history, params):  # noqa: ANN001, ANN202
+    """Mean stress of an opened point."""
+    phi = params.phi_residual + params.phi_excess * exp(-params.rate * history[0])
+    return params.cohesion / tan(phi)

@@ -1,0 +1,106 @@
+"""Time stepping: owns the arrays of one simulation and advances them, sorting points when they have travelled."""
+
+from __future__ import annotations
+
+import time
+from types import ModuleType
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from mpmcol.kernels import cycle_2d as cycle
+from mpmcol.kernels.grid_2d import NODE_REPORT
+from mpmcol.kernels.order_2d import scratch, sort_points
+from mpmcol.state import BASE, COLUMN, Grid, Points, Settings, Tiles
+
+CALL_SECONDS = 0.2  # Python handles signals only between calls
+_FIRST_CALL_STEPS = 4
+
+
+class Body(NamedTuple):
+    """A law with its parameters and the square of its wave speed at the initial density (m2/s2), Eq. 36."""
+
+    law: ModuleType
+    params: Any
+    wave_speed2: float
+
+
+class Solver:
+    """One simulation: points, grid, laws of column and base, clock and ledger."""
+
+    def __init__(self, points: Points, grid: Grid, settings: Settings, column: Body, base: Body) -> None:
+        self.points = points
+        self.grid = grid
+        self.settings = settings
+        self.bodies = (column, base)
+        self.clock = np.zeros(cycle.CLOCK)
+        self.ledger = np.zeros(cycle.LEDGER)
+        self.tiles: Tiles | None = None
+        self.smallest_mass = float(points.m.min())
+        self._spare = Points(len(points))
+        self._scratch = scratch(grid)
+        self._steps_per_call = _FIRST_CALL_STEPS
+        self.reset_time_step()
+
+    @property
+    def time(self) -> float:
+        """Time on the clock, s."""
+        return float(self.clock[cycle.TIME])
+
+    @property
+    def dt(self) -> float:
+        """Next time step, s."""
+        return float(self.clock[cycle.DT])
+
+    @property
+    def steps(self) -> int:
+        """Steps since the start."""
+        return int(self.clock[cycle.STEPS])
+
+    def reset_time_step(self) -> None:
+        """Time step of Eq. 35-36 from the present state."""
+        c2 = np.where(self.points.kind == BASE, self.bodies[BASE].wave_speed2, self.bodies[COLUMN].wave_speed2)
+        speed = np.sqrt(c2 * self.points.J) + np.linalg.norm(self.points.v, axis=1)
+        self.clock[cycle.DT] = self.settings.cfl * self.grid.h / speed.max()
+
+    def sort(self) -> None:
+        """Put the points in order of tiles and list the tiles they can touch."""
+        rows, spare = self.points.rows, self._spare.rows
+        self.tiles = Tiles(*sort_points(rows.reshape(-1), spare.reshape(-1), self.grid, *self._scratch))
+        self.points.rows, self._spare.rows = spare, rows
+        self.clock[cycle.TRAVELLED] = self.clock[cycle.LAST_TRAVEL] = 0.0
+        self._reports = (
+            np.zeros((len(self.tiles.active), NODE_REPORT)),
+            np.zeros((len(self.tiles.split), cycle.TILE_REPORT)),
+        )
+
+    def advance(self, end: float, max_steps: int = 2**62) -> int:
+        """Step until the clock reaches `end` or `max_steps` are done, for at most about CALL_SECONDS.
+
+        Returns the row of the first point that went wrong, or -1.
+        """
+        column, base = self.bodies
+        run = cycle.make_cycle(column.law, base.law)
+        started, first = time.perf_counter(), self.steps
+        fault = -1
+        while fault < 0 and self.time < end and self.steps - first < max_steps:
+            if self.tiles is None or not cycle._is_ordered(self.clock):
+                self.sort()
+            fault = int(
+                run(
+                    self.points.rows.reshape(-1), self.grid, self.tiles, self.settings, column.params, base.params,
+                    column.wave_speed2, base.wave_speed2, self.smallest_mass, self._reports, self.clock, self.ledger,
+                    end, min(self._steps_per_call, max_steps - (self.steps - first)),
+                )
+            )  # fmt: skip
+            spent = time.perf_counter() - started
+            if spent > CALL_SECONDS:
+                break
+        self._learn_pace(self.steps - first, time.perf_counter() - started)
+        return fault
+
+    def _learn_pace(self, steps: int, seconds: float) -> None:
+        """Choose how many steps one call may take, from the pace of the last."""
+        if steps and seconds > 0.0:
+            wanted = int(steps * CALL_SECONDS / seconds)
+            self._steps_per_call = min(max(wanted, 1), 4 * self._steps_per_call)

@@ -1,0 +1,134 @@
+"""VTKHDF PolyData files of points (Kitware, "VTKHDF file format" 2.6): static meshes, and series of them.
+
+Readable by VTK >= 9.3, ParaView and pyvista. Files are built in memory, because HDF5 itself can leave a
+damaged file behind when the disk is full or the process is killed; the caller writes the image atomically.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import h5py
+import numpy as np
+
+from mpmcol.errors import OutputError
+
+VERSION = (2, 6)
+# HDF5 2.0's own newest layout is unreadable for the HDF5 1.14 inside VTK, which then shows an empty mesh.
+LIBVER = ("earliest", "v110")
+# The only filters that every VTK can read without extra set-up.
+COMPRESSION: dict[str, dict[str, Any]] = {"none": {}, "gzip": {"compression": 1, "shuffle": True}}
+CELL_KINDS = ("Vertices", "Lines", "Polygons", "Strips")
+
+
+@dataclass(frozen=True)
+class Step:
+    """One static file as a series sees it: its name beside the index, its time, and its datasets.
+
+    datasets: shape, type and attributes of "Points" and each "PointData/<name>".
+    """
+
+    name: str
+    time: float
+    datasets: dict[str, tuple[tuple[int, ...], np.dtype, dict[str, Any]]]
+
+
+@contextmanager
+def memory_file() -> Iterator[h5py.File]:
+    """An HDF5 file that never touches the disk, with the marks of a VTKHDF PolyData file."""
+    with h5py.File("memory", "w", driver="core", backing_store=False, libver=LIBVER) as file:
+        group = file.create_group("VTKHDF")
+        group.attrs["Version"] = VERSION
+        group.attrs["Type"] = np.bytes_("PolyData")
+        yield file
+
+
+def image(file: h5py.File) -> bytes:
+    """The bytes that a file of this content has on disk."""
+    file.flush()
+    return file.id.get_file_image()
+
+
+def write_points(
+    group: h5py.Group,
+    points: np.ndarray,
+    data: Mapping[str, np.ndarray],
+    marks: Mapping[str, Mapping[str, Any]],
+    compression: str,
+) -> None:
+    """Write a static mesh: points (n, 3), their arrays (n, ...), and one poly-vertex cell that holds them all.
+
+    Without that cell a viewer would have nothing to draw. marks: HDF5 attributes by array name or "Points".
+    """
+    filters = COMPRESSION[compression]
+    group["NumberOfPoints"] = [len(points)]
+    for kind in CELL_KINDS:
+        _write_cells(group.create_group(kind), len(points) if kind == "Vertices" else 0, filters)
+    for name, values in {"Points": points, **{f"PointData/{name}": data[name] for name in data}}.items():
+        dataset = group.create_dataset(name, data=values, chunks=values.shape if filters else None, **filters)
+        dataset.attrs.update(marks.get(name.removeprefix("PointData/"), {}))
+
+
+def _write_cells(group: h5py.Group, n: int, filters: dict[str, Any]) -> None:
+    cells = min(n, 1)
+    group["NumberOfCells"] = [cells]
+    group["NumberOfConnectivityIds"] = [n]
+    group["Offsets"] = np.arange(cells + 1) * n
+    group.create_dataset("Connectivity", data=np.arange(n, dtype=np.int32), **(filters if n else {}))
+
+
+def describe(group: h5py.Group, name: str, time: float) -> Step:
+    """What a series must know of the static mesh in `group`, whose file is called `name` beside the index."""
+    names = ["Points", *(f"PointData/{name}" for name in group["PointData"])]
+    datasets = {name: (group[name].shape, group[name].dtype, dict(group[name].attrs)) for name in names}
+    return Step(name, time, datasets)
+
+
+def write_series(group: h5py.Group, steps: list[Step]) -> None:
+    """Write a time series whose content stays in the files of its steps (virtual datasets, external links).
+
+    Raises OutputError where the steps differ in their number of points.
+    """
+    n = steps[0].datasets["Points"][0][0]
+    group["NumberOfPoints"] = [n]
+    for kind in CELL_KINDS:
+        group[kind] = h5py.ExternalLink(steps[0].name, f"/VTKHDF/{kind}")
+    # A law's history may begin with the collapse: only what every step has can be one series.
+    common = sorted(set.intersection(*(set(step.datasets) for step in steps)))
+    for name in common:
+        _write_virtual(group, name, steps)
+    _write_times(group.create_group("Steps"), [step.time for step in steps], n, common)
+
+
+def _write_virtual(group: h5py.Group, name: str, steps: list[Step]) -> None:
+    shape, dtype, attributes = steps[0].datasets[name]
+    layout = h5py.VirtualLayout((len(steps) * shape[0], *shape[1:]), dtype)
+    for i, step in enumerate(steps):
+        found = step.datasets[name][0]
+        if found != shape:
+            raise OutputError(
+                f"{step.name}: {name} has shape {found}, but in {steps[0].name} it has {shape}: "
+                "the folder holds snapshots of different runs; keep those of one run"
+            )
+        source = h5py.VirtualSource(step.name, f"/VTKHDF/{name}", shape, dtype)
+        layout[i * shape[0] : (i + 1) * shape[0]] = source
+    group.create_virtual_dataset(name, layout).attrs.update(attributes)
+
+
+def _write_times(group: h5py.Group, times: list[float], n: int, datasets: list[str]) -> None:
+    """The group `Steps`: the points move on by n a step, the cells are those of the first step throughout."""
+    count = len(times)
+    offsets = n * np.arange(count)
+    group.attrs["NSteps"] = count
+    group["Values"] = times
+    group["PartOffsets"] = np.zeros(count, np.int64)
+    group["NumberOfParts"] = np.ones(count, np.int64)
+    group["PointOffsets"] = offsets
+    group["CellOffsets"] = np.zeros((count, len(CELL_KINDS)), np.int64)
+    group["ConnectivityIdOffsets"] = np.zeros((count, len(CELL_KINDS)), np.int64)
+    for name in datasets:
+        if name.startswith("PointData/"):
+            group[name.replace("PointData", "PointDataOffsets")] = offsets

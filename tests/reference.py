@@ -1,0 +1,340 @@
+"""One step of the material point method, written literally from the equations: slow, and the measure of every kernel.
+
+Equation numbers are those of Coetzee & Purvance 2026 (doi:10.20944/preprints202605.0398.v1).  Nothing here is shared
+with `mpmcol`.  d = 2 is plane strain or axisymmetric, d = 3 is three-dimensional; tensors are always 3 x 3.
+SI units, angles in radians, tension > 0.  In axisymmetry the axes are (r, y), the third is the hoop direction, and masses
+and volumes are per radian.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations, permutations, product
+
+import numpy as np
+
+Array = np.ndarray
+IDENTITY = np.eye(3)
+
+
+@dataclass(frozen=True)
+class ReferencePoints:
+    """State of n material points."""
+
+    x: Array  # (n, d) position
+    v: Array  # (n, d) velocity
+    grad_v: Array  # (n, 3, 3) [a, b] = d v_a / d x_b
+    sigma: Array  # (n, 3, 3) Cauchy stress
+    J: Array  # (n,) volume ratio of the closed material
+    opening: Array  # (n,) e_o, volume ratio of the opening minus one
+    m: Array  # (n,) mass
+    V0: Array  # (n,) initial volume
+    history: Array  # (n, k); column 0 is the plastic deviatoric strain of the softening law
+    material: Array  # (n,) index into the materials
+
+
+@dataclass(frozen=True)
+class ReferenceGrid:
+    """Nodes at origin + h * index; walls stand on the first and the last node of each axis."""
+
+    origin: Array  # (d,)
+    h: float
+    n_nodes: tuple[int, ...]  # d numbers
+
+
+@dataclass(frozen=True)
+class ReferenceMaterial:
+    """Elastic if phi is None; Mohr-Coulomb otherwise, softening from (phi, psi) to the residual values if rate > 0."""
+
+    E: float
+    nu: float
+    phi: float | None = None
+    psi: float = 0.0
+    c: float = 0.0
+    phi_residual: float = 0.0
+    psi_residual: float = 0.0
+    rate: float = 0.0  # beta of Table 1
+    strain_factor: float = (2.0 / 3.0) ** 0.5  # d eps = strain_factor sqrt(de^p : de^p)
+
+    @property
+    def K(self) -> float:
+        return self.E / (3.0 * (1.0 - 2.0 * self.nu))
+
+    @property
+    def G(self) -> float:
+        return self.E / (2.0 * (1.0 + self.nu))
+
+    def angles(self, eps: float) -> tuple[float, float]:
+        """Friction and dilatancy angle after the plastic deviatoric strain eps."""
+        assert self.phi is not None
+        left = np.exp(-self.rate * eps)
+        phi = self.phi_residual + (self.phi - self.phi_residual) * left
+        return phi, self.psi_residual + (self.psi - self.psi_residual) * left
+
+
+@dataclass(frozen=True)
+class ReferenceScheme:
+    """The choices of the method; the defaults are those of mpmcol."""
+
+    dt: float
+    gravity: Array  # (d,)
+    alpha_d: float = 0.0
+    taylor: float = 1.0  # factor of the Taylor term of Eq. 20
+    flip_fraction: float = 1.0  # A: 1 FLIP, 0 PIC
+    position: float = 0.5  # c: 0.5 trapezoid, 1 as printed in Eq. 27, 0 end
+    wall_impulse: bool = True
+    opening_strain: bool = True
+    correct: bool = True
+    axisymmetric: bool = False
+    m_min: float = 0.0  # nodes with this mass or less are empty
+
+
+# ---------------------------------------------------------------------------------------------- basis
+
+
+def spline(r: Array) -> tuple[Array, Array]:
+    """Quadratic B-spline and its derivative by r = (x - x_i) / h."""
+    a = np.abs(r)
+    w = np.where(a < 0.5, 0.75 - a**2, np.where(a < 1.5, 0.5 * (1.5 - a) ** 2, 0.0))  # Eq. 17
+    dw = np.where(a < 0.5, -2.0 * r, np.where(a < 1.5, (a - 1.5) * np.sign(r), 0.0))  # Eq. 18
+    return w, dw
+
+
+def axis_weights(r: Array, n_nodes: int, correct: bool) -> tuple[Array, Array, Array]:
+    """Nodes (n, 3), weights (n, 3) and derivatives by r (n, 3) along one axis; r (n,) is the position in cells.
+
+    A stencil node outside the grid has weight zero and a clipped index.
+    """
+    if np.any((r < 0.0) | (r > n_nodes - 1)):
+        raise ValueError("a point lies outside the grid")
+    nodes = np.floor(r + 0.5).astype(int)[:, None] + np.array([-1, 0, 1])
+    distance = r[:, None] - nodes
+    w, dw = spline(distance)
+    first, last = nodes[:, 0] < 0, nodes[:, 2] > n_nodes - 1  # within half a cell of a wall
+    for wall, slope in ((first, np.array([0.0, -1.0, 1.0])), (last, np.array([-1.0, 1.0, 0.0]))):
+        if correct:  # the linear hats of the two nodes that are left
+            w[wall], dw[wall] = (1.0 - np.abs(distance[wall])) * np.abs(slope), slope
+        else:
+            w[wall], dw[wall] = w[wall] * np.abs(slope), dw[wall] * np.abs(slope)
+    return np.clip(nodes, 0, n_nodes - 1), w, dw
+
+
+def weights(
+    x: Array, origin: Array, h: float, n_nodes: Sequence[int], correct: bool = True
+) -> tuple[Array, Array, Array]:
+    """Nodes (n, 3^d, d), w_ip (n, 3^d) of Eq. 7 and grad w_ip (n, 3^d, d) of Eq. 8, products over the axes.
+
+    correct=False leaves the spline truncated at the walls.  Raises ValueError for a point outside the grid.
+    """
+    d = x.shape[1]
+    axes = [axis_weights((x[:, b] - origin[b]) / h, n_nodes[b], correct) for b in range(d)]
+    nodes, w, grad = np.empty((len(x), 3**d, d), int), np.ones((len(x), 3**d)), np.ones((len(x), 3**d, d)) / h
+    for j, stencil in enumerate(product(range(3), repeat=d)):
+        for b, (axis_nodes, axis_w, axis_dw) in enumerate(axes):
+            column = stencil[b]
+            nodes[:, j, b] = axis_nodes[:, column]
+            w[:, j] *= axis_w[:, column]
+            for a in range(d):  # Eq. 18 times 1/h along a, values along the other axes
+                grad[:, j, a] *= axis_dw[:, column] if a == b else axis_w[:, column]
+    return nodes, w, grad
+
+
+# ------------------------------------------------------------------------------------- points and grid
+
+
+def p2g(points: ReferencePoints, grid: ReferenceGrid, scheme: ReferenceScheme) -> tuple[Array, Array, Array]:
+    """Nodal mass (N...), momentum (N..., d) and force f_ext + f_int (N..., d)."""
+    d = points.x.shape[1]
+    m_i, p_i, f_i = np.zeros(grid.n_nodes), np.zeros((*grid.n_nodes, d)), np.zeros((*grid.n_nodes, d))
+    all_nodes, all_w, all_grad = weights(points.x, grid.origin, grid.h, grid.n_nodes, scheme.correct)
+    V = points.J * points.V0  # Eq. 30
+    for p in range(len(points.x)):
+        L, sigma, m = points.grad_v[p, :d, :d], points.sigma[p], points.m[p]
+        for node, w, grad in zip(all_nodes[p], all_w[p], all_grad[p], strict=True):
+            i = tuple(node)
+            to_node = grid.origin + grid.h * node - points.x[p]
+            m_i[i] += m * w  # Eq. 19
+            p_i[i] += m * w * (points.v[p] + scheme.taylor * (L @ to_node))  # Eq. 20
+            f_i[i] += w * m * scheme.gravity  # Eq. 14
+            f_i[i] -= V[p] * sigma[:d, :d] @ grad  # Eq. 13
+            if scheme.axisymmetric:
+                f_i[i][0] -= V[p] * sigma[2, 2] * w / points.x[p, 0]
+    return m_i, p_i, f_i
+
+
+def grid_update(m: Array, p: Array, f: Array, fixed: Array, scheme: ReferenceScheme) -> tuple[Array, Array]:
+    """Velocity v~ and acceleration a of the nodes; fixed (N..., d) marks components held at zero."""
+    full = (m > scheme.m_min)[..., None]
+    mass = np.where(full, m[..., None], 1.0)
+    v_raw = np.where(full, p / mass, 0.0)  # Eq. 21
+    v = np.where(fixed, 0.0, v_raw)
+    f_damp = -scheme.alpha_d * np.abs(f) * np.sign(v)  # Eq. 23 with |f|
+    a = np.where(full, (f + f_damp) / mass, 0.0)  # Eq. 22
+    v_new = np.where(fixed, 0.0, v + scheme.dt * a)  # Eq. 24
+    a_wall = (0.0 - v_raw) / scheme.dt if scheme.wall_impulse else 0.0
+    return v_new, np.where(fixed, a_wall, a)
+
+
+def g2p(
+    points: ReferencePoints, v: Array, a: Array, grid: ReferenceGrid, scheme: ReferenceScheme
+) -> ReferencePoints:
+    """Points with new v, x and grad_v; v and a (N..., d) are v~ and a of the nodes."""
+    n, d = points.x.shape
+    all_nodes, all_w, all_grad = weights(points.x, grid.origin, grid.h, grid.n_nodes, scheme.correct)
+    Sv, Sa, L = np.zeros((n, d)), np.zeros((n, d)), np.zeros((n, 3, 3))
+    for p in range(n):
+        for node, w, grad in zip(all_nodes[p], all_w[p], all_grad[p], strict=True):
+            i = tuple(node)
+            Sv[p] += w * v[i]
+            Sa[p] += w * a[i]
+            L[p, :d, :d] += np.outer(v[i], grad)  # Eq. 28
+    if scheme.axisymmetric:
+        L[:, 2, 2] = Sv[:, 0] / points.x[:, 0]
+    A, dt = scheme.flip_fraction, scheme.dt
+    return replace(
+        points,
+        v=(1.0 - A) * Sv + A * (points.v + dt * Sa),  # Eq. 26
+        x=points.x + dt * Sv - scheme.position * dt**2 * Sa,  # Eq. 27
+        grad_v=L,
+    )
+
+
+# ---------------------------------------------------------------------------------------------- stress
+
+
+def elastic(material: ReferenceMaterial, deviatoric: Array, volumetric: float) -> Array:
+    """Stress increment (3, 3) of the strain increment deviatoric + volumetric / 3 I."""
+    return 2.0 * material.G * deviatoric + material.K * volumetric * IDENTITY
+
+
+def mohr_coulomb(s: Array, phi: float, psi: float, p_apex: float, K: float, G: float) -> tuple[Array, bool]:
+    """Exact return of the trial stress s (3, 3) to the Mohr-Coulomb surface with its apex at p_apex.
+
+    Non-associated, after Clausen, Damkilde & Andersen 2007 (doi:10.1016/j.compstruc.2007.04.002).
+    Returns the stress and whether it is the apex.
+    """
+    values, axes = np.linalg.eigh(s)
+    S, axes = values[::-1] - p_apex, axes[:, ::-1]  # S1 >= S2 >= S3
+    k = (1.0 + np.sin(phi)) / (1.0 - np.sin(phi))
+    m = (1.0 + np.sin(psi)) / (1.0 - np.sin(psi))
+    f = k * S[0] - S[2]
+    if f <= 0.0:
+        return s, False
+    D = 2.0 * G * IDENTITY + (K - 2.0 * G / 3.0)
+    C = np.linalg.inv(D)
+    a, b = np.array([k, 0.0, -1.0]), np.array([m, 0.0, -1.0])
+    r = D @ b / (a @ D @ b)
+    l1, l2 = np.array([1.0, 1.0, k]), np.array([1.0, k, k])  # edges S1 = S2 and S2 = S3
+    g1, g2 = np.array([1.0, 1.0, m]), np.array([1.0, m, m])
+    t1, t2 = (g1 @ C @ S) / (g1 @ C @ l1), (g2 @ C @ S) / (g2 @ C @ l2)
+    if t1 >= 0.0 and t2 >= 0.0:
+        return p_apex * IDENTITY, True
+    if np.cross(r, l1) @ S < 0.0:
+        S = t1 * l1
+    elif np.cross(r, l2) @ S > 0.0:
+        S = t2 * l2
+    else:
+        S = S - f * r
+    return axes @ np.diag(S + p_apex) @ axes.T, False
+
+
+def stress_update(
+    points: ReferencePoints, materials: Sequence[ReferenceMaterial], scheme: ReferenceScheme
+) -> ReferencePoints:
+    """Points with new sigma, J, opening and history; grad_v is that of the new velocity."""
+    new = [_stress_of(points, p, materials[points.material[p]], scheme) for p in range(len(points.x))]
+    sigma, J, opening, history = (np.array(part) for part in zip(*new, strict=True))
+    return replace(points, sigma=sigma, J=J, opening=opening, history=history)
+
+
+def _stress_of(
+    points: ReferencePoints, p: int, material: ReferenceMaterial, scheme: ReferenceScheme
+) -> tuple[Array, float, float, Array]:
+    """Stress, J, e_o and history of point p."""
+    dt, L, s = scheme.dt, points.grad_v[p], points.sigma[p]
+    J, e_o, history = points.J[p], points.opening[p], points.history[p].copy()
+    d = float(np.linalg.det(IDENTITY + dt * L))  # Eq. 29
+    D, W = 0.5 * (L + L.T), 0.5 * (L - L.T)  # Eq. 32, 34
+    volumetric = dt * np.trace(D)
+    deviatoric = dt * D - volumetric / 3.0 * IDENTITY
+    rotated = s + dt * (W @ s - s @ W)  # Eq. 33, the old stress first
+    if material.phi is None:
+        return rotated + elastic(material, deviatoric, volumetric), J * d, e_o, history
+
+    phi, psi = material.angles(history[0] if material.rate > 0.0 else 0.0)
+    p_apex = material.c / np.tan(phi) if material.c > 0.0 else 0.0
+    if e_o > 0.0:
+        opened = (1.0 + e_o) * d - 1.0
+        if opened > 0.0:
+            return p_apex * IDENTITY, J, opened, history
+        e_o, J = 0.0, J * (1.0 + opened)
+        trial = p_apex * IDENTITY + elastic(material, deviatoric, opened)
+    else:
+        J = J * d
+        trial = rotated + elastic(material, deviatoric, volumetric)
+
+    sigma, at_apex = mohr_coulomb(trial, phi, psi, p_apex, material.K, material.G)
+    if at_apex and scheme.opening_strain:
+        e_o = max(0.0, (np.trace(trial) / 3.0 - p_apex) / material.K)
+        J = J / (1.0 + e_o)
+    change = trial - sigma
+    _soften(history, material, (change - np.trace(change) / 3.0 * IDENTITY) / (2.0 * material.G))
+    return sigma, J, e_o, history
+
+
+def _soften(history: Array, material: ReferenceMaterial, plastic: Array) -> None:
+    """Add the length of a deviatoric plastic strain increment (3, 3) to the softening strain."""
+    if material.rate > 0.0:
+        history[0] += material.strain_factor * np.sqrt(np.sum(plastic**2))
+
+
+def step(
+    points: ReferencePoints,
+    grid: ReferenceGrid,
+    fixed: Array,
+    materials: Sequence[ReferenceMaterial],
+    scheme: ReferenceScheme,
+) -> ReferencePoints:
+    """One step, update stress last."""
+    m, p, f = p2g(points, grid, scheme)
+    v, a = grid_update(m, p, f, fixed, scheme)
+    return stress_update(g2p(points, v, a, grid, scheme), materials, scheme)
+
+
+# --------------------------------------------------------------------------- brute-force return mapping
+
+
+def koiter_return(
+    principal: Array, phi: float, psi: float, c: float, K: float, G: float, tolerance: float = 1e-9
+) -> Array:
+    """Return of principal trial stresses (n, 3), in any order, to the six Mohr-Coulomb planes by trying every active set.
+
+    Koiter 1953: sigma = trial - D sum lambda b, f = 0 and lambda >= 0 on the active planes, f <= 0 on all others.
+    With psi = 0 tension beyond the apex has no solution: the apex is then a choice, the tension cut-off.
+    """
+    k = (1.0 + np.sin(phi)) / (1.0 - np.sin(phi))
+    m = (1.0 + np.sin(psi)) / (1.0 - np.sin(psi))
+    pairs = list(permutations(range(3), 2))
+    a = np.array([k * IDENTITY[i] - IDENTITY[j] for i, j in pairs])
+    b = np.array([m * IDENTITY[i] - IDENTITY[j] for i, j in pairs])
+    D = 2.0 * G * IDENTITY + (K - 2.0 * G / 3.0)
+    strength = 2.0 * c * np.sqrt(k)
+    f = principal @ a.T - strength
+    slack = tolerance * (np.max(np.abs(principal), axis=1) + strength)
+    result = np.where((np.max(f, axis=1) <= slack)[:, None], principal, np.nan)
+    for size in (1, 2, 3):
+        for active in map(list, combinations(range(6), size)):
+            system = a[active] @ D @ b[active].T
+            if np.linalg.cond(system) > 1e12:
+                continue
+            multiplier = f[:, active] @ np.linalg.inv(system).T
+            s = principal - multiplier @ b[active] @ D
+            admissible = np.max(s @ a.T - strength, axis=1) <= slack
+            admissible &= np.min(multiplier, axis=1) * G >= -slack
+            result = np.where((admissible & np.isnan(result[:, 0]))[:, None], s, result)
+    if psi == 0.0:
+        apex = c / np.tan(phi) if c > 0.0 else 0.0
+        beyond = np.isnan(result[:, 0]) & (np.mean(principal, axis=1) >= apex - slack)
+        result[beyond] = apex
+    return result

@@ -1,0 +1,240 @@
+"""Published laws at values worked out by hand, their gaps, and scores that can fail."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from mpmcol.errors import UsageError
+from mpmcol.experiments import EXPERIMENTS, Score, expected_runout, find_experiment, profile_score, score
+
+
+def value(name: str, quantity: str, a: float) -> float | None:
+    law = EXPERIMENTS[name].law(quantity)
+    assert law is not None
+    return law(a)
+
+
+@pytest.mark.parametrize(
+    ("name", "quantity", "a", "expected"),
+    [
+        ("paper-plane", "zeta", 1.0, 1.6),
+        ("paper-plane", "zeta", 3.0, 4.576),
+        ("paper-plane", "zeta", 10.0, 10.211),
+        ("paper-plane", "beta", 1.0, 1.0),
+        ("paper-plane", "beta", 2.0, 0.660),
+        ("paper-plane", "beta", 3.0, 0.517),
+        ("paper-plane", "beta", 5.0, 0.381),
+        ("paper-plane", "beta", 7.0, 0.311),
+        ("paper-plane", "beta", 10.0, 0.251),
+        ("paper-axisymmetric", "zeta", 0.55, 0.682),
+        ("paper-axisymmetric", "zeta", 0.9, 1.116),
+        ("paper-axisymmetric", "zeta", 2.75, 2.653),
+        ("paper-axisymmetric", "zeta", 7.0, 4.233),
+        ("paper-axisymmetric", "beta", 0.9, 1.0),
+        ("paper-axisymmetric", "beta", 2.0, 0.494),
+        ("paper-axisymmetric", "beta", 7.0, 0.174),
+        ("lube-2005", "zeta", 1.0, 1.2),
+        ("lube-2005", "zeta", 8.0, 7.6),
+        ("lube-2005-single-break", "zeta", 2.5, 3.500),
+        ("lajeunesse-2005", "zeta", 2.0, 3.6),
+        ("lajeunesse-2005", "beta", 8.0, 0.25),
+        ("lajeunesse-2004", "zeta", 4.0, 4.0),
+        ("lajeunesse-2004", "beta", 4.0, 0.185),
+        ("bougouin-lacaze-2018", "zeta", 1.0, 2.7),
+        ("bougouin-lacaze-2018", "beta", 2.0, 0.510),
+        ("lagree-2011", "zeta", 10.0, 19.546),
+        ("lagree-2011", "beta", 2.0, 0.414),
+        ("kumar-dem", "zeta", 1.0, 1.67),
+        ("dunatunga-kamrin-2015", "zeta", 1.0, 2.28),
+        ("bui-2008", "zeta", 0.5, 1.2115),
+    ],
+)
+def test_laws_by_hand(name: str, quantity: str, a: float, expected: float) -> None:
+    assert value(name, quantity, a) == pytest.approx(expected, abs=6e-4)
+
+
+def test_runout_distances_that_the_paper_gives() -> None:
+    """Section 3.2: 163 mm at a = 0.55 and 205 mm at a = 0.90, r_i = 97 mm."""
+    for a, distance in ((0.55, 0.163), (0.90, 0.205)):
+        zeta = value("paper-axisymmetric", "zeta", a)
+        assert zeta is not None
+        assert 0.097 * (1.0 + zeta) == pytest.approx(distance, abs=5e-4)
+
+
+@pytest.mark.parametrize(
+    ("name", "quantity", "a", "comment"),
+    [
+        ("paper-plane", "zeta", 1.8, "no law for 1.8 <= a < 2.8"),
+        ("paper-plane", "zeta", 2.79, "no law for 1.8 <= a < 2.8"),
+        ("paper-plane", "zeta", 0.3, "no law for a < 0.5"),
+        ("paper-plane", "zeta", 20.0, "no law for a >= 20"),
+        ("paper-axisymmetric", "beta", 1.0, "no law for 1 <= a < 1.7"),
+        ("paper-axisymmetric", "beta", 10.0, "no law for a >= 10"),
+        ("lajeunesse-2005", "beta", 0.8, "no law for 0.7 <= a < 1"),
+        ("bui-2008", "zeta", 1.0, "no law for a >= 0.505"),
+    ],
+)
+def test_outside_its_ranges_a_law_has_no_value_and_says_so(name: str, quantity: str, a: float, comment: str) -> None:
+    law = EXPERIMENTS[name].law(quantity)
+    assert law is not None
+    assert law(a) is None
+    assert law.gap(a) == comment
+
+
+def test_ends_of_ranges() -> None:
+    assert value("paper-plane", "zeta", math.nextafter(1.8, 0)) == pytest.approx(2.88)
+    assert value("paper-plane", "zeta", 2.8) == pytest.approx(2.2 * 2.8 ** (2 / 3))
+    assert value("paper-axisymmetric", "zeta", 1.7) == pytest.approx(2.086, abs=5e-4)
+
+
+def test_every_entry_is_complete() -> None:
+    for name, experiment in EXPERIMENTS.items():
+        assert name == experiment.name
+        assert experiment.doi or "DOI" in experiment.note
+        quantities = [law.quantity for law in experiment.laws]
+        assert len(set(quantities)) == len(quantities)
+        for law in experiment.laws:
+            assert law.pieces or law.note
+            assert 0.0 < law.scatter < 0.5 and law.scatter_source
+            ends = [end for piece in law.pieces for end in (piece.lo, piece.hi)]
+            assert ends == sorted(ends)
+
+
+def test_no_laboratory_height_law_lifts_the_pile() -> None:
+    for experiment in EXPERIMENTS.values():
+        law = experiment.law("beta")
+        heights = [law(a) or 0.0 for a in np.geomspace(0.1, 30.0, 400)] if law else [0.0]
+        assert max(heights) <= 1.005
+
+
+def area(x: tuple[float, ...], y: tuple[float, ...]) -> float:
+    return float(np.trapezoid(y, x))
+
+
+def test_mass_checks_of_the_digitised_profiles() -> None:
+    shape = EXPERIMENTS["lube-2005"].profiles[0]
+    assert area(shape.x, shape.y) == pytest.approx(0.372, abs=0.002)
+    surface = EXPERIMENTS["bui-2008"].profiles[0]
+    assert area(surface.x, surface.y) == pytest.approx(0.0203, abs=5e-5)
+    assert surface.x[-1] == pytest.approx(0.442, abs=5e-4)
+
+
+@pytest.mark.parametrize(("a", "factor"), [(2.0, 0.190), (3.0, 0.200), (5.0, 0.207), (7.0, 0.210)])
+def test_volume_factor_of_the_axisymmetric_fits(a: float, factor: float) -> None:
+    zeta, beta = (value("lube-2004", quantity, a) for quantity in ("zeta", "beta"))
+    assert zeta is not None and beta is not None
+    assert 1.0 / ((1.0 + zeta) ** 2 * beta) == pytest.approx(factor, abs=6e-4)
+
+
+def measured(zeta: float, beta: float) -> dict[str, object]:
+    return {"zeta": {"front_max": 1.02 * zeta, "front_height": zeta}, "beta": beta}
+
+
+def find(scores: list[Score], experiment: str, quantity: str, front: str = "") -> Score:
+    keys = (experiment, quantity, front)
+    return next(s for s in scores if (s.experiment, s.quantity, s.front_definition) == keys)
+
+
+def test_scores_are_relative_errors_of_each_front_definition() -> None:
+    scores = score(measured(1.52, 0.98), 1.0, "plane")
+    assert find(scores, "paper-plane", "zeta", "front_height").error == pytest.approx(-0.05)
+    assert find(scores, "paper-plane", "zeta", "front_max").error == pytest.approx(1.5504 / 1.6 - 1.0)
+    assert find(scores, "paper-plane", "beta").error == pytest.approx(-0.02)
+    assert find(scores, "lube-2005", "zeta", "front_height").error == pytest.approx(1.52 / 1.2 - 1.0)
+
+
+def test_an_error_beyond_the_scatter_is_flagged() -> None:
+    near, far = (score(measured(zeta, 1.0), 1.0, "plane") for zeta in (1.6 * 1.09, 1.6 * 1.11))
+    assert find(near, "paper-plane", "zeta", "front_height").within_scatter is True
+    assert find(far, "paper-plane", "zeta", "front_height").within_scatter is False
+    assert find(score(measured(1.6, 0.94), 1.0, "plane"), "paper-plane", "beta").within_scatter is False
+
+
+def test_a_gap_is_neither_inside_nor_outside_the_scatter() -> None:
+    result = find(score(measured(3.0, 0.6), 2.0, "plane"), "paper-plane", "zeta", "front_max")
+    assert (result.expected, result.error, result.within_scatter) == (None, None, None)
+    assert result.comment == "no law for 1.8 <= a < 2.8"
+
+
+def test_scores_keep_to_the_model_and_score_each_law_once() -> None:
+    for model in ("plane", "axisymmetric"):
+        scores = score({"zeta": 1.0, "beta": 1.0, "stop_time": 3.0}, 1.2, model)
+        assert {EXPERIMENTS[s.experiment].model for s in scores} == {model}
+        keys = [(s.experiment, s.quantity) for s in scores]
+        assert len(set(keys)) == len(keys)
+        assert not {"lube-2007", "lube-2004"} & {s.experiment for s in scores}  # scored as the paper's own
+
+
+def test_stop_time_is_scored_where_it_is_given() -> None:
+    scores = score({"stop_time": 3.5}, 3.0, "plane")
+    assert find(scores, "paper-plane", "stop_time").error == pytest.approx(3.5 / 3.3 - 1.0)
+    assert {s.quantity for s in scores} == {"stop_time"}
+
+
+def test_a_deposit_equal_to_the_rods_scores_zero_and_a_raised_one_does_not() -> None:
+    bui = EXPERIMENTS["bui-2008"]
+    surface = bui.profiles[0]
+    x, y = np.append(surface.x, 0.45), np.append(surface.y, 0.0)
+    same, raised = profile_score(x, y, bui), profile_score(x, y + 0.004, bui)
+    assert same is not None and raised is not None
+    assert same.rms_mm == pytest.approx(0.0, abs=0.02)
+    assert same.front == pytest.approx(0.4423)
+    assert same.error == pytest.approx(0.0, abs=1e-9)
+    assert raised.rms_mm == pytest.approx(4.0, rel=1e-6)
+
+
+def test_a_short_deposit_is_compared_with_nothing_as_height_beyond_its_end() -> None:
+    result = profile_score([0.0, 0.2, 0.2001], [0.1, 0.1, 0.0], EXPERIMENTS["bui-2008"])
+    assert result is not None and result.error is not None
+    assert result.front == pytest.approx(0.2001, abs=1e-4)
+    assert result.error == pytest.approx(0.2001 / 0.4423 - 1.0, abs=1e-3)
+    assert result.rms_mm > 20.0
+
+
+def test_a_universal_shape_is_scaled_to_the_deposit() -> None:
+    lube = EXPERIMENTS["lube-2005"]
+    shape = lube.profiles[0]
+    exact = profile_score(0.3 * np.array(shape.x), 0.08 * np.array(shape.y), lube)
+    triangle = profile_score([0.0, 0.3], [0.08, 0.0], lube)
+    assert exact is not None and triangle is not None
+    assert exact.rms_mm == pytest.approx(0.0, abs=1e-9)
+    assert 5.0 < triangle.rms_mm < 20.0
+    assert exact.expected_front is None
+
+
+def test_profile_of_no_deposit_and_of_an_experiment_without_surface() -> None:
+    for name in ("bui-2008", "lube-2005"):
+        result = profile_score([0.001], [0.0], EXPERIMENTS[name])
+        assert result is not None
+        assert math.isfinite(result.rms_mm)
+    assert profile_score([0.0], [1.0], EXPERIMENTS["lube-2007"]) is None
+
+
+def test_profiles_in_metres_are_for_one_column() -> None:
+    assert EXPERIMENTS["bui-2008"].fits(0.2, 0.1)
+    assert not EXPERIMENTS["bui-2008"].fits(0.2, 0.12)
+    assert EXPERIMENTS["lube-2005"].fits(0.09, 0.27)
+
+
+def test_paper_is_resolved_by_model_and_wrong_names_are_explained() -> None:
+    assert find_experiment("paper", "plane").name == "paper-plane"
+    assert find_experiment("paper", "axisymmetric").name == "paper-axisymmetric"
+    with pytest.raises(UsageError, match="did you mean 'lube-2005'"):
+        find_experiment("lube-205", "plane")
+    with pytest.raises(UsageError, match="axisymmetric, the column is plane"):
+        find_experiment("lube-2004", "plane")
+
+
+@pytest.mark.parametrize("model", ["plane", "axisymmetric"])
+def test_expected_runout_is_generous_finite_and_grows_with_a(model: str) -> None:
+    ratios = np.geomspace(0.1, 20.0, 500)
+    runout = np.array([expected_runout(model, a) for a in ratios])
+    assert np.isfinite(runout).all() and (np.diff(runout) > 0.0).all()
+    for experiment in EXPERIMENTS.values():
+        law = experiment.law("zeta")
+        if experiment.model == model and experiment.kind == "laboratory" and law is not None:
+            assert all(bound >= (law(a) or 0.0) for a, bound in zip(ratios, runout, strict=True))
+    assert expected_runout(model, 1e-3) > 0.0 and math.isfinite(expected_runout(model, 1e3))

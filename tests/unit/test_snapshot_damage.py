@@ -1,0 +1,91 @@
+from __future__ import annotations
+
+import errno
+import os
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from mpmcol.errors import OutputError
+from mpmcol.snapshot import Meta, Snapshot, read_snapshot, write_index, write_snapshot
+
+N = 20
+META: Meta = {"model": "plane", "case": "[grid]\n"}
+SNAPSHOT = Snapshot(
+    0.1,
+    7,
+    "collapse",
+    {
+        "position": np.linspace(0, 1, 3 * N).reshape(N, 3),
+        "mass": np.ones(N),
+        "id": np.arange(N, dtype=np.int32),
+    },
+)
+
+
+def test_disk_full_spares_what_is_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    path = write_snapshot(tmp_path, 0, SNAPSHOT, META)
+    write_index(tmp_path)
+    before = {name: (tmp_path / name).read_bytes() for name in ("run.vtkhdf", "run.vtkhdf.series")}
+
+    def full(*args):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(os, "write", full)
+    for attempt in (lambda: write_snapshot(tmp_path, 1, SNAPSHOT, META), lambda: write_index(tmp_path)):
+        with pytest.raises(OutputError, match="No space left on device"):
+            attempt()
+    assert os.listdir(tmp_path / "snapshots") == ["000000.vtkhdf"]
+    assert np.array_equal(read_snapshot(path).arrays["mass"], np.ones(N))
+    assert before == {name: (tmp_path / name).read_bytes() for name in before}
+    assert sorted(os.listdir(tmp_path)) == ["run.vtkhdf", "run.vtkhdf.series", "snapshots"]
+
+
+def test_truncated_file(tmp_path: Path):
+    path = write_snapshot(tmp_path, 0, SNAPSHOT, META)
+    content = path.read_bytes()
+    for size in (0, 7, 100, 2000, len(content) // 2, len(content) - 1):
+        path.write_bytes(content[:size])
+        with pytest.raises(OutputError, match=r"000000.vtkhdf: not a readable snapshot: .*delete it"):
+            read_snapshot(path)
+
+
+def test_random_damage_never_ends_in_a_traceback(tmp_path: Path):
+    path = write_snapshot(tmp_path, 0, SNAPSHOT, META)
+    content, rng = path.read_bytes(), np.random.default_rng(3)
+    refused = 0
+    for _ in range(200):
+        damaged = np.frombuffer(content, np.uint8).copy()
+        damaged[rng.integers(len(damaged), size=20)] = rng.integers(256, size=20)
+        path.write_bytes(damaged.tobytes())
+        try:
+            read_snapshot(path)
+        except OutputError:
+            refused += 1
+    assert refused > 50
+
+
+def test_foreign_and_newer_files(tmp_path: Path):
+    path = tmp_path / "a.vtkhdf"
+    with pytest.raises(OutputError, match="a.vtkhdf: no such snapshot"):
+        read_snapshot(path)
+    with h5py.File(path, "w") as file:
+        file["data"] = 1
+    with pytest.raises(OutputError, match="not written by mpmcol"):
+        read_snapshot(path)
+    path = write_snapshot(tmp_path, 0, SNAPSHOT, META)
+    with h5py.File(path, "r+") as file:
+        file["mpmcol/schema"][()] = 99
+    with pytest.raises(OutputError, match="another version of mpmcol"):
+        read_snapshot(path)
+
+
+def test_arrays_of_unequal_length_are_refused(tmp_path: Path):
+    path = write_snapshot(tmp_path, 0, SNAPSHOT, META)
+    with h5py.File(path, "r+") as file:
+        del file["VTKHDF/PointData/mass"]
+        file["VTKHDF/PointData/mass"] = np.ones(N - 1)
+    with pytest.raises(OutputError, match="differ in length"):
+        read_snapshot(path)
