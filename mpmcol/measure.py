@@ -8,7 +8,8 @@ Three definitions of the front are always given; their spread is the uncertainty
   max(h / 2, r_i / 100), contiguous from the pile.
 
 A two-sided release is measured on its half model: r_i is then the half-width of the column. In axisymmetry
-masses are per radian. Points have the size `point_size`, so a point's edge lies half of it beyond its position.
+masses are per radian. Points have the size `point_size`, so a point's edge lies half of it beyond its
+position.
 """
 
 from __future__ import annotations
@@ -41,6 +42,11 @@ class ColumnShape:
     def a(self) -> float:
         """Aspect ratio h_i / r_i."""
         return self.h_i / self.r_i
+
+    def potential_energy(self, gravity: float) -> float:
+        """Of the column as released, above the base: J per metre of width, or per radian."""
+        width = self.r_i**2 / 2.0 if self.model == "axisymmetric" else self.r_i
+        return self.density * gravity * width * self.h_i**2 / 2.0
 
 
 @dataclass(frozen=True)
@@ -78,6 +84,7 @@ def measure(x: Array, mass: Array, displacement: Array | None, shape: ColumnShap
     front = _fronts(x, grounded, profile_x, profile_y, shape)
     zeta = {name: value / shape.r_i - 1.0 for name, value in front.items()}
     height = _height_at_wall(x[grounded], shape)
+    still = None if displacement is None else undisturbed_radius(x, displacement[finite], shape)
     return Measurement(
         front=front,
         zeta=zeta,
@@ -85,7 +92,7 @@ def measure(x: Array, mass: Array, displacement: Array | None, shape: ColumnShap
         height=height,
         beta=height / shape.h_i,
         area_factor=_area_factor(mass, front["front_height"], height, shape),
-        undisturbed_radius=None if displacement is None else undisturbed_radius(x, displacement[finite], shape),
+        undisturbed_radius=still,
         profile_x=profile_x,
         profile_y=profile_y,
     )
@@ -94,18 +101,18 @@ def measure(x: Array, mass: Array, displacement: Array | None, shape: ColumnShap
 def deposit_profile(x: Array, mass: Array, shape: ColumnShape) -> tuple[Array, Array]:
     """Bin centres and depth-integrated height (m) in bins of one cell from the wall or axis outward.
 
-    The height is mass over density and bin area, so that it does not count loosening as material. Each point shares
-    its mass linearly between the two nearest bin centres, mirrored at the wall: in sharp bins, points that have been
-    drawn apart by a quarter would fall one or two a bin and make the height of a level deposit jump by 40 %. The last
-    bin is empty: the profile ends at zero.
+    The height is mass over density and bin area, so that it does not count loosening as material. Each point
+    shares its mass linearly between the two nearest bin centres, mirrored at the wall: in sharp bins, points
+    that have been drawn apart by a quarter would fall one or two a bin and make the height of a level deposit
+    jump by 40 %. The last bin is empty: the profile ends at zero.
     """
     bins = int(_column(x, shape.spacing).max(initial=0)) + 3
     volume = _share(np.abs(x[:, 0]), mass / shape.density, shape.spacing, bins)
-    return shape.spacing * (np.arange(bins) + 0.5), volume / _bin_area(bins, shape)
+    return shape.spacing * (np.arange(bins, dtype=np.float64) + 0.5), volume / _bin_area(bins, shape)
 
 
 def undisturbed_radius(x: Array, displacement: Array, shape: ColumnShape) -> float:
-    """Radius (m) within which no point of the column's top surface has moved by 1 mm since release; 0 if none."""
+    """Radius (m) within which no point of the top surface has moved by 1 mm since release; 0 if none."""
     released = x[:, :2] - displacement[:, :2]
     column = _column(released, shape.point_size)
     order = np.lexsort((released[:, 1], column))
@@ -126,11 +133,13 @@ def stop_time(time: Array, front: Array, tolerance: float) -> float | None:
 
 
 def _share(distance: Array, volume: Array, spacing: float, bins: int) -> Array:
-    """Volume in each bin, every point sharing its own between the two nearest bin centres, mirrored at zero."""
+    """Volume in each bin, every point sharing its own between the two nearest centres, mirrored at zero."""
     position = distance / spacing + 0.5  # the centre of bin i is at i + 1; 0 is the mirror of bin 0
     left = position.astype(np.intp)
     outer = position - left
-    shared = np.bincount(left, volume * (1.0 - outer), bins + 1) + np.bincount(left + 1, volume * outer, bins + 1)
+    shared = np.zeros(bins + 1)
+    shared += np.bincount(left, volume * (1.0 - outer), bins + 1)
+    shared += np.bincount(left + 1, volume * outer, bins + 1)
     shared[1] += shared[0]
     return shared[1:]
 
@@ -141,7 +150,7 @@ def _bin_area(bins: int, shape: ColumnShape) -> Array:
     That is h, or r h, but for the first bin in axisymmetry.
     """
     size = shape.point_size
-    lattice = size * (np.arange((bins + 1) * round(shape.spacing / size)) + 0.5)
+    lattice = size * (np.arange((bins + 1) * round(shape.spacing / size), dtype=np.float64) + 0.5)
     area = size * lattice if shape.model == "axisymmetric" else np.full_like(lattice, size)
     return _share(lattice, area, shape.spacing, bins + 2)[:bins]
 
@@ -154,17 +163,20 @@ def _column(x: Array, width: float) -> NDArray[np.intp]:
 def _grounded(x: Array, shape: ColumnShape) -> NDArray[np.bool_]:
     """Points reached from the base upward, within their column of width h, without a gap wider than one cell.
 
-    What is left out is in flight: it is neither the top of the pile nor its front.
+    What is left out is in flight: it is neither the top of the pile nor its front. The gap to the base itself
+    may be two cells: the kernels of points that flow over the base meet its own, and hold them 1.2 to 1.6 h
+    above it.
     """
     column = _column(x, shape.spacing)
     order = np.lexsort((x[:, 1], column))
     first = np.diff(column[order], prepend=-1) != 0
     bottom = x[order, 1] - shape.point_size / 2.0
-    below = np.where(first, 0.0, np.roll(bottom, 1) + shape.point_size)
-    gaps = np.cumsum(bottom - below > shape.spacing)
-    before = gaps[first] - (bottom - below > shape.spacing)[first]
+    below = np.where(first, shape.spacing, np.roll(bottom, 1) + shape.point_size)
+    gap = bottom - below > shape.spacing
+    gaps_so_far = np.cumsum(gap)
+    gaps_in_columns_before = (gaps_so_far - gap)[first]
     grounded = np.empty(len(x), dtype=bool)
-    grounded[order] = gaps == before[np.cumsum(first) - 1]
+    grounded[order] = gaps_so_far == gaps_in_columns_before[np.cumsum(first) - 1]
     return grounded
 
 
@@ -179,7 +191,7 @@ def _fronts(
 
 
 def _connected_front(x: Array, shape: ColumnShape) -> float:
-    """Edge of the last point before the first gap wider than one cell, going outward from the median point."""
+    """Edge of the last point before the first gap wider than one cell, outward from the median point."""
     if not x.size:
         return 0.0
     ordered = np.sort(x)[(x.size - 1) // 2 :]

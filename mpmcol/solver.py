@@ -63,6 +63,11 @@ class Solver:
         speed = np.sqrt(c2 * self.points.J) + np.linalg.norm(self.points.v, axis=1)
         self.clock[cycle.DT] = self.settings.cfl * self.grid.h / speed.max()
 
+    def prepare(self) -> None:
+        """Compile or load the kernels of the present laws, and sort the points, without taking a step."""
+        self.sort()
+        self._call(self.time, 0)
+
     def sort(self) -> None:
         """Put the points in order of tiles and list the tiles they can touch."""
         rows, spare = self.points.rows, self._spare.rows
@@ -79,25 +84,28 @@ class Solver:
 
         Returns the row of the first point that went wrong, or -1.
         """
-        column, base = self.bodies
-        run = cycle.make_cycle(column.law, base.law)
         started, first = time.perf_counter(), self.steps
         fault = -1
         while fault < 0 and self.time < end and self.steps - first < max_steps:
             if self.tiles is None or not cycle._is_ordered(self.clock):
                 self.sort()
-            fault = int(
-                run(
-                    self.points.rows.reshape(-1), self.grid, self.tiles, self.settings, column.params, base.params,
-                    column.wave_speed2, base.wave_speed2, self.smallest_mass, self._reports, self.clock, self.ledger,
-                    end, min(self._steps_per_call, max_steps - (self.steps - first)),
-                )
-            )  # fmt: skip
-            spent = time.perf_counter() - started
-            if spent > CALL_SECONDS:
+            fault = self._call(end, min(self._steps_per_call, max_steps - (self.steps - first)))
+            if time.perf_counter() - started > CALL_SECONDS:
                 break
         self._learn_pace(self.steps - first, time.perf_counter() - started)
         return fault
+
+    def _call(self, end: float, steps: int) -> int:
+        """One call of the compiled loop."""
+        column, base = self.bodies
+        run = cycle.make_cycle(column.law, base.law)
+        return int(
+            run(
+                self.points.rows.reshape(-1), self.grid, self.tiles, self.settings, column.params, base.params,
+                column.wave_speed2, base.wave_speed2, self.smallest_mass, self._reports, self.clock, self.ledger,
+                end, steps,
+            )
+        )  # fmt: skip
 
     def _learn_pace(self, steps: int, seconds: float) -> None:
         """Choose how many steps one call may take, from the pace of the last."""

@@ -117,7 +117,7 @@ def to_unit(text: str, unit: str) -> float:
         raise ValueError("this is not a number with a unit")
     number, written = float(match[1]), match[2] or unit
     if written not in FACTORS:
-        raise ValueError(f'unknown unit "{written}"')
+        raise ValueError(f'unknown unit "{written[:20]}"')
     (base, factor), (wanted, divisor) = FACTORS[written], FACTORS[unit]
     if base != wanted:
         raise ValueError(f'"{written}" cannot be converted')

@@ -1,62 +1,28 @@
-"""Turning what pydantic and the rules object to into messages with file, line, key and nearest key."""
+"""Turning what pydantic and the rules object to into problems with file, line, key and nearest key."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Any
 
 from pydantic import ValidationError
+from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from mpmcol.case import words
+from mpmcol.case.lines import KeyPath
 from mpmcol.case.reference import field_at, fields_at, key_names
+from mpmcol.case.report import Problem, set_option
 from mpmcol.case.rules import BrokenRule, broken_rules
-from mpmcol.case.source import Given, KeyPath
+from mpmcol.case.source import Given
 from mpmcol.laws import LAWS
 
 # errors that only follow from others, or that the rules report with their places
 _ECHOES = ("rules", "default_factory_not_called")
 
 
-@dataclass(frozen=True)
-class Problem:
-    """One thing that is wrong with a case: where (file and line, or override), what, how to mend it."""
-
-    file: str
-    line: int | None
-    key: str
-    message: str
-    hint: str
-    text: str = ""
-    about: str = ""
-
-    def __str__(self) -> str:
-        place = f"{self.file}:{self.line}" if self.line else self.file
-        return "\n".join([f"{place}: {self.message}", *self._excerpt()])
-
-    def _excerpt(self) -> Iterator[str]:
-        if self.line:
-            yield f"{self.line:5} | {words.shortened(self.text, 100)}"
-        if self.line and self.hint:
-            name = self.key.rpartition(".")[2]
-            start = max(self.text.find(name), 0)
-            marks = "^" * len(name) if name in self.text else "^"
-            yield f"      | {' ' * start}{marks} {self.hint}"
-        elif self.hint:
-            yield f"      {self.hint}"
-
-
-def report(problems: list[Problem]) -> str:
-    """Write all problems, one below the other, and how to learn more."""
-    count = "1 problem" if len(problems) == 1 else f"{len(problems)} problems"
-    about = next((problem.about for problem in problems if problem.about), "")
-    more = f"   (mpmcol explain {about})" if about else ""
-    return "\n".join([*map(str, problems), f"{count}; nothing was run.{more}"])
-
-
 def find_problems(given: Given, invalid: ValidationError) -> list[Problem]:
-    """Give all problems of a case that did not validate, in the order of the file."""
+    """Give all problems of a case that did not validate, in the order of the file; overrides come last."""
     errors = [(_key_path(error), error) for error in invalid.errors() if error["type"] not in _ECHOES]
     law = _law(given.tables)
     meant = {key: _meant(key, law) for key, error in errors if error["type"] == "extra_forbidden"}
@@ -69,15 +35,6 @@ def find_problems(given: Given, invalid: ValidationError) -> list[Problem]:
     values = dict(_sound_values(given.tables, wrong, law))
     problems += [_broken_rule(given, broken) for broken in broken_rules(values)]
     return sorted(problems, key=lambda problem: (problem.line is None, problem.file, problem.line or 0))
-
-
-def bad_override(argument: str, reason: str) -> Problem:
-    """The problem of an override that cannot be split into a key and a value."""
-    return Problem(_set_option(argument), None, "", reason, "")
-
-
-def _set_option(argument: str) -> str:
-    return f"--set {words.shortened(argument)}"
 
 
 def _law(tables: dict[str, Any]) -> str:
@@ -101,13 +58,17 @@ def _meant(key: KeyPath, law: str) -> KeyPath | None:
 
 
 def _problem(given: Given, key: KeyPath, message: str, hint: str, about: KeyPath) -> Problem:
-    source, line, text = given.place(key)
-    file = source.name if source else _set_option(text)
-    return Problem(file, line, ".".join(key), message, hint, text, ".".join(about))
+    override, source = given.override_of(key), given.source_of(key)
+    line, text = source.place(key)
+    if override:
+        return Problem(set_option(override.argument), None, ".".join(key), message, hint, "", ".".join(about))
+    return Problem(source.name, line, ".".join(key), message, hint, text, ".".join(about))
 
 
-def _titled(key: KeyPath) -> str:
+def _titled(key: KeyPath, field: FieldInfo | None = None) -> str:
     *table, name = key
+    if field and words.expected(field) == "a table":
+        return f"[{'.'.join(key)}]"
     return f"[{'.'.join(table)}] {name}" if table else name
 
 
@@ -128,7 +89,7 @@ def _elsewhere(key: KeyPath, law: str) -> str:
     *table, name = key
     laws = [other for other in LAWS if name in fields_at(("material",), other)]
     if table == ["material"] and laws:
-        return f"law {law} has no such key, {' and '.join(laws)} has"
+        return f"law {law} has no such key; it belongs to {' and '.join(laws)}"
     tables = [path.rpartition(".")[0] for path in key_names() if path.rpartition(".")[2] == name]
     return f"this key belongs into [{tables[0]}]" if tables and tables[0] else ""
 
@@ -137,17 +98,13 @@ def _bad_value(given: Given, key: KeyPath, error: ErrorDetails, law: str) -> Pro
     field = field_at(key, law)
     expected = words.expected(field)
     if error["type"] in ("missing", "union_tag_not_found"):
-        return _problem(
-            given, key, f"{_titled(key)} is missing: expected {expected}", str(field.description), key
-        )
-    value = _value_at(given.tables, key)
-    own = error["type"] in ("quantity", "value_error")
-    last = error["loc"][-1]
+        message = f"{_titled(key, field)} is missing: expected {expected}"
+        return _problem(given, key, message, str(field.description), key)
+    value, last = _value_at(given.tables, key), error["loc"][-1]
     item = f", item {last + 1}: {words.shown(error['input'])}" if isinstance(last, int) else ""
-    message = (
-        f"{_titled(key)} = {words.shown(value)}{item}: {error['msg'] if own else f'expected {expected}'}"
-    )
+    reason = error["msg"] if error["type"] in ("quantity", "value_error") else f"expected {expected}"
     near = words.nearest(value, map(str, words.allowed(field))) if isinstance(value, str) else None
+    message = f"{_titled(key)} = {words.shown(value)}{item}: {reason}"
     return _problem(given, key, message, f'did you mean "{near}"?' if near else "", key)
 
 
@@ -165,26 +122,25 @@ def _sound_values(
         key = (*at, name)
         if key in wrong or (name not in tables and field.is_required()):
             continue
-        value = tables.get(name, field.default)
-        if (key == ("material",) and law in LAWS) or words.subtable(field):
-            yield from _sound_values(value if name in tables else {}, wrong, law, key)
+        if key == ("material",) or words.subtable(field):
+            yield from _sound_values(tables.get(name, {}), wrong, law, key)
         else:
-            number = words.number_of(field)
+            value, number = tables.get(name, field.default), words.number_of(field)
             yield ".".join(key), number(value) if number else value
 
 
 def _broken_rule(given: Given, broken: BrokenRule) -> Problem:
-    keys = [tuple(key.split(".")) for key in broken.rule.keys]
+    keys: list[KeyPath] = [tuple(key.split(".")) for key in broken.rule.keys]
     value = broken.values[0]
     stated = f" {broken.sentence}" if value is None else f" = {words.shown(value)}: {broken.sentence}"
-    others = [_whereabouts(given, key) for key in keys[1:]]
     at = next((key for key in keys if given.has(key)), keys[0])
+    present = [key for key, value in zip(keys, broken.values, strict=True) if value is not None]
+    others = [_whereabouts(given, key) for key in present if key != at]
     return _problem(given, at, _titled(keys[0]) + stated, "; ".join(others), keys[0])
 
 
 def _whereabouts(given: Given, key: KeyPath) -> str:
-    name = ".".join(key)
+    name, override, source = ".".join(key), given.override_of(key), given.source_of(key)
     if not given.has(key):
-        return f"{name}: not given"
-    source, line, text = given.place(key)
-    return f"{name}: {source.name}:{line}" if source else f"{name}: {_set_option(text)}"
+        return f"{name}: by default"
+    return f"{name}: {set_option(override.argument) if override else f'{source.name}:{source.place(key)[0]}'}"

@@ -5,15 +5,16 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 import tomli_w
 from pydantic import ValidationError
 
-from mpmcol.case.problems import Problem, bad_override, find_problems, report
+from mpmcol.case.diagnose import find_problems
+from mpmcol.case.lines import KeyPath
+from mpmcol.case.overrides import Override, parse_override
+from mpmcol.case.report import Problem, case_error, set_option
 from mpmcol.case.schema import Case
-from mpmcol.case.source import KeyPath, parse_override, read_case, read_chain
-from mpmcol.errors import CaseError
+from mpmcol.case.source import read_case, read_chain
 
 
 def load_case(source: str | Path, overrides: Sequence[str] = ()) -> Case:
@@ -24,27 +25,27 @@ def load_case(source: str | Path, overrides: Sequence[str] = ()) -> Case:
     geometry.aspect of the file, and the other way round.
     Raises CaseError with all problems at once, each with file, line, key and how to mend it.
     """
-    values, problems = _parsed(overrides)
-    given = read_case(source, values)
+    parsed, problems = _parsed(overrides)
+    given = read_case(source, parsed)
     try:
         case = Case.model_validate(given.tables)
     except ValidationError as invalid:
-        problems += find_problems(given, invalid)
+        problems = find_problems(given, invalid) + problems
     if problems:
-        raise CaseError(report(problems), tuple(problems))
+        raise case_error(problems)
     return case
 
 
-def _parsed(overrides: Sequence[str]) -> tuple[dict[KeyPath, tuple[str, Any]], list[Problem]]:
-    values: dict[KeyPath, tuple[str, Any]] = {}
+def _parsed(overrides: Sequence[str]) -> tuple[dict[KeyPath, Override], list[Problem]]:
+    parsed: dict[KeyPath, Override] = {}
     problems: list[Problem] = []
     for argument in overrides:
         try:
-            key, value = parse_override(argument)
-            values[key] = (argument, value)
+            override = parse_override(argument)
+            parsed[override.key] = override
         except ValueError as wrong:
-            problems.append(bad_override(argument, str(wrong)))
-    return values, problems
+            problems.append(Problem(set_option(argument), None, "", str(wrong), ""))
+    return parsed, problems
 
 
 def resolved_toml(case: Case, derived: Mapping[str, str | float] | None = None) -> str:
@@ -54,21 +55,20 @@ def resolved_toml(case: Case, derived: Mapping[str, str | float] | None = None) 
     """
     tables = case.model_dump(by_alias=True, exclude_none=True)
     tables["material"] = {"law": case.material.law} | tables["material"]
-    text = tomli_w.dumps(tables)
     comments = [f"# {name} = {value}" for name, value in (derived or {}).items()]
-    return text + "\n".join(["", "# derived:", *comments, ""] if comments else [])
+    return tomli_w.dumps(tables) + "\n".join(["", "# derived:", *comments, ""] if comments else [])
 
 
 def flattened_text(source: str | Path) -> str:
     """Give the text of a case, comments included, with the tables that it takes over from other files."""
-    texts = [link.text for link in reversed(read_chain(source))]
     blocks: dict[str, str] = {}
-    for text in texts:
-        blocks |= _blocks(text)
+    for link in reversed(read_chain(source)):
+        blocks |= _blocks(link.text)
     return "\n".join(block.rstrip("\n") + "\n" for block in blocks.values())
 
 
 def _blocks(text: str) -> dict[str, str]:
     """Split a case file before each line that begins with a table's header; the first block has no header."""
-    parts = re.split(r"^(?=\[)", re.sub(r"^extends\b.*\n", "", text, flags=re.MULTILINE), flags=re.MULTILINE)
+    alone = re.sub(r"^extends\b.*\n", "", text, flags=re.MULTILINE)
+    parts = re.split(r"^(?=\[)", alone, flags=re.MULTILINE)
     return {part.partition("]")[0] if part.startswith("[") else "": part for part in parts}

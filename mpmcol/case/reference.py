@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 from pydantic.fields import FieldInfo
@@ -40,14 +41,15 @@ def field_at(key: tuple[str, ...], law: str) -> FieldInfo:
     return next((field for field in found if field), choice("a key that does not exist"))
 
 
-def key_names(table: tuple[str, ...] = ()) -> list[str]:
+@cache
+def key_names(table: tuple[str, ...] = ()) -> tuple[str, ...]:
     """Give the dotted names of all keys and tables, in the order of the schema."""
     names: dict[str, None] = {}
     for law in LAWS:
         for name in fields_at(table, law):
             names[".".join((*table, name))] = None
             names |= dict.fromkeys(key_names((*table, name)))
-    return list(names)
+    return tuple(names)
 
 
 def explain(key: str = "") -> str:
@@ -64,13 +66,13 @@ def explain(key: str = "") -> str:
         meant = f' Did you mean "{near}"?' if near else ""
         raise UsageError(f"there is no key {words.shown(key)}.{meant} (mpmcol explain lists all keys)")
     path = tuple(key.split("."))
-    inside = [name for name in names if name.startswith(key + ".") and name.count(".") == len(path)]
+    inside = [name for name in names if name.startswith(key + ".")]
     title = f"[{key}]" if inside else key
     lines = [f"{title}   {field_at(path, '').description}"] if inside else [key, *_details(path)]
     return "\n".join([*lines, *(line for name in inside for line in _indented(name))])
 
 
-def _ending(key: str, names: list[str]) -> str | None:
+def _ending(key: str, names: tuple[str, ...]) -> str | None:
     by_ending = {name.rpartition(".")[2]: name for name in names}
     near = words.nearest(key.rpartition(".")[2], by_ending)
     return by_ending[near] if near else None

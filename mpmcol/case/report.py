@@ -5,13 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from mpmcol.case import words
+from mpmcol.case.words import shortened
 from mpmcol.errors import CaseError
+
+MOST_SHOWN = 50
 
 
 @dataclass(frozen=True)
 class Problem:
-    """One thing that is wrong with a case: where (file and line, or override), what, how to mend it."""
+    """One thing that is wrong with a case.
+
+    file: as the user named it, or the override ("--set grid.spacing=-1"); line: from 1, None for overrides;
+    key: dotted; text: the line itself; about: the key that `mpmcol explain` should be asked for.
+    """
 
     file: str
     line: int | None
@@ -27,29 +33,27 @@ class Problem:
 
     def _excerpt(self) -> Iterator[str]:
         if self.line:
-            yield f"{self.line:5} | {words.shortened(self.text, 100)}"
+            yield f"{self.line:5} | {shortened(self.text, 100)}"
         if self.line and self.hint:
             name = self.key.rpartition(".")[2]
-            start = max(self.text.find(name), 0)
-            marks = "^" * len(name) if name in self.text else "^"
-            yield f"      | {' ' * start}{marks} {self.hint}"
+            found = name and name in self.text[:100]
+            marks = " " * self.text.index(name) + "^" * len(name) if found else "^"
+            yield f"      | {marks} {self.hint}"
         elif self.hint:
             yield f"      {self.hint}"
 
 
-def report(problems: Sequence[Problem]) -> str:
-    """Write all problems, one below the other, and how to learn more."""
+def case_error(problems: Sequence[Problem]) -> CaseError:
+    """Make the error that tells all these problems, one below the other, and how to learn more."""
     count = "1 problem" if len(problems) == 1 else f"{len(problems)} problems"
     about = next((problem.about for problem in problems if problem.about), "")
     more = f"   (mpmcol explain {about})" if about else ""
-    return "\n".join([*map(str, problems), f"{count}; nothing was run.{more}"])
-
-
-def case_error(problems: Sequence[Problem]) -> CaseError:
-    """The error that tells all these problems."""
-    return CaseError(report(problems), tuple(problems))
+    rest = len(problems) - MOST_SHOWN
+    cut = [f"... and {rest} more"] if rest > 0 else []
+    parts = [*map(str, problems[:MOST_SHOWN]), *cut, f"{count}; nothing was run.{more}"]
+    return CaseError("\n".join(parts), tuple(problems))
 
 
 def set_option(argument: str) -> str:
-    """The place of a problem that an override has."""
-    return f"--set {words.shortened(argument)}"
+    """Name the place of a problem that an override has."""
+    return f"--set {shortened(argument)}"

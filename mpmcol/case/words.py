@@ -77,8 +77,6 @@ def shown(value: Any) -> str:
             return str(value).lower()
         case str():
             return shortened(json.dumps(value, ensure_ascii=False))
-        case int():
-            return str(value) if abs(value) < 10**15 else "a huge whole number"
         case float():
             return f"{value:.9g}"
         case dict():

@@ -16,6 +16,7 @@ from typing import Any
 
 import click
 
+from mpmcol import __version__
 from mpmcol.errors import MpmcolError
 
 COMMANDS = {
@@ -36,7 +37,7 @@ def _version(package: str) -> str:
     try:
         return metadata.version(package)
     except metadata.PackageNotFoundError:
-        return "unknown (not installed)"
+        return "not installed"
 
 
 class Commands(click.Group):
@@ -73,20 +74,18 @@ class Commands(click.Group):
         except (click.ClickException, click.exceptions.Exit, click.Abort):
             raise
         except Exception as bug:
-            if (
-                getattr(bug, "errno", None) == errno.EPIPE
-            ):  # the reader of our output has gone: click ends quietly
-                raise
+            if getattr(bug, "errno", None) == errno.EPIPE:
+                raise  # the reader of our output has gone; click ends quietly
             _report_bug(bug)
             ctx.exit(1)
 
 
 def _report_bug(bug: Exception) -> None:
-    packages = ("mpmcol", "numba", "llvmlite", "numpy", "pydantic", "h5py", "pyvista", "click")
+    packages = ("numba", "llvmlite", "numpy", "pydantic", "h5py", "pyvista", "click")
     versions = "\n".join(f"{package} {_version(package)}" for package in packages)
     system = f"Python {platform.python_version()} on {platform.platform()}"
     trace = "".join(traceback.format_exception(bug))
-    report = f"command: {' '.join(sys.argv)}\n{system}\n{versions}\n\n{trace}"
+    report = f"mpmcol {__version__}\ncommand: {' '.join(sys.argv)}\n{system}\n{versions}\n\n{trace}"
     click.echo(f"mpmcol ended on an error of its own: {type(bug).__name__}: {bug}", err=True)
     click.echo(f"Please report it together with {_write_report(report)}", err=True)
 
@@ -103,7 +102,7 @@ def _write_report(report: str) -> str:
 
 
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(_version("mpmcol"), prog_name="mpmcol")
+@click.version_option(__version__, prog_name="mpmcol")
 @click.pass_context
 def main(ctx: click.Context) -> None:
     """Collapse of granular columns by the material point method.

@@ -89,25 +89,27 @@ def score(measured: Any, a: float, model: str) -> list[Score]:
     """Errors against every published law of the model ("plane" or "axisymmetric") at aspect ratio a.
 
     Args:
-        measured: a `Measurement`, or a mapping of quantities ("zeta", "beta", "stop_time") to a number or to a
-            mapping of front definitions to numbers.
+        measured: a `Measurement`, or a mapping of quantities ("zeta", "beta", "stop_time") to a number or to
+            a mapping of front definitions to numbers.
 
-    Where a law has no value at a, the score says so in its comment and has no error: nothing is extrapolated. A law
-    that several entries share is scored once, under the first (the paper's) name.
+    Where a law has no value at a, the score says so in its comment and has no error: nothing is extrapolated.
+    A law that several entries share is scored once, under the first (the paper's) name.
     """
     return score_laws(EXPERIMENTS, measured, a, model)
 
 
 def profile_score(profile_x: ArrayLike, profile_y: ArrayLike, experiment: Experiment) -> ProfileScore | None:
-    """A deposit profile (m, by increasing x and ending at zero) against the digitised surface of an experiment.
+    """A deposit profile (m, by increasing x, ending at zero) against the digitised surface of an experiment.
 
-    A surface in metres is compared as it is, so the column must have its size (`experiment.fits`); a universal shape
-    is scaled to the deposit's own length and height. None if the experiment has no surface.
+    A surface in metres is compared as it is, so the column must have its size (`experiment.fits`); a
+    universal shape is scaled to the deposit's own length and height. None if the experiment has no surface.
     """
     return score_profile(profile_x, profile_y, experiment)
 
 
 def expected_runout(model: str, a: float) -> float:
-    """A generous zeta for sizing the domain, for every a > 0: the farthest-running laboratory law, with its power
-    laws extended at both ends. Friction and damping make a model run less far than this, as a rule."""
+    """A generous zeta for sizing the domain, for every a > 0.
+
+    It is the farthest-running laboratory law of the model, with its power laws extended at both ends.
+    """
     return next(piece for piece in reversed(_FARTHEST[model].pieces) if a >= piece.lo)(a)

@@ -1,13 +1,13 @@
-"""Records of published experiments: laws of the aspect ratio, digitised profiles, and the scores against them."""
+"""Records of published experiments: laws of the aspect ratio, digitised profiles, and scores."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
-# No scatter is published for most laws. The one set that gives it (Bougouin & Lacaze 2018) has +-0.3 on prefactors
-# of 2.7 and 3.7; different sets of the same quantity lie 16-33 % apart.
+# No scatter is published for most laws. The one set that gives it (Bougouin & Lacaze 2018) has +-0.3 on
+# prefactors of 2.7 and 3.7; different sets of the same quantity lie 16-33 % apart.
 ASSUMED_SCATTER = "no scatter published; assumed"
 RUNOUT_SCATTER = 0.10
 HEIGHT_SCATTER = 0.05
@@ -33,9 +33,9 @@ class Piece:
 class Law:
     """A published power law of the aspect ratio a, in pieces of increasing a.
 
-    Quantities: "zeta" = (r_f - r_i) / r_i, "beta" = h_f / h_i, "stop_time" = t / sqrt(h_i / g) at which the front
-    stops. `scatter` is relative to the value and `scatter_source` says where it is from. A law without pieces is
-    known to exist but cannot be evaluated; its note says why.
+    Quantities: "zeta" = (r_f - r_i) / r_i, "beta" = h_f / h_i, "stop_time" = t / sqrt(h_i / g) at which the
+    front stops. `scatter` is relative to the value and `scatter_source` says where it is from. A law without
+    pieces is known to exist but cannot be evaluated; its note says why.
     """
 
     quantity: Literal["zeta", "beta", "stop_time"]
@@ -100,7 +100,7 @@ class Experiment:
         return None if law is None or value is None else (value, law.scatter * value)
 
     def fits(self, r_i: float, h_i: float) -> bool:
-        """Whether a column has the size of the experiment's (to 2 %), so that profiles in m can be compared."""
+        """Whether profiles in m can be compared: a column of the experiment's size (to 2 %)."""
         return self.column is None or all(
             math.isclose(size, own, rel_tol=0.02) for size, own in zip((r_i, h_i), self.column, strict=True)
         )
@@ -124,10 +124,14 @@ class Score:
         """Whether the error is no larger than the scatter of the experiment; None where there is no law."""
         return None if self.error is None else abs(self.error) <= self.scatter
 
+    def as_dict(self) -> dict[str, Any]:
+        """All fields and `within_scatter`, for JSON."""
+        return {**vars(self), "within_scatter": self.within_scatter}
+
 
 @dataclass(frozen=True)
 class ProfileScore:
-    """A deposit against a digitised surface: RMS distance in height (mm), and the front where both are in m."""
+    """A deposit against a digitised surface: RMS distance in height, and the front where both are in m."""
 
     experiment: str
     profile: str

@@ -25,9 +25,9 @@ EXPERIMENT = Experiment(
         ),
     ),
     note=(
-        "Read from a public plotting script (alexander-busch/ADWELL), exponents 0.64 +- 0.02 and -0.65 +- 0.04; the "
-        "script divides the height fit by a once more, here it is taken as h_f / h_i, for which its pieces meet "
-        "at the break. That the grains are glass beads is general knowledge. Original not read, DOI not checked, "
-        "ends of its range of a not known here."
+        "Read from a public plotting script (alexander-busch/ADWELL), exponents 0.64 +- 0.02 and -0.65 +- "
+        "0.04; the script divides the height fit by a once more, here it is taken as h_f / h_i, for which "
+        "its pieces meet at the break. That the grains are glass beads is general knowledge. Original not "
+        "read, DOI not checked, ends of its range of a not known here."
     ),
 )

@@ -51,8 +51,8 @@ EXPERIMENT = Experiment(
     profiles=(SURFACE, FAILURE),
     column=(_R_I, _H_I),
     note=(
-        "Low friction and no side walls: it runs past every channel law. phi = 19.8 deg, c = 0, density 2650 kg/m3 "
-        "and K about 0.7 MPa as seen in a public example, E = 0.84 MPa and rod diameters of 1 and 1.5 mm from "
-        "general knowledge. The area under the digitised surface is 1.5 % above the initial area."
+        "Low friction and no side walls: it runs past every channel law. phi = 19.8 deg, c = 0, density 2650 "
+        "kg/m3 and K about 0.7 MPa as seen in a public example, E = 0.84 MPa and rod diameters of 1 and 1.5 "
+        "mm from general knowledge. The area under the digitised surface is 1.5 % above the initial area."
     ),
 )

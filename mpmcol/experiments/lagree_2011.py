@@ -19,7 +19,8 @@ EXPERIMENT = Experiment(
         Law("beta", (Piece(0.52, inf, 0.65, -0.65),), HEIGHT_SCATTER),
     ),
     note=(
-        "Their Eq. 3.1-3.2; the break at about a = 7 is approximate. The height law h_f / r_i = 0.65 a^0.35 is used "
-        "from a = 0.52, where it meets the initial height (derived here). No side walls: runs past the channel tests."
+        "Their Eq. 3.1-3.2; the break at about a = 7 is approximate. The height law h_f / r_i = 0.65 a^0.35 "
+        "is used from a = 0.52, where it meets the initial height (derived here). No side walls: runs past "
+        "the channel tests."
     ),
 )

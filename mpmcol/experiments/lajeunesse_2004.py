@@ -19,8 +19,9 @@ EXPERIMENT = Experiment(
         Law("beta", (Piece(0.0, 0.74, 1.0, 0.0), Piece(0.74, inf, 0.74, -1.0)), HEIGHT_SCATTER),
     ),
     note=(
-        "A truncated cone below a = 0.74, a cone above; h_f / r_i is then 0.74. From a thesis that misprints both "
-        "powers 1/2 as 1.2; consistent with r_f / r_i = sqrt(3 a / 0.74). That the grains are glass beads is general "
-        "knowledge. The original was not read and the ends of its range of a are not known here."
+        "A truncated cone below a = 0.74, a cone above; h_f / r_i is then 0.74. From a thesis that misprints "
+        "both powers 1/2 as 1.2; consistent with r_f / r_i = sqrt(3 a / 0.74). That the grains are glass "
+        "beads is general knowledge. The original was not read and the ends of its range of a are not known "
+        "here."
     ),
 )

@@ -19,10 +19,10 @@ EXPERIMENT = Experiment(
         Law("stop_time", (Piece(0.0, inf, 3.0, 0.0),), 0.10),
     ),
     note=(
-        "zeta as tabulated by Lagree et al. 2011. beta: h_f / L_i = a (a < 0.7), a^(1/3) (a > 0.7), from a thesis; "
-        "the latter exceeds the initial height for 0.7 < a < 1 and is left out there, so its prefactor of 1 is "
-        "doubtful elsewhere too. Timing from the same thesis: 0.8 + 2 + 0.6 of sqrt(h_i / g), slow surface motion "
-        "to about 6; failure surface at 50-55 deg. Phys. Fluids 17, 103302; DOI not checked, original not read, "
-        "ends of its range of a not known here."
+        "zeta as tabulated by Lagree et al. 2011. beta: h_f / L_i = a (a < 0.7), a^(1/3) (a > 0.7), from a "
+        "thesis; the latter exceeds the initial height for 0.7 < a < 1 and is left out there, so its "
+        "prefactor of 1 is doubtful elsewhere too. Timing from the same thesis: 0.8 + 2 + 0.6 of sqrt(h_i / "
+        "g), slow surface motion to about 6; failure surface at 50-55 deg. Phys. Fluids 17, 103302; DOI not "
+        "checked, original not read, ends of its range of a not known here."
     ),
 )

@@ -18,10 +18,10 @@ EXPERIMENT = Experiment(
         Law("stop_time", (Piece(0.2, 35.0, 3.0, 0.0),), 0.10, note="general knowledge, not looked up"),
     ),
     note=(
-        "Eq. 38 and 40 of Coetzee & Purvance 2026, who quote a from 0.2 to 35; at a = 1.7 the upper law is taken, "
-        "and there the runout steps from 2.108 to 2.086. An undisturbed inner cone of about 59 deg at a = 1.7. "
-        "The volume factor V / (pi r_f^2 h_f) of these fits is 0.190 (a = 2) to 0.211 (a = 10), a cone's is 0.333: "
-        "derived here. Warnett et al. 2014 (doi:10.1007/s10035-013-0469-x) find that the final radius depends on "
-        "the radius of the column too."
+        "Eq. 38 and 40 of Coetzee & Purvance 2026, who quote a from 0.2 to 35; at a = 1.7 the upper law is "
+        "taken, and there the runout steps from 2.108 to 2.086. An undisturbed inner cone of about 59 deg at "
+        "a = 1.7. The volume factor V / (pi r_f^2 h_f) of these fits is 0.190 (a = 2) to 0.211 (a = 10), a "
+        "cone's is 0.333: derived here. Warnett et al. 2014 (doi:10.1007/s10035-013-0469-x) find that the "
+        "final radius depends on the radius of the column too."
     ),
 )

@@ -1,4 +1,4 @@
-"""Lube, Huppert, Sparks & Freundt 2005: two-sided collapse between walls 10 cm apart, and the universal shape."""
+"""Lube, Huppert, Sparks & Freundt 2005: two-sided collapse between walls 10 cm apart, universal shape."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ EXPERIMENT = Experiment(
     ),
     profiles=(FINAL_SHAPE,),
     note=(
-        "Lengths by the half-width of the column. Coefficients as tabulated by Lagree et al. 2011 (Eq. 3.1-3.2); "
-        "the original was not read. beta: h_f / d_i about a^(2/5) at large a. The shape has an area factor of "
-        "0.372; with h_f / r_i = a^0.4 mass balance needs 0.404 for this runout (8 % compaction) and 0.355 for the "
-        "runout of lube-2007 (5 % dilation): derived here."
+        "Lengths by the half-width of the column. Coefficients as tabulated by Lagree et al. 2011 (Eq. "
+        "3.1-3.2); the original was not read. beta: h_f / d_i about a^(2/5) at large a. The shape has an "
+        "area factor of 0.372; with h_f / r_i = a^0.4 mass balance needs 0.404 for this runout (8 % "
+        "compaction) and 0.355 for the runout of lube-2007 (5 % dilation): derived here."
     ),
 )

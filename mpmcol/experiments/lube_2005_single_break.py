@@ -13,5 +13,5 @@ EXPERIMENT = Experiment(
     kind="laboratory",
     material="fine quartz sand, repose 29.5 deg",
     laws=(Law("zeta", (Piece(0.5, 2.3, 1.2, 1.0), Piece(2.3, 20.0, 1.9, 2 / 3)), RUNOUT_SCATTER),),
-    note="A variant in print of lube-2005, not further data. Which of the two the original has was not checked.",
+    note="A variant in print of lube-2005, not further data. Which of the two the original has: not checked.",
 )

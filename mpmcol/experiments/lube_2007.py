@@ -1,4 +1,4 @@
-"""Lube, Huppert, Sparks & Freundt 2007: one-sided collapse down a channel 200 mm wide (the paper's Eq. 37)."""
+"""Lube, Huppert, Sparks & Freundt 2007: one-sided collapse down a channel 200 mm wide (Eq. 37)."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ EXPERIMENT = Experiment(
         Law("stop_time", (Piece(0.5, 20.0, 3.3, 0.0),), 0.10, note="general knowledge, not looked up"),
     ),
     note=(
-        "zeta: Eq. 37 of Coetzee & Purvance 2026 (doi:10.20944/preprints202605.0398.v1), who quote a from about "
-        "0.5 to 20; at a = 2.8 the upper law is taken. The same numbers are elsewhere attributed to Lube et al. "
-        "2005, plotted with a band of +-0.1 in zeta. beta: h_f / r_i = a (a < 1.15), a^(2/5) (a > 1.15), read from "
-        "a public plotting script whose exponents are mis-signed; the 2/5 is confirmed by other sources. "
-        "The original was not read."
+        "zeta: Eq. 37 of Coetzee & Purvance 2026 (doi:10.20944/preprints202605.0398.v1), who quote a from "
+        "about 0.5 to 20; at a = 2.8 the upper law is taken. The same numbers are elsewhere attributed to "
+        "Lube et al. 2005, plotted with a band of +-0.1 in zeta. beta: h_f / r_i = a (a < 1.15), a^(2/5) (a "
+        "> 1.15), read from a public plotting script whose exponents are mis-signed; the 2/5 is confirmed by "
+        "other sources. The original was not read."
     ),
 )

@@ -12,7 +12,7 @@ from mpmcol.experiments.base import Experiment, Law, Profile, ProfileScore, Scor
 
 
 def score_laws(experiments: Mapping[str, Experiment], measured: Any, a: float, model: str) -> list[Score]:
-    """Scores of `measured` against every law of the model, each law once, under the first name that has it."""
+    """Scores against every law of the model, each law once, under the first name that has it."""
     values = list(_values(measured))
     return [
         _score(experiment, law, front, value, a)
@@ -63,9 +63,7 @@ def _score(experiment: Experiment, law: Law, front: str, value: float, a: float)
     )
 
 
-def _score_in_metres(
-    x: np.ndarray, y: np.ndarray, experiment: Experiment, surface: Profile
-) -> ProfileScore:
+def _score_in_metres(x: np.ndarray, y: np.ndarray, experiment: Experiment, surface: Profile) -> ProfileScore:
     tip = surface.x[-1]
     front = _crossing(x, y, surface.y[-1])
     return ProfileScore(
@@ -79,9 +77,7 @@ def _score_in_metres(
     )
 
 
-def _score_normalised(
-    x: np.ndarray, y: np.ndarray, experiment: Experiment, surface: Profile
-) -> ProfileScore:
+def _score_normalised(x: np.ndarray, y: np.ndarray, experiment: Experiment, surface: Profile) -> ProfileScore:
     length, height = _crossing(x, y, 0.0), float(y[:1].sum())
     return ProfileScore(
         experiment=experiment.name,
@@ -95,14 +91,14 @@ def _score_normalised(
 
 
 def _rms_mm(x: np.ndarray, y: np.ndarray, surface_x: np.ndarray, surface_y: np.ndarray) -> float:
-    """Root mean square over the length of the digitised surface, so that its spacing of points has no weight."""
+    """Root mean square over the length of the digitised surface: its spacing of points has no weight."""
     station = np.linspace(surface_x[0], surface_x[-1], 1001)
     difference = np.interp(station, x, y, right=0.0) - np.interp(station, surface_x, surface_y)
     return float(1e3 * np.sqrt(np.mean(difference**2)))
 
 
 def _crossing(x: np.ndarray, y: np.ndarray, level: float) -> float:
-    """Farthest x at which the profile comes down to the level, linear between its points; 0 if nowhere above it."""
+    """Farthest x at which the profile comes down to the level, linear between points; 0 if always below."""
     above = np.flatnonzero(y > level)
     if not above.size:
         return 0.0

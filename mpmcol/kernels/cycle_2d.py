@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache
+from math import sqrt
 from types import ModuleType
 from typing import Any
 
@@ -62,7 +63,7 @@ def _inspect(rows, p, c2, report, t):  # noqa: ANN001, ANN202
     o = p * ROW
     c2_p = c2 * rows[o + J]  # Eq. 36 at the current density
     v2 = rows[o + VX] * rows[o + VX] + rows[o + VY] * rows[o + VY]
-    report[t, SPEED] = max(report[t, SPEED], c2_p**0.5 + v2**0.5)
+    report[t, SPEED] = max(report[t, SPEED], sqrt(c2_p) + sqrt(v2))
     if not (v2 <= c2_p and rows[o + J] >= J_MIN and rows[o + J] <= J_MAX):
         report[t, FAULT] = p
 

@@ -16,7 +16,9 @@ PLANE = ColumnShape("plane", "one-sided", r_i=0.09, h_i=0.09, spacing=H, density
 ROUND = replace(PLANE, model="axisymmetric")
 
 
-def lattice(length: float, height: float, inside: Callable[..., np.ndarray], shape: ColumnShape) -> np.ndarray:
+def lattice(
+    length: float, height: float, inside: Callable[..., np.ndarray], shape: ColumnShape
+) -> np.ndarray:
     size = shape.point_size
     x, y = np.meshgrid(np.arange(size / 2, length, size), np.arange(size / 2, height, size), indexing="ij")
     points = np.column_stack([x.ravel(), y.ravel()])
@@ -78,7 +80,8 @@ def test_profile_is_the_height_of_the_wedge_and_keeps_its_volume(shape: ColumnSh
     assert y[-1] == 0.0
     ring = x * H if shape.model == "axisymmetric" else np.full_like(x, H)
     if shape.model == "axisymmetric":
-        ring[0] = (1 * 0.25 + 0.75 * 0.75 + 0.25 * 1.25) * H**2 / 2  # shares of rings at r / h = 1/4, 3/4, 5/4
+        # The shares that rings at r / h = 1/4, 3/4 and 5/4 have in the first bin.
+        ring[0] = (1 * 0.25 + 0.75 * 0.75 + 0.25 * 1.25) * H**2 / 2
     assert (y * ring).sum() * shape.density == pytest.approx(masses(points, shape).sum())
 
 
@@ -121,6 +124,13 @@ def test_flying_points_are_neither_height_nor_connected_front() -> None:
     assert result.height == pytest.approx(0.09)
     assert result.front["front_max"] == pytest.approx(0.0915)
     assert result.front["front_connected"] == pytest.approx(0.09)
+
+
+@pytest.mark.parametrize(("ride", "reached"), [(1.6, True), (3.0, False)])
+def test_a_layer_held_above_the_base_by_its_kernels_is_connected(ride: float, reached: bool) -> None:
+    layer = lattice(0.02, 0.004, lambda x, y: x < np.inf, PLANE) + np.array([0.09, ride * H])
+    front = measured(np.vstack([rectangle(), layer])).front["front_connected"]
+    assert front == pytest.approx(0.11 if reached else 0.09)
 
 
 def test_height_threshold_is_a_hundredth_of_the_radius_on_fine_grids() -> None:

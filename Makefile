@@ -1,0 +1,38 @@
+.DEFAULT_GOAL := help
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+READY := $(VENV)/.ready
+
+help:            ## this list
+	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## +/\t/' | expand -t 14
+
+$(READY): pyproject.toml
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	touch $(READY)
+
+install: $(READY) ## make .venv and install mpmcol with its tools into it
+
+demo: $(READY)   ## install, run cases/quickstart.toml, draw its charts
+	$(BIN)/mpmcol run cases/quickstart.toml --out runs/demo --fresh
+	$(BIN)/mpmcol plot runs/demo
+
+test: $(READY)   ## the tests, under five minutes on two cores
+	$(BIN)/python -m pytest
+
+test-all: $(READY) ## all tests, the slow ones too
+	$(BIN)/python -m pytest -m 'slow or not slow'
+
+check: $(READY)  ## ruff, mypy, import layers
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+bench: $(READY)  ## time per point and step of every kernel
+	$(BIN)/mpmcol bench
+
+clean:           ## remove what was made here
+	rm -rf $(VENV) runs build dist .pytest_cache .mypy_cache .ruff_cache .import_linter_cache
+
+.PHONY: help install demo test test-all check bench clean

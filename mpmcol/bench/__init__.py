@@ -1,0 +1,1 @@
+"""Speed of the kernels: scenes, plain loops to compare with, timing, and the report of `mpmcol bench`."""

@@ -1,0 +1,54 @@
+"""The table that closes a run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from mpmcol.experiments import find_experiment
+from mpmcol.results import Results
+
+FRONT_TEXT = {
+    "front_max": "farthest point",
+    "front_connected": "farthest without a gap",
+    "front_height": "deposit ends",
+}
+
+
+def closing_table(results: Results) -> str:
+    """Runout and height with their errors, then what the run took."""
+    return "\n".join([*_measured(results), "", *_cost(results.summary)])
+
+
+def _measured(results: Results) -> Iterator[str]:
+    summary, case = results.summary, results.case
+    experiment = find_experiment(case.score.experiment, case.geometry.model)
+    errors = {(s["quantity"], s["front_definition"]): s for s in summary["errors"] if s["experiment"] == experiment.name}
+    yield f"{'':40s}{'m':>8s}{'':>8s}   against {experiment.name}"
+    for name, front in summary["front"].items():
+        label = f"runout zeta, {name} ({FRONT_TEXT[name]})"
+        yield f"{label:40.60s}{front:8.4f}{summary['zeta'][name]:8.3f}   {_against(errors.get(('zeta', name)))}"
+    yield f"{'  spread of zeta, its uncertainty':40s}{'':8s}{summary['spread']:8.3f}"
+    yield f"{'height beta':40s}{summary['height']:8.4f}{summary['beta']:8.3f}   {_against(errors.get(('beta', '')))}"
+
+
+def _against(score: dict[str, Any] | None) -> str:
+    if score is None:
+        return "no law for this"
+    if score["error"] is None:
+        return str(score["comment"])
+    return f"{score['expected']:.3f} ({score['error']:+.1%}, scatter {score['scatter']:.0%})"
+
+
+def _cost(summary: dict[str, Any]) -> Iterator[str]:
+    wall, total = summary["wall_s"], sum(summary["wall_s"].values())
+    ledger = summary["ledger"]
+    rate = 1e3 / summary["ns_per_point_step"] if summary["ns_per_point_step"] else 0.0
+    yield f"{summary['points']:,} material points, {summary['steps']:,} steps of {summary['dt']:.3g} s"
+    parts = ", ".join(f"{name} {seconds:.1f} s" for name, seconds in wall.items())
+    yield f"{total:.1f} s: {parts}"
+    yield f"{rate:.1f} million particle-steps per second with {summary['threads']} threads"
+    yield (
+        f"at rest after {summary['time_over_tau']:.2f} sqrt(h_i/g); worst J {summary['worst_J'][0]:.3f} ... "
+        f"{summary['worst_J'][1]:.3f}; energy residual {ledger['residual']:+.2e} J"
+    )

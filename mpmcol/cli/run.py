@@ -1,0 +1,137 @@
+"""mpmcol run: simulate a case from gravity to rest."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import click
+
+
+@click.command()
+@click.argument("case")
+@click.option("--set", "overrides", multiple=True, metavar="KEY=VALUE", help="Replace a value, e.g. geometry.aspect=5.")
+@click.option("--out", type=click.Path(path_type=Path), help="Folder of the results; runs/NAME by default.")
+@click.option("--threads", type=click.IntRange(1), help="Number of threads; all cores by default.")
+@click.option("--fresh", is_flag=True, help="Replace the results of a finished run.")
+@click.option("--dry-run", is_flag=True, help="Check everything and say what the run will cost; write nothing.")
+@click.option("--json", "as_json", is_flag=True, help="Print result.json as one line on stdout.")
+@click.option("--quiet", is_flag=True, help="Print nothing but errors.")
+def run(
+    case: str,
+    overrides: tuple[str, ...],
+    out: Path | None,
+    threads: int | None,
+    fresh: bool,
+    dry_run: bool,
+    as_json: bool,
+    quiet: bool,
+) -> None:
+    """Simulate CASE, a TOML file or a shipped case (`mpmcol cases`), and measure runout and height.
+
+    Stages: equilibrate under gravity behind the gate, release, collapse, rest. Results go to a folder that
+    `mpmcol measure`, `plot` and `render` read.
+    """
+    if threads is not None:
+        os.environ.setdefault("NUMBA_NUM_THREADS", str(max(threads, os.cpu_count() or 1)))
+    from mpmcol.case import case_hash, load_case
+
+    loaded = load_case(case, overrides)
+    if dry_run:
+        _print_estimate(loaded, threads, as_json)
+        return
+    stem = Path(case).stem
+    folder = out or Path("runs") / (f"{stem}-{case_hash(loaded)[:6]}" if overrides else stem)
+    reporter = Reporter(quiet or as_json)
+    from mpmcol.simulation import run as simulate
+
+    with reporter:
+        results = simulate(
+            loaded, folder, threads=threads, fresh=fresh, progress=reporter.progress, say=reporter.say
+        )
+    if as_json:
+        click.echo(json.dumps(results.summary))
+    elif not quiet:
+        from mpmcol.cli.report import closing_table
+
+        click.echo(closing_table(results))
+        click.echo(f"results in {folder}; next: mpmcol plot {folder}, mpmcol render {folder}")
+
+
+class Reporter:
+    """One line per stage on stdout, and a progress bar with the time left on stderr while a stage runs."""
+
+    RESOLUTION = 1000
+
+    def __init__(self, silent: bool) -> None:
+        self.silent = silent
+        self._stack = ExitStack()
+        self._stage, self._done = "", 0
+        self._bar: Any = None
+
+    def __enter__(self) -> Reporter:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._stack.close()
+
+    def say(self, line: str) -> None:
+        """Print one line, after the bar of the stage that it closes."""
+        self._stack.close()
+        self._stage = ""
+        if not self.silent:
+            click.echo(line)
+
+    def progress(self, stage: str, share: float) -> None:
+        """Show how far a stage is."""
+        if self.silent:
+            return
+        if stage != self._stage:
+            self._start(stage)
+        done = min(int(share * self.RESOLUTION), self.RESOLUTION)
+        if done > self._done and self._bar is not None:
+            self._bar.update(done - self._done)
+            self._done = done
+
+    def _start(self, stage: str) -> None:
+        self._stack.close()
+        self._stage, self._done = stage, 0
+        bar: Any = click.progressbar(length=self.RESOLUTION, label=stage, file=sys.stderr, show_eta=True)
+        self._bar = self._stack.enter_context(bar)
+
+
+def _print_estimate(case: Any, threads: int | None, as_json: bool) -> None:
+    from dataclasses import asdict
+
+    from mpmcol.estimate import estimate
+
+    click.echo("measuring the pace of this machine (about a second, more if kernels must be compiled) ...", err=True)
+    cost = estimate(case, threads)
+    if as_json:
+        click.echo(json.dumps(asdict(cost)))
+        return
+    for warning in cost.warnings:
+        click.echo(f"note: {warning}")
+    rows = (
+        ("material points", f"{cost.points:,} ({cost.column_points:,} in the column)"),
+        ("grid nodes near material", f"{cost.nodes:,}"),
+        ("time step", f"{cost.dt:.4g} s"),
+        ("steps", f"about {cost.steps:,}, at most {cost.most_steps:,}"),
+        ("memory", f"{cost.memory_bytes / 1e6:,.0f} MB"),
+        ("disk", f"{cost.disk_bytes / 1e6:,.0f} MB"),
+        ("pace, measured now", f"{cost.ns_per_point_step:.0f} ns per point and step"),
+        ("time", f"about {_duration(cost.seconds)}, at most {_duration(cost.most_seconds)}"),
+    )
+    for name, value in rows:
+        click.echo(f"{name:26s} {value}")
+    click.echo("nothing was run")
+
+
+def _duration(seconds: float) -> str:
+    if seconds < 120.0:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60.0:.0f} min" if seconds < 7200.0 else f"{seconds / 3600.0:.1f} h"

@@ -1,0 +1,80 @@
+"""What a run will cost, before it is started."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from math import sqrt
+
+from mpmcol.case import Case
+from mpmcol.jit import set_threads
+from mpmcol.scene import build_scene
+from mpmcol.solver import Solver
+from mpmcol.state import NODE, ROW, TILE_NODES
+
+USUAL_TRANSITS = 10.0  # of a wave up and down, until a column rests under gravity
+USUAL_TAU = 5.0  # until a collapse rests
+TRIAL_SECONDS = 1.0
+BYTES_OF_POINT_IN_SNAPSHOT = 90
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """Sizes and costs of a run."""
+
+    points: int
+    column_points: int
+    nodes: int  # that stand near material at the start
+    dt: float  # s
+    steps: int  # usual number
+    most_steps: int  # if the case's longest durations are needed
+    memory_bytes: int
+    disk_bytes: int
+    ns_per_point_step: float  # measured now
+    seconds: float  # for the usual number of steps
+    most_seconds: float
+    compile_seconds: float  # to compile the kernels, or to load them if they are kept from before
+    warnings: tuple[str, ...]
+
+
+def estimate(case: Case, threads: int | None = None) -> Estimate:
+    """Build the scene and step it for about a second; writes nothing."""
+    set_threads(threads)
+    scene = build_scene(case)
+    stage = scene.equilibrate
+    solver = Solver(scene.points, scene.grid, stage.settings, stage.column, scene.base)
+    started = time.perf_counter()
+    solver.prepare()
+    compiled = time.perf_counter() - started
+    dt, points = solver.dt, len(scene.points)
+    pace = _seconds_per_step(solver)
+    nodes = len(solver.tiles.active) * TILE_NODES if solver.tiles else 0
+
+    tau = sqrt(scene.layout.h_i / case.geometry.gravity)
+    transit = 4.0 * (scene.layout.h_i + scene.layout.base) / stage.column.wave_speed2**0.5
+    longest = case.stages.equilibrate.max_time_factor * transit, case.stages.collapse.max_time_factor * tau
+    usual = min(USUAL_TRANSITS * transit, longest[0]), min(USUAL_TAU * tau, longest[1])
+    steps, most_steps = int(sum(usual) / dt), int(sum(longest) / dt)
+    snapshots = 2 + (len(case.output.times) if case.output.times is not None else case.output.snapshots)
+    return Estimate(
+        points=points,
+        column_points=scene.column_points,
+        nodes=nodes,
+        dt=dt,
+        steps=steps,
+        most_steps=most_steps,
+        memory_bytes=points * (2 * ROW + 2) * 8 + nodes * NODE * 8 + scene.grid.fixed.nbytes,
+        disk_bytes=snapshots * points * BYTES_OF_POINT_IN_SNAPSHOT,
+        ns_per_point_step=pace / points * 1e9,
+        seconds=pace * steps,
+        most_seconds=pace * most_steps,
+        compile_seconds=compiled,
+        warnings=scene.layout.warnings,
+    )
+
+
+def _seconds_per_step(solver: Solver) -> float:
+    started = time.perf_counter()
+    while time.perf_counter() - started < TRIAL_SECONDS and solver.advance(solver.time + 2000.0 * solver.dt) < 0:
+        pass
+    return (time.perf_counter() - started) / max(solver.steps, 1)

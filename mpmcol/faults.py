@@ -1,0 +1,57 @@
+"""Why a point went wrong, in words: cause, value and remedy for a run that had to stop."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from mpmcol.kernels.cycle_2d import J_MAX, J_MIN
+from mpmcol.solver import Solver
+
+TIME_STEP = "lower time.cfl (0.5 is the default, about 0.7 the limit), or refine grid.spacing"
+
+
+def diagnose(solver: Solver, row: int, stage: str) -> dict[str, Any]:
+    """The `failure` object of result.json for the point in `row`."""
+    points = solver.points
+    x, v, J = points.x[row], points.v[row], float(points.J[row])
+    c2 = solver.bodies[int(points.kind[row])].wave_speed2
+    cause, value, remedy = _cause(solver, x, v, J, c2)
+    return {
+        "cause": cause,
+        "stage": stage,
+        "step": solver.steps,
+        "time": solver.time,
+        "point": int(points.id[row]),
+        "position": [float(c) for c in x],
+        "value": value,
+        "remedy": remedy,
+    }
+
+
+def _cause(solver: Solver, x: np.ndarray, v: np.ndarray, J: float, c2: float) -> tuple[str, float, str]:
+    """Cause, the number that shows it, and what to do, most telling first."""
+    speed, grid = float(np.hypot(*v)), solver.grid
+    if not np.isfinite([*x, speed, J]).all():
+        return "a number became not finite (NaN)", speed, TIME_STEP
+    if not J_MIN <= J <= J_MAX:
+        remedy = TIME_STEP + ("" if solver.settings.opening_strain else "; or set method.opening_strain = true")
+        return f"the volume ratio J left [{J_MIN:g}, {J_MAX:g}]", J, remedy
+    if speed**2 > c2 * J:
+        return f"the point is faster than waves in its material ({np.sqrt(c2 * J):.3g} m/s)", speed, TIME_STEP
+    if x[0] >= grid.origin_x + (grid.n_x - 3) * grid.h:
+        return "material reached the end of the domain", float(x[0]), "set a larger geometry.domain_length"
+    return "material reached the top of the domain", float(x[1]), "set a larger geometry.domain_height"
+
+
+def message(failure: dict[str, Any]) -> str:
+    """The failure as a person reads it."""
+    x, y = failure["position"]
+    return (
+        f"the run stopped: {failure['cause']} (value {failure['value']:.4g})\n"
+        f"  where: stage {failure['stage']}, step {failure['step']}, t = {failure['time']:.6g} s, "
+        f"point {failure['point']} at x = {x:.5g} m, y = {y:.5g} m\n"
+        f"  remedy: {failure['remedy']}\n"
+        "  everything written up to here is readable, the last state as the last snapshot"
+    )

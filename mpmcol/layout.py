@@ -1,0 +1,92 @@
+"""Lengths of a scene: grid spacing and material edges fitted to each other, and a domain that holds the runout."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil, isqrt
+
+from mpmcol.case import Case
+from mpmcol.errors import UsageError
+from mpmcol.experiments import expected_runout
+
+RUNOUT_MARGIN = 0.5  # r_i beyond the farthest-running experiment
+HEADROOM_CELLS = 6
+EDGE_CELLS = 3  # material this close to an open end stops the run
+ROUNDING_WORTH_A_WARNING = 1e-9
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Lengths in m; the column stands on y = 0 and the grid starts at -base."""
+
+    h: float
+    r_i: float
+    h_i: float
+    base: float  # thickness of the base, 0 for a rigid floor
+    cells_x: int
+    cells_y: int
+    points_per_axis: int
+    rows: int  # of points over the height of the column
+    warnings: tuple[str, ...]
+
+    @property
+    def length(self) -> float:
+        """Length of the domain, m."""
+        return self.cells_x * self.h
+
+    @property
+    def point_size(self) -> float:
+        """Initial distance between points, m."""
+        return self.h / self.points_per_axis
+
+
+def make_layout(case: Case) -> Layout:
+    """Fit the grid to the column: the spacing so that the radius is whole cells, the base to whole cells.
+
+    The height needs no whole cells: its points are spread evenly. Raises UsageError if the domain is too small.
+    """
+    geometry, warnings = case.geometry, []
+    columns = max(round(geometry.r_i / case.grid.spacing), 1)
+    h = geometry.r_i / columns
+    if abs(h / case.grid.spacing - 1.0) > ROUNDING_WORTH_A_WARNING:
+        warnings.append(
+            f"grid.spacing became {h:.6g} m ({h / case.grid.spacing - 1.0:+.2%}) "
+            f"so that the radius of {geometry.r_i:g} m is {columns} whole cells"
+        )
+    layers = 0 if geometry.base == "rigid" else max(round(geometry.base_thickness / h), 1)
+    if layers and abs(layers * h / geometry.base_thickness - 1.0) > 1e-6:
+        warnings.append(
+            f"geometry.base_thickness became {layers * h:.6g} m ({layers * h / geometry.base_thickness - 1.0:+.2%}), "
+            f"{layers} whole cells"
+        )
+    per_axis = isqrt(case.grid.points_per_cell)
+    length, height = _domain(case, h)
+    return Layout(
+        h=h,
+        r_i=geometry.r_i,
+        h_i=geometry.h_i,
+        base=layers * h,
+        cells_x=ceil(length / h - 1e-9),
+        cells_y=layers + ceil(height / h - 1e-9),
+        points_per_axis=per_axis,
+        rows=max(round(geometry.h_i / h * per_axis), 1),
+        warnings=tuple(warnings),
+    )
+
+
+def _domain(case: Case, h: float) -> tuple[float, float]:
+    """Length and height of the domain above the base, m: as asked for, or from the expected runout."""
+    geometry = case.geometry
+    runout = expected_runout(geometry.model, geometry.a)
+    length = geometry.domain_length or geometry.r_i * (1.0 + runout + RUNOUT_MARGIN) + EDGE_CELLS * h
+    height = geometry.domain_height or geometry.h_i + HEADROOM_CELLS * h
+    for key, given, least in (
+        ("domain_length", length, geometry.r_i + (EDGE_CELLS + 1) * h),
+        ("domain_height", height, geometry.h_i + (EDGE_CELLS + 1) * h),
+    ):
+        if given < least:
+            raise UsageError(
+                f"geometry.{key} = {given:g} m is too small for the column: at least {least:g} m are needed; "
+                "make it larger, or leave it out to have the domain sized from the expected runout"
+            )
+    return length, height

@@ -1,0 +1,153 @@
+"""What a run leaves behind while it goes: rows of history with the energy ledger, and snapshots."""
+
+from __future__ import annotations
+
+import platform
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mpmcol import __version__
+from mpmcol.case import Case, resolved_toml
+from mpmcol.files import atomic_write, make_folder
+from mpmcol.kernels import cycle_2d as cycle
+from mpmcol.laws import LAWS
+from mpmcol.measure import Measurement, measure
+from mpmcol.results import CASE_FILE, write_history
+from mpmcol.scene import Scene, column_shape
+from mpmcol.snapshot import Snapshot, write_index, write_snapshot
+from mpmcol.solver import Solver
+from mpmcol.state import BASE, Points
+
+
+class Recorder:
+    """Writes history and snapshots of one run into its folder; `seconds` is the time that took."""
+
+    def __init__(self, case: Case, scene: Scene, solver: Solver, folder: Path, threads: int) -> None:
+        self.case, self.scene, self.solver = case, scene, solver
+        self.folder = make_folder(folder)
+        self.shape = column_shape(case, scene.layout)
+        self.rows: list[dict[str, Any]] = []
+        self.seconds = 0.0
+        self.worst_J = [1.0, 1.0]
+        self._snapshots = 0
+        self._meta = self._make_meta(threads)
+        derived = {"points": len(scene.points), "threads": threads, **describe(scene), **versions()}
+        atomic_write(folder / CASE_FILE, resolved_toml(case, derived).encode())
+        self.start_ledger()
+
+    def start_ledger(self) -> None:
+        """Measure energies and displacements from now on."""
+        points = self.solver.points
+        self._released = positions_by_id(points)
+        self.solver.ledger[:] = 0.0
+        self._start = _energies(self.case, points)
+
+    def record(self, stage: str) -> Measurement:
+        """Add a row to the history; returns the measurement in it."""
+        started = time.perf_counter()
+        points, clock = self.solver.points, self.solver.clock
+        column = points.kind != BASE
+        measured = measure(points.x[column], points.m[column], None, self.shape)
+        self.worst_J = [min(self.worst_J[0], points.J.min()), max(self.worst_J[1], points.J.max())]
+        row = {"stage": stage, "step": self.solver.steps, "time": clock[cycle.TIME], "dt": clock[cycle.DT]}
+        row |= self.energy_ledger() | measured.front | {"height": measured.height}
+        row |= {"J_min": points.J.min(), "J_max": points.J.max(), "open_points": int(np.sum(points.opening > 0.0))}
+        row |= {"grid_kinetic": self.solver.ledger[cycle.L_KINETIC], "unbalanced": self.solver.ledger[cycle.L_UNBALANCED]}
+        self.rows.append(row)
+        self.seconds += time.perf_counter() - started
+        return measured
+
+    def energy_ledger(self) -> dict[str, float]:
+        """Where the energy is since `start_ledger`, J per metre or radian; `residual` is what is missing.
+
+        potential + kinetic + elastic + plastic + damping + walls + transfer = constant. `plastic` is the stress work
+        that is not stored, `transfer` what P2G and G2P take from the points' kinetic energy.
+        """
+        now, start, sums = _energies(self.case, self.solver.points), self._start, self.solver.ledger
+        plastic = sums[cycle.L_WORK] - (now["elastic"] - start["elastic"])
+        transfer = sums[cycle.L_GRID] - (now["kinetic"] - start["kinetic"])
+        lost = {"damping": sums[cycle.L_DAMPING], "walls": sums[cycle.L_WALLS], "transfer": transfer}
+        residual = sum(now.values()) - sum(start.values()) + plastic + sum(lost.values())
+        return {name: float(value) for name, value in {**now, "plastic": plastic, **lost, "residual": residual}.items()}
+
+    def snapshot(self, stage: str) -> None:
+        """Write the present state as the next snapshot, and the index and the history with it."""
+        started = time.perf_counter()
+        taken = take_snapshot(self.case, self.solver, stage, self._released)
+        write_snapshot(self.folder, self._snapshots, taken, self._meta, self.case.output.compression)
+        self._snapshots += 1
+        write_index(self.folder)
+        write_history(self.folder, self.rows)
+        self.seconds += time.perf_counter() - started
+
+    def _make_meta(self, threads: int) -> dict[str, str | int | float]:
+        shape = self.shape
+        return {
+            "title": self.case.title, "case": resolved_toml(self.case), "threads": threads, "model": shape.model,
+            "release": shape.release, "spacing": shape.spacing, "point_size": shape.point_size, "r_i": shape.r_i,
+            "h_i": shape.h_i, **versions(),
+        }  # fmt: skip
+
+
+def versions() -> dict[str, str]:
+    """Versions of what computed the result."""
+    import h5py
+    import llvmlite
+    import numba
+
+    return {
+        "mpmcol": __version__, "python": platform.python_version(), "numba": numba.__version__,
+        "llvmlite": llvmlite.__version__, "numpy": np.__version__, "h5py": h5py.__version__,
+    }  # fmt: skip
+
+
+def describe(scene: Scene) -> dict[str, float]:
+    """Derived numbers of a scene that a user may want to know."""
+    layout = scene.layout
+    return {
+        "column_points": scene.column_points, "spacing_used": layout.h, "r_i": layout.r_i, "h_i": layout.h_i,
+        "base_used": layout.base, "domain_length": layout.length, "domain_height": layout.cells_y * layout.h - layout.base,
+    }  # fmt: skip
+
+
+def positions_by_id(points: Points) -> np.ndarray:
+    """Positions (n, 2) in order of point id."""
+    out = np.empty((len(points), 2))
+    out[points.id] = points.x
+    return out
+
+
+def take_snapshot(case: Case, solver: Solver, stage: str, released: np.ndarray) -> Snapshot:
+    """The present state as arrays; `released` are the positions by id from which displacements count."""
+    points = solver.points
+    moved = points.x - released[points.id]
+    arrays = {
+        "position": _in_space(points.x), "velocity": _in_space(points.v), "displacement": _in_space(moved),
+        "stress": points.sigma, "volume_ratio": points.J, "opening_strain": points.opening, "mass": points.m,
+        "volume": points.V, "material": points.kind.astype(np.uint8), "id": points.id.astype(np.int32),
+    }  # fmt: skip
+    for k, name in enumerate(LAWS[case.material.law].STATE):
+        arrays[name] = points.history[:, k]
+    return Snapshot(solver.time, solver.steps, stage, arrays)
+
+
+def _in_space(plane: np.ndarray) -> np.ndarray:
+    """(n, 2) to (n, 3)."""
+    return np.column_stack([plane, np.zeros(len(plane))])
+
+
+def _energies(case: Case, points: Points) -> dict[str, float]:
+    """Potential, kinetic and elastic energy of all points, J per metre or radian."""
+    sigma, is_base = points.sigma, points.kind == BASE
+    bulk = np.where(is_base, case.base_material.bulk_modulus, case.material.bulk_modulus)
+    shear = np.where(is_base, case.base_material.shear_modulus, case.material.shear_modulus)
+    p = sigma[:, :3].mean(axis=1)
+    deviator = np.sum((sigma[:, :3] - p[:, None]) ** 2, axis=1) + 2.0 * np.sum(sigma[:, 3:] ** 2, axis=1)
+    return {
+        "potential": float(np.sum(points.m * case.geometry.gravity * points.x[:, 1])),
+        "kinetic": float(0.5 * np.sum(points.m * np.sum(points.v**2, axis=1))),
+        "elastic": float(np.sum(points.V * (0.5 * p**2 / bulk + 0.25 * deviator / shear))),
+    }

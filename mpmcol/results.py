@@ -1,0 +1,137 @@
+"""The folder of a run: what is in it, how it is written, and how it is read again."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import shutil
+from collections.abc import Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mpmcol.case import Case, load_case
+from mpmcol.errors import OutputError, UsageError
+from mpmcol.files import atomic_write
+from mpmcol.layout import make_layout
+from mpmcol.measure import ColumnShape, Measurement, measure
+from mpmcol.scene import column_shape
+from mpmcol.snapshot import Snapshot, list_snapshots, read_snapshot
+
+RESULT_SCHEMA = 1
+CASE_FILE, RESULT_FILE, HISTORY_FILE = "case.resolved.toml", "result.json", "history.csv"
+OWN_FILES = (CASE_FILE, RESULT_FILE, HISTORY_FILE, "run.vtkhdf", "run.vtkhdf.series")
+HISTORY = (
+    "stage", "step", "time", "dt", "kinetic", "potential", "elastic", "plastic", "damping", "walls", "transfer",
+    "residual", "front_max", "front_connected", "front_height", "height", "J_min", "J_max", "open_points",
+    "grid_kinetic", "unbalanced",
+)  # fmt: skip
+
+
+class Results:
+    """A run's folder, read on demand.
+
+    Raises OutputError if the folder holds no run or a file in it is damaged.
+    """
+
+    def __init__(self, folder: Path | str) -> None:
+        self.folder = Path(folder)
+        if not (self.folder / CASE_FILE).is_file():
+            raise OutputError(f"{self.folder}: no {CASE_FILE} in it; expected the folder of a run (`mpmcol run`)")
+
+    @cached_property
+    def case(self) -> Case:
+        """The case with all defaults filled in."""
+        return load_case(self.folder / CASE_FILE)
+
+    @cached_property
+    def summary(self) -> dict[str, Any]:
+        """The content of result.json."""
+        path = self.folder / RESULT_FILE
+        try:
+            content = json.loads(path.read_text())
+        except FileNotFoundError:
+            raise OutputError(f"{path} is missing: the run has not ended; run the case again") from None
+        except (OSError, ValueError) as error:
+            raise OutputError(f"{path} cannot be read ({error}); run the case again with --fresh") from None
+        if not isinstance(content, dict):
+            raise OutputError(f"{path} does not hold a result; run the case again with --fresh")
+        return content
+
+    @cached_property
+    def history(self) -> dict[str, np.ndarray]:
+        """Columns of history.csv; all but `stage` as numbers."""
+        path = self.folder / HISTORY_FILE
+        try:
+            with path.open(newline="") as file:
+                rows = list(csv.DictReader(file))
+            return {
+                name: np.array([row[name] if name == "stage" else float(row[name]) for row in rows])
+                for name in HISTORY
+            }
+        except (OSError, KeyError, TypeError, ValueError) as error:
+            raise OutputError(f"{path} cannot be read ({error}); run the case again with --fresh") from None
+
+    @property
+    def snapshots(self) -> list[Path]:
+        """Snapshot files in the order in which they were taken."""
+        return list_snapshots(self.folder)
+
+    def snapshot(self, index: int = -1) -> Snapshot:
+        """One snapshot, the last by default; UsageError if there is none of that number."""
+        paths = self.snapshots
+        try:
+            return read_snapshot(paths[index])
+        except IndexError:
+            raise UsageError(f"{self.folder}: no snapshot {index}; there are {len(paths)}, counted from 0") from None
+
+    @cached_property
+    def shape(self) -> ColumnShape:
+        """What the deposit is measured against."""
+        return column_shape(self.case, make_layout(self.case))
+
+    def measure(self, index: int = -1) -> Measurement:
+        """Fronts, height and profile of one snapshot."""
+        return measure_snapshot(self.snapshot(index), self.shape)
+
+
+def measure_snapshot(snapshot: Snapshot, shape: ColumnShape) -> Measurement:
+    """Measure the column's points of a snapshot."""
+    column = snapshot.column
+    arrays = {name: snapshot.arrays[name][column].astype(np.float64) for name in ("position", "mass", "displacement")}
+    return measure(arrays["position"], arrays["mass"], arrays["displacement"], shape)
+
+
+def prepare_folder(folder: Path, fresh: bool) -> None:
+    """Make room for a run: a finished one is kept unless `fresh`, an unfinished one is replaced.
+
+    Raises UsageError for a finished run or a folder that holds something else.
+    """
+    if (folder / RESULT_FILE).exists() and not fresh and _is_finished(folder):
+        raise UsageError(f"{folder} holds a finished run; use --fresh to replace it, or --out for another folder")
+    if folder.is_dir() and any(folder.iterdir()) and not (folder / CASE_FILE).exists():
+        raise UsageError(f"{folder} is not empty and holds no run; use --out for another folder")
+    for name in OWN_FILES:
+        (folder / name).unlink(missing_ok=True)
+    shutil.rmtree(folder / "snapshots", ignore_errors=True)
+
+
+def _is_finished(folder: Path) -> bool:
+    return Results(folder).summary.get("status") == "done" if (folder / CASE_FILE).exists() else True
+
+
+def write_history(folder: Path, rows: list[dict[str, Any]]) -> None:
+    """Write history.csv whole."""
+    text = io.StringIO()
+    writer = csv.DictWriter(text, HISTORY, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    atomic_write(folder / HISTORY_FILE, text.getvalue().encode())
+
+
+def write_result(folder: Path, result: Mapping[str, Any]) -> None:
+    """Write result.json."""
+    atomic_write(folder / RESULT_FILE, (json.dumps(result, indent=1) + "\n").encode())

@@ -1,0 +1,147 @@
+"""From a case to arrays: points, grid, walls of each stage, laws and numbers of each stage."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from mpmcol.case import Case
+from mpmcol.geometries import GEOMETRIES
+from mpmcol.laws import LAWS, elastic
+from mpmcol.layout import Layout, make_layout
+from mpmcol.measure import ColumnShape
+from mpmcol.solver import Body
+from mpmcol.state import BASE, V0, Grid, Points, Settings, allocate_grid, node_coordinates, set_fixed
+
+TRANSFERS = {"taylor-flip": (1.0, 1.0), "flip": (0.0, 1.0), "pic": (0.0, 0.0)}  # Taylor term, share of FLIP
+POSITION_FACTORS = {"trapezoid": 0.5, "paper": 1.0, "end": 0.0}
+ON_NODE = 1e-6  # in h: how far a node may be from an edge and still stand on it
+
+
+@dataclass(frozen=True)
+class Stage:
+    """What differs from stage to stage: the column's law and the damping."""
+
+    column: Body
+    settings: Settings
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Everything a run starts from."""
+
+    layout: Layout
+    points: Points
+    grid: Grid
+    base: Body
+    equilibrate: Stage
+    collapse: Stage
+
+    @property
+    def column_points(self) -> int:
+        """Number of material points of the column."""
+        return int(np.sum(self.points.kind != BASE))
+
+
+def build_scene(case: Case) -> Scene:
+    """Allocate and fill all arrays of a case; the gate is closed."""
+    layout = make_layout(case)
+    grid = allocate_grid((0.0, -layout.base), layout.h, (layout.cells_x, layout.cells_y))
+    close_walls(grid, layout, gate_opening=0.0)
+    points = fill(case, layout)
+    if case.stages.initial_stress == "k0":
+        assign_k0(case, layout, points)
+    own_law, stages = case.material.law, case.stages
+    first_law = elastic if stages.equilibrate.law == "elastic" else LAWS[own_law]
+    return Scene(
+        layout=layout,
+        points=points,
+        grid=grid,
+        base=make_body(elastic, case.base_material),
+        equilibrate=Stage(make_body(first_law, case.material), make_settings(case, stages.equilibrate.damping)),
+        collapse=Stage(make_body(LAWS[own_law], case.material), make_settings(case, stages.collapse.damping)),
+    )
+
+
+def make_body(law: Any, material: Any) -> Body:
+    """A law with the parameters of a material."""
+    return Body(law, law.make_params(material), material.wave_speed**2)
+
+
+def make_settings(case: Case, damping: float) -> Settings:
+    """The numbers of the method from the words of [method]."""
+    method = case.method
+    taylor, flip = TRANSFERS[method.transfer]
+    return Settings(
+        gravity_x=0.0,
+        gravity_y=-case.geometry.gravity,
+        alpha_d=damping,
+        cfl=case.time.cfl,
+        taylor=taylor,
+        flip_fraction=flip * method.flip_fraction,
+        position_factor=POSITION_FACTORS[method.position_update],
+        wall_impulse=method.wall_impulse,
+        opening_strain=method.opening_strain,
+        kernel_correction=method.kernel_correction,
+        axisymmetric=GEOMETRIES[case.geometry.model].AXISYMMETRIC,
+    )
+
+
+def fill(case: Case, layout: Layout) -> Points:
+    """Points of the column, then of the base, on even lattices."""
+    size, base = layout.point_size, case.base_material
+    column = _lattice(round(layout.r_i / size), size, layout.rows, layout.h_i / layout.rows, 0.0)
+    below = _lattice(round(layout.length / size), size, round(layout.base / size), size, -layout.base)
+    areas = np.r_[np.full(len(column), size * layout.h_i / layout.rows), np.full(len(below), size * size)]
+    points = Points(len(column) + len(below))
+    points.x[:] = np.r_[column, below]
+    points.kind[len(column) :] = BASE
+    points.rows[:, V0] = GEOMETRIES[case.geometry.model].volumes(areas, points.x)
+    points.m[:] = points.V0 * np.where(points.kind == BASE, base.density, case.material.density)
+    return points
+
+
+def _lattice(columns: int, dx: float, rows: int, dy: float, bottom: float) -> np.ndarray:
+    """Centres (n, 2) of columns x rows rectangles whose lower left corner is at (0, bottom)."""
+    x, y = dx * (np.arange(columns) + 0.5), bottom + dy * (np.arange(rows) + 0.5)
+    return np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
+
+
+def assign_k0(case: Case, layout: Layout, points: Points) -> None:
+    """Geostatic stress: vertical from the weight above, horizontal K0 times it; the base carries the column, too."""
+    gravity, ratio = case.geometry.gravity, case.stages.k0
+    nu = case.base_material.poissons_ratio
+    x, y = points.x[:, 0], points.x[:, 1]
+    is_base = points.kind == BASE
+    load = np.where(x < layout.r_i, case.material.density * (layout.h_i - np.maximum(y, 0.0)), 0.0)
+    vertical = -gravity * (load + np.where(is_base, case.base_material.density * -y, 0.0))
+    horizontal = np.where(is_base, nu / (1.0 - nu), ratio) * vertical
+    points.sigma = np.stack([horizontal, vertical, horizontal, *3 * [np.zeros_like(vertical)]], axis=1)
+
+
+def close_walls(grid: Grid, layout: Layout, gate_opening: float) -> None:
+    """Fix velocities: v = 0 at the floor, v_x = 0 at the wall or axis, at the domain's end, and at the gate.
+
+    The gate holds all nodes at and beyond the radius above the base and above `gate_opening` (m, inf: none).
+    """
+    x, y = node_coordinates(grid)
+    slack = ON_NODE * layout.h
+    floor = y < -layout.base + slack
+    sides = (x < slack) | (x > layout.length - slack)
+    gate = (x > layout.r_i - slack) & (y > slack) & (y > gate_opening - slack)
+    set_fixed(grid, floor | sides | gate, floor)
+
+
+def column_shape(case: Case, layout: Layout) -> ColumnShape:
+    """What a deposit of this scene is measured against."""
+    return ColumnShape(
+        model=case.geometry.model,
+        release=case.geometry.release,
+        r_i=layout.r_i,
+        h_i=layout.h_i,
+        spacing=layout.h,
+        density=case.material.density,
+        point_size=layout.point_size,
+    )

@@ -1,0 +1,150 @@
+"""The command line of cases: exit codes, what goes to stdout, and that no user sees a traceback."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import click
+import pytest
+from click.testing import CliRunner, Result
+
+import mpmcol
+from mpmcol.case import load_case, shipped_cases
+from mpmcol.cli import COMMANDS, main
+
+ROOT = Path(mpmcol.__file__).parents[1]
+
+
+@pytest.fixture(autouse=True)
+def in_empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def invoke(*arguments: str) -> Result:
+    return CliRunner().invoke(main, list(arguments))
+
+
+def test_check_of_a_good_case() -> None:
+    result = invoke("check", "lube-channel", "--set", "geometry.aspect=5")
+    assert result.exit_code == 0
+    assert result.stdout.startswith("lube-channel: no problems.")
+    assert "a = 5" in result.stdout and result.stderr == ""
+
+
+def test_check_of_a_bad_case_exits_with_2() -> None:
+    Path("my.toml").write_text("[grid]\nspacng = 1\n")
+    result = invoke("check", "my.toml")
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert 'my.toml:2: [grid] unknown key "spacng"' in result.stderr
+    assert "problems; nothing was run." in result.stderr.strip().split("\n")[-1]
+    assert "Traceback" not in result.output
+
+
+def test_check_prints_the_resolved_case_alone_on_stdout() -> None:
+    result = invoke("check", "quickstart", "--resolved")
+    Path("resolved.toml").write_text(result.stdout)
+    assert load_case("resolved.toml") == load_case("quickstart")
+    assert "no problems" in result.stderr
+
+
+def test_cases_lists_name_and_title() -> None:
+    lines = invoke("cases").stdout.splitlines()
+    assert [line.split()[0] for line in lines] == list(shipped_cases())
+    assert all(load_case(line.split()[0]).title in line for line in lines)
+
+
+@pytest.mark.parametrize("name", shipped_cases())
+def test_init_gives_a_file_that_works_alone(name: str) -> None:
+    result = invoke("init", name)
+    Path("my.toml").write_text(result.stdout)
+    assert load_case("my.toml") == load_case(name)
+
+
+def test_init_of_an_unknown_case_names_the_nearest() -> None:
+    result = invoke("init", "quikstart")
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert 'Did you mean "quickstart"?' in result.stderr
+
+
+def test_explain() -> None:
+    assert "a number > 0, in m; required" in invoke("explain", "grid.spacing").stdout
+    assert "[geometry]" in invoke("explain").stdout
+    result = invoke("explain", "grid.spacng")
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert 'Did you mean "grid.spacing"?' in result.stderr
+
+
+def test_schema_is_json() -> None:
+    assert json.loads(invoke("schema").stdout)["title"] == "mpmcol case"
+
+
+def test_unknown_command_names_the_nearest() -> None:
+    result = invoke("chek", "quickstart")
+    assert result.exit_code == 2
+    assert 'Did you mean "check"?' in result.stderr
+
+
+def test_version() -> None:
+    assert invoke("--version").stdout == f"mpmcol, version {mpmcol.__version__}\n"
+
+
+def test_every_command_exists_and_help_lists_it() -> None:
+    listed = invoke("--help").stdout
+    for name in COMMANDS:
+        command = main.get_command(click.Context(main), name)
+        assert isinstance(command, click.Command)
+        assert f"  {name} " in listed
+
+
+def break_case_loading(monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(*_: object) -> None:
+        raise ZeroDivisionError("no such luck")
+
+    monkeypatch.setattr("mpmcol.case.load_case", broken)
+
+
+def test_a_bug_writes_a_crash_report(monkeypatch: pytest.MonkeyPatch) -> None:
+    break_case_loading(monkeypatch)
+    result = invoke("check", "quickstart")
+    assert result.exit_code == 1
+    report = Path("crash-report.txt")
+    assert str(report.resolve()) in result.stderr and "Traceback" not in result.stderr
+    for part in ("ZeroDivisionError: no such luck", "Traceback", "numpy ", "Python 3"):
+        assert part in report.read_text()
+
+
+def test_crash_report_goes_to_the_temporary_folder_if_it_must(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    break_case_loading(monkeypatch)
+    Path("crash-report.txt").mkdir()
+    other = tmp_path / "elsewhere"
+    other.mkdir()
+    monkeypatch.setattr("tempfile.gettempdir", lambda: str(other))
+    assert invoke("check", "quickstart").exit_code == 1
+    assert "ZeroDivisionError" in (other / "crash-report.txt").read_text()
+
+
+@pytest.mark.parametrize("no_color", ["1", ""])
+def test_no_color_is_honoured(monkeypatch: pytest.MonkeyPatch, no_color: str) -> None:
+    @click.command()
+    def coloured() -> None:
+        click.secho("text", fg="red")
+
+    monkeypatch.setattr(main, "get_command", lambda ctx, name: coloured)
+    monkeypatch.setenv("NO_COLOR", no_color)
+    result = CliRunner().invoke(main, ["check"], color=True)
+    assert ("\x1b" in result.stdout) == (no_color == "")
+
+
+def test_help_needs_no_heavy_imports() -> None:
+    code = "import sys; from mpmcol.cli import *; [main.get_command(None, name) for name in COMMANDS]"
+    done = subprocess.run(
+        [sys.executable, "-c", f"{code}; print(*sys.modules)"], capture_output=True, text=True, cwd=ROOT
+    )
+    assert done.returncode == 0, done.stderr
+    heavy = {"numba", "pydantic", "numpy", "h5py", "pyvista", "matplotlib"}
+    assert heavy & set(done.stdout.split()) == set()

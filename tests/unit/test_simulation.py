@@ -1,0 +1,179 @@
+"""A run as a user starts it: folder, messages, exit codes, results, and what happens when it goes wrong."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+import mpmcol
+from mpmcol.cli import main
+from mpmcol.errors import NumericalFailure, OutputError, UsageError
+from mpmcol.results import HISTORY, Results
+from mpmcol.snapshot import read_meta
+
+TINY = ("grid.spacing=0.015", "output.snapshots=3", "stages.collapse.max_time_factor=1.0")
+
+
+def invoke(*arguments: str) -> Result:
+    return CliRunner().invoke(main, list(arguments))
+
+
+def tiny(*more: str) -> list[str]:
+    return [part for override in (*TINY, *more) for part in ("--set", override)]
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("runs") / "tiny"
+    result = invoke("run", "quickstart", *tiny(), "--out", str(folder))
+    assert result.exit_code == 0, result.output
+    return folder
+
+
+def test_folder_holds_everything(finished: Path) -> None:
+    for name in ("case.resolved.toml", "result.json", "history.csv", "run.vtkhdf", "run.vtkhdf.series"):
+        assert (finished / name).is_file(), name
+    results = Results(finished)
+    assert len(results.snapshots) == 4  # release, two on the way, rest
+    meta = read_meta(results.snapshots[0])
+    assert {"case", "mpmcol", "numba", "threads", "spacing"} <= set(meta)
+    assert mpmcol.load_case(finished / "case.resolved.toml") == results.case
+
+
+def test_result_has_the_words_of_the_design(finished: Path) -> None:
+    summary = json.loads((finished / "result.json").read_text())
+    expected = {
+        "schema", "status", "zeta", "front", "beta", "height", "errors", "points", "steps", "wall_s",
+        "ns_per_point_step", "ledger", "worst_J", "versions", "threads", "case_hash",
+    }  # fmt: skip
+    assert expected <= set(summary)
+    assert summary["status"] == "done"
+    assert set(summary["wall_s"]) == {"compile", "equilibrate", "collapse", "output"}
+
+
+def test_snapshots_start_undisplaced_and_move_outward(finished: Path) -> None:
+    results = Results(finished)
+    assert np.abs(results.snapshot(0).arrays["displacement"]).max() == 0.0
+    last = results.snapshot(-1)
+    assert last.arrays["displacement"][last.column, 0].max() > 0.01
+    assert results.measure(-1).zeta["front_max"] > results.measure(0).zeta["front_max"] == pytest.approx(0.0, abs=2e-3)
+    assert results.measure(0).beta == pytest.approx(1.0, abs=0.01)
+
+
+def test_history_is_in_order(finished: Path) -> None:
+    history = Results(finished).history
+    assert tuple(history) == HISTORY
+    flow = history["stage"] == "collapse"
+    assert np.all(np.diff(history["time"][flow]) > 0.0)
+    assert np.all(history["time"][history["stage"] == "equilibrate"] <= 0.0)
+    total = sum(history[name][flow] for name in ("kinetic", "potential", "elastic", "plastic", "damping", "walls", "transfer"))
+    start = total - history["residual"][flow]
+    np.testing.assert_allclose(start, start[0], rtol=1e-9)
+
+
+def test_a_finished_run_is_kept(finished: Path) -> None:
+    again = invoke("run", "quickstart", *tiny(), "--out", str(finished))
+    assert again.exit_code == 2
+    assert "--fresh" in again.output and "Traceback" not in again.output
+    before = (finished / "result.json").read_bytes()
+    assert invoke("run", "quickstart", *tiny("geometry.aspect=0.5"), "--out", str(finished)).exit_code == 2
+    assert (finished / "result.json").read_bytes() == before
+
+
+def test_a_strange_folder_is_left_alone(tmp_path: Path) -> None:
+    (tmp_path / "thesis.txt").write_text("mine")
+    result = invoke("run", "quickstart", *tiny(), "--out", str(tmp_path))
+    assert result.exit_code == 2
+    assert (tmp_path / "thesis.txt").read_text() == "mine"
+
+
+def test_fresh_replaces_and_repeats_bit_for_bit(finished: Path, tmp_path: Path) -> None:
+    case = mpmcol.load_case("quickstart", TINY)
+    mpmcol.run(case, tmp_path / "a")
+    first = Results(tmp_path / "a").snapshot(-1)
+    again = mpmcol.run(case, tmp_path / "a", fresh=True).snapshot(-1)
+    for name, values in first.arrays.items():
+        np.testing.assert_array_equal(values, again.arrays[name], err_msg=name)
+    np.testing.assert_array_equal(first.x, Results(finished).snapshot(-1).x)
+
+
+def test_json_is_one_line(tmp_path: Path) -> None:
+    result = invoke("run", "quickstart", *tiny(), "--out", str(tmp_path / "a"), "--json")
+    assert json.loads(result.stdout)["status"] == "done"
+    assert result.stdout.count("\n") == 1
+
+
+def test_quiet_says_nothing(tmp_path: Path) -> None:
+    assert invoke("run", "quickstart", *tiny(), "--out", str(tmp_path / "a"), "--quiet").output == ""
+
+
+def test_dry_run_estimates_and_writes_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    result = invoke("run", "quickstart", *tiny(), "--dry-run")
+    assert result.exit_code == 0
+    for word in ("material points", "grid nodes", "time step", "steps", "memory", "disk", "time"):
+        assert word in result.output
+    assert list(tmp_path.iterdir()) == []
+    estimate = json.loads(invoke("run", "quickstart", *tiny(), "--dry-run", "--json").stdout)
+    assert estimate["column_points"] == 144
+    assert invoke("run", "quickstart", "--set", "grid.spacng=1", "--dry-run").exit_code == 2
+
+
+def test_divergence_stops_with_place_cause_and_remedy(tmp_path: Path) -> None:
+    result = invoke("run", "quickstart", *tiny("time.cfl=1.9"), "--out", str(tmp_path / "a"))
+    assert result.exit_code == 3, result.output
+    for word in ("stage", "step", "t =", "point", "x =", "remedy", "time.cfl"):
+        assert word in result.output
+    results = Results(tmp_path / "a")
+    assert results.summary["status"] == "failed"
+    assert set(results.summary["failure"]) == {
+        "cause", "stage", "step", "time", "point", "position", "value", "remedy",
+    }  # fmt: skip
+    assert results.snapshot(-1).stage == "failed"
+    assert invoke("run", "quickstart", *tiny(), "--out", str(tmp_path / "a")).exit_code == 0  # a failed run is replaced
+
+
+def test_material_at_the_end_of_the_domain_is_refused(tmp_path: Path) -> None:
+    case = mpmcol.load_case("quickstart", [*TINY, "geometry.domain_length=0.165", "stages.collapse.max_time_factor=4.0"])
+    with pytest.raises(NumericalFailure, match=r"end of the domain.*\n.*\n.*geometry\.domain_length"):
+        mpmcol.run(case, tmp_path / "a")
+    with pytest.raises(UsageError, match=r"geometry\.domain_length = 0\.1 m is too small"):
+        mpmcol.run(mpmcol.load_case("quickstart", [*TINY, "geometry.domain_length=0.1"]), tmp_path / "b")
+
+
+def test_rounding_is_said(tmp_path: Path) -> None:
+    result = invoke("run", "quickstart", *tiny("grid.spacing=0.016"), "--out", str(tmp_path / "a"))
+    assert "grid.spacing became 0.015 m (-6.25%)" in result.output
+
+
+def test_not_a_results_folder(tmp_path: Path) -> None:
+    with pytest.raises(OutputError, match=r"expected the folder of a run"):
+        Results(tmp_path)
+    assert invoke("measure", str(tmp_path)).exit_code == 5
+
+
+def test_lifted_gate_is_slower_than_none(tmp_path: Path) -> None:
+    fronts = [
+        mpmcol.run(mpmcol.load_case("quickstart", [*TINY, *more]), tmp_path / name).history["front_max"]
+        for name, more in {"gone": (), "lifted": ("stages.gate_speed=0.3",)}.items()
+    ]
+    assert fronts[1][-1] < fronts[0][-1] - 0.005
+
+
+def test_assigned_stress_replaces_loading(tmp_path: Path) -> None:
+    by_gravity = mpmcol.run(mpmcol.load_case("quickstart", TINY), tmp_path / "gravity")
+    assigned = mpmcol.run(mpmcol.load_case("quickstart", [*TINY, "stages.initial_stress=k0"]), tmp_path / "k0")
+    assert assigned.summary["steps"] < by_gravity.summary["steps"]
+    assert assigned.summary["zeta"]["front_height"] == pytest.approx(by_gravity.summary["zeta"]["front_height"], rel=0.05)
+
+
+def test_two_sided_release_is_the_half_model(tmp_path: Path) -> None:
+    runs = [
+        mpmcol.run(mpmcol.load_case("quickstart", [*TINY, f"geometry.release={side}"]), tmp_path / side).summary["zeta"]
+        for side in ("one-sided", "two-sided")
+    ]
+    assert runs[0] == runs[1]

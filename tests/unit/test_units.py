@@ -1,0 +1,121 @@
+"""Quantities: units, bounds, and what is no number."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from pydantic import ValidationError
+
+from mpmcol.units import FACTORS, Keys, choice, quantity, to_unit
+
+
+class Sample(Keys):
+    length: float = quantity("a length", "m", gt=0)
+    angle: float = quantity("an angle", "deg", 33.0, ge=0, lt=90)
+    speed: float = quantity("a speed", "m/s", math.inf, gt=0, allow_inf=True)
+    share: float = quantity("a share", "", 1.0, ge=0, le=1)
+    depth: float | None = quantity("an optional length", "m", None, gt=0)
+    flag: bool = choice("a flag", True)
+
+
+def message(**values: object) -> str:
+    with pytest.raises(ValidationError) as raised:
+        Sample.model_validate({"length": 1.0, **values})
+    return "; ".join(error["msg"] for error in raised.value.errors())
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "value"),
+    [
+        ("2 mm", "m", 0.002),
+        ("2mm", "m", 0.002),
+        (" -1.5e1 cm ", "m", -0.15),
+        ("300 ms", "s", 0.3),
+        ("10 MPa", "Pa", 1e7),
+        ("1.7 kPa", "Pa", 1700.0),
+        ("0.2 GPa", "Pa", 2e8),
+        ("2.65 g/cm3", "kg/m3", 2650.0),
+        ("33 deg", "deg", 33.0),
+        ("50 cm/s", "m/s", 0.5),
+        ("9.81 m/s2", "m/s2", 9.81),
+        ("95 %", "", 0.95),
+        ("7", "m", 7.0),
+    ],
+)
+def test_text_with_unit(text: str, unit: str, value: float) -> None:
+    assert to_unit(text, unit) == value
+
+
+def test_radians_and_degrees() -> None:
+    assert to_unit("1 rad", "deg") == pytest.approx(57.29577951308232, rel=1e-14)
+    assert to_unit("180 deg", "rad") == pytest.approx(math.pi, rel=1e-14)
+
+
+@pytest.mark.parametrize("unit", FACTORS)
+def test_a_unit_converts_to_itself_exactly(unit: str) -> None:
+    assert to_unit(f"0.1 {unit}", unit) == 0.1
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "reason"),
+    [
+        ("2 deg", "m", '"deg" cannot be converted'),
+        ("2 furlong", "m", 'unknown unit "furlong"'),
+        ("2 m m", "m", "not a number"),
+        ("two", "m", "not a number"),
+        ("", "m", "not a number"),
+        ("nan m", "m", "not a number"),
+        ("2 Mm", "m", "unknown unit"),
+    ],
+)
+def test_text_that_is_no_quantity(text: str, unit: str, reason: str) -> None:
+    with pytest.raises(ValueError, match=reason):
+        to_unit(text, unit)
+
+
+def test_whole_numbers_floats_and_texts_are_accepted() -> None:
+    sample = Sample.model_validate({"length": 2, "angle": "0.5 rad", "speed": "20 mm/s", "depth": "1 mm"})
+    assert (sample.length, sample.speed, sample.depth) == (2.0, 0.02, 0.001)
+    assert isinstance(sample.length, float)
+    assert sample.angle == pytest.approx(28.64788975654116)
+
+
+@pytest.mark.parametrize("value", [True, [1.0], {}, math.nan, math.inf, -math.inf, 0, -1, 10**400, "inf m"])
+def test_what_is_no_length(value: object) -> None:
+    assert "expected a number > 0, in m" in message(length=value)
+
+
+def test_none_is_no_length_unless_the_key_is_optional() -> None:
+    assert "valid number" in message(length=None)
+    assert Sample(length=1, depth=None).depth is None
+
+
+@pytest.mark.parametrize(("value", "fits"), [(0, True), (89.999, True), (90, False), (-1e-9, False)])
+def test_bounds_are_those_declared(value: float, fits: bool) -> None:
+    if fits:
+        assert Sample(length=1, angle=value).angle == value
+    else:
+        assert message(angle=value) == "expected a number >= 0 and < 90, in deg"
+
+
+def test_infinity_only_where_it_is_allowed() -> None:
+    assert Sample(length=1, speed=math.inf).speed == math.inf
+    assert message(speed=math.nan) == "expected a number > 0, or inf, in m/s"
+    assert message(speed=-math.inf) == "expected a number > 0, or inf, in m/s"
+
+
+def test_bounds_hold_after_conversion() -> None:
+    assert Sample.model_validate({"length": 1, "share": "100 %"}).share == 1.0
+    assert message(share="101 %") == "expected a number >= 0 and <= 1"
+
+
+def test_unknown_key_and_change_are_refused() -> None:
+    with pytest.raises(ValidationError, match="Extra inputs"):
+        Sample.model_validate({"length": 1, "lenght": 1})
+    with pytest.raises(ValidationError, match="frozen"):
+        Sample(length=1).length = 2.0
+
+
+def test_a_number_is_no_flag() -> None:
+    assert "boolean" in message(flag=1)

@@ -1,0 +1,139 @@
+"""Scenes of the verification problems: points on a lattice, rollers on a grid, a solver of sand and an elastic body.
+
+The elastic body of every problem is made of points of kind BASE and the sand of points of kind COLUMN, so that all
+problems share one compiled cycle.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from mpmcol.laws import elastic, mohr_coulomb
+from mpmcol.solver import Body, Solver
+from mpmcol.state import (
+    BASE, COLUMN, KIND, V0, Grid, Points, Settings, allocate_grid, node_coordinates, set_fixed,
+)  # fmt: skip
+
+G = 9.81
+DENSITY, E, NU, PHI = 2650.0, 10e6, 0.2, 33.0
+PLAIN = Settings(0.0, -G, 0.0, 0.5, 1.0, 1.0, 0.5, True, True, True, False)
+WEIGHTLESS = PLAIN._replace(gravity_y=0.0)
+K_ACTIVE = (1.0 - np.sin(np.radians(PHI))) / (1.0 + np.sin(np.radians(PHI)))
+
+
+def elastic_body(density: float = DENSITY, youngs_modulus: float = E, poissons_ratio: float = NU) -> Body:
+    """The elastic body, by default with the elastic part of Table 1."""
+    material = elastic.Material(
+        density=density, youngs_modulus=youngs_modulus, poissons_ratio=poissons_ratio
+    )
+    return Body(elastic, elastic.make_params(material), material.wave_speed**2)
+
+
+def sand_body(density: float = DENSITY, youngs_modulus: float = E, poissons_ratio: float = NU, **plastic: float) -> Body:
+    """Cohesionless Mohr-Coulomb sand, by default that of Table 1."""
+    keys: dict[str, Any] = {"friction_deg": PHI, "dilatancy_deg": 0.0} | plastic
+    material = mohr_coulomb.Material(
+        law="mohr-coulomb", density=density, youngs_modulus=youngs_modulus, poissons_ratio=poissons_ratio, **keys
+    )
+    return Body(mohr_coulomb, mohr_coulomb.make_params(material), material.wave_speed**2)
+
+
+def lattice(lower: tuple[float, float], upper: tuple[float, float], spacing: float) -> np.ndarray:
+    """Centres (n, 2) of squares of side `spacing` that tile the rectangle."""
+    axes = [
+        low + spacing * (np.arange(round((high - low) / spacing)) + 0.5)
+        for low, high in zip(lower, upper, strict=True)
+    ]
+    return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2)
+
+
+def points_at(
+    x: np.ndarray, spacing: float, kind: int = BASE, density: float = DENSITY, axisymmetric: bool = False
+) -> Points:
+    """Resting points at `x` (n, 2), each standing for a square of side `spacing`."""
+    points = Points(len(x))
+    points.x[:] = x
+    points.rows[:, V0] = spacing**2 * (x[:, 0] if axisymmetric else 1.0)
+    points.m[:] = density * points.V0
+    points.rows[:, KIND] = kind
+    return points
+
+
+def joined(*parts: Points) -> Points:
+    """All points of several bodies, renumbered."""
+    points = Points(sum(len(part) for part in parts))
+    number = points.rows[:, 7].copy()
+    points.rows[:] = np.concatenate([part.rows for part in parts])
+    points.rows[:, 7] = number
+    return points
+
+
+def walled_grid(
+    origin: tuple[float, float], h: float, cells: tuple[int, int], rollers: str = "", no_slip: str = ""
+) -> Grid:
+    """A grid whose named sides ("left right bottom top") fix the normal or all components of velocity."""
+    grid = allocate_grid(origin, h, cells)
+    x, y = node_coordinates(grid)
+    on = {
+        "left": x < origin[0] + 0.5 * h,
+        "right": x > origin[0] + (cells[0] - 0.5) * h,
+        "bottom": y < origin[1] + 0.5 * h,
+        "top": y > origin[1] + (cells[1] - 0.5) * h,
+    }
+    nothing = np.zeros_like(on["left"])
+    fixed_x, fixed_y = nothing.copy(), nothing.copy()
+    for side, mask in on.items():
+        along_x = side in ("left", "right")
+        fixed_x |= mask & ((side in no_slip) | (along_x & (side in rollers)))
+        fixed_y |= mask & ((side in no_slip) | ((not along_x) & (side in rollers)))
+    set_fixed(grid, fixed_x, fixed_y)
+    return grid
+
+
+def make_solver(
+    points: Points, grid: Grid, settings: Settings, sand: Body | None = None, body: Body | None = None
+) -> Solver:
+    """A solver for sand (kind COLUMN) and an elastic body (kind BASE)."""
+    return Solver(points, grid, settings, sand or sand_body(), body or elastic_body())
+
+
+def advance_to(solver: Solver, end: float) -> None:
+    """Step until the clock passes `end` and check that nothing went wrong."""
+    while solver.time < end:
+        fault = solver.advance(end)
+        assert fault == -1, f"point {fault} at {solver.points.x[fault]} went wrong at {solver.time} s"
+
+
+def advance_steps(solver: Solver, steps: int) -> None:
+    """Make exactly `steps` steps and check that nothing went wrong."""
+    last = solver.steps + steps
+    while solver.steps < last:
+        assert solver.advance(np.inf, max_steps=last - solver.steps) == -1
+
+
+def by_id(solver: Solver) -> Points:
+    """The points in their first order."""
+    points = Points(len(solver.points))
+    points.rows[:] = solver.points.rows[np.argsort(solver.points.id)]
+    return points
+
+
+def kinetic_energy(points: Points) -> float:
+    """J per metre or radian."""
+    return float(0.5 * np.sum(points.m * np.sum(points.v**2, axis=1)))
+
+
+def potential_energy(points: Points, gravity: float = G) -> float:
+    """J per metre or radian, from y = 0."""
+    return float(gravity * np.sum(points.m * points.x[:, 1]))
+
+
+def elastic_energy(points: Points, youngs_modulus: float = E, poissons_ratio: float = NU) -> float:
+    """Stored energy of linear elasticity, J per metre or radian."""
+    s = points.sigma
+    trace = s[:, :3].sum(axis=1)
+    norm2 = np.sum(s[:, :3] ** 2, axis=1) + 2.0 * s[:, 3] ** 2
+    density = ((1.0 + poissons_ratio) * norm2 - poissons_ratio * trace**2) / (2.0 * youngs_modulus)
+    return float(np.sum(points.V * density))

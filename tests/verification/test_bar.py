@@ -1,0 +1,88 @@
+"""Axial vibration of an elastic bar: period and energy after ten periods, for each transfer.
+
+A strip one wavelength / 4 long, 25 cells, two points per cell along the bar, nu = 0, rollers on its sides: the
+problem is one-dimensional. E = 100, rho = 1, L = 25, v = 0.1 sin(pi x / 2 L), hence T = 10. The time step is held
+constant here. With the step of Eq. 35, which follows the speed of the points twice per period, ten periods cost
+0.25 % more energy at CFL 0.5 (Taylor: 0.9963 in place of 0.9986), although the speed is 1 % of the wave speed.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from mpmcol.kernels.cycle_2d import DT
+from tests.verification.blocks import (
+    WEIGHTLESS, advance_steps, by_id, elastic_body, elastic_energy, kinetic_energy, lattice, make_solver,
+    points_at, walled_grid,
+)  # fmt: skip
+
+LENGTH, YOUNG, SPEED, PERIOD = 25.0, 100.0, 0.1, 10.0
+TRANSFERS = {
+    "flip": {"taylor": 0.0},
+    "taylor-flip": {},
+    "pic": {"taylor": 0.0, "flip_fraction": 0.0},
+}
+
+
+class Vibration(NamedTuple):
+    energy: float  # end / start
+    period: float
+    cross_motion: float
+
+
+@lru_cache(maxsize=None)
+def vibration(transfer: str, cfl: float) -> Vibration:
+    b = np.pi / (2.0 * LENGTH)
+    points = points_at(lattice((0.0, 0.0), (LENGTH, 2.0), 0.5), 0.5, density=1.0)
+    points.v[:, 0] = SPEED * np.sin(b * points.x[:, 0])
+    gradient = np.zeros((len(points), 3, 3))
+    gradient[:, 0, 0] = SPEED * b * np.cos(b * points.x[:, 0])
+    points.grad_v = gradient
+    grid = walled_grid((0.0, 0.0), 1.0, (29, 2), rollers="left bottom top")
+    settings = WEIGHTLESS._replace(cfl=cfl, wall_impulse=False, **TRANSFERS[transfer])
+    solver = make_solver(points, grid, settings, body=elastic_body(1.0, YOUNG, 0.0))
+    start = kinetic_energy(points)
+    times, speeds = [], []
+    for _ in range(round(10 * PERIOD * 10.0 / cfl)):
+        solver.clock[DT] = cfl / 10.0
+        advance_steps(solver, 1)
+        times.append(solver.time)
+        speeds.append(solver.points.m @ solver.points.v[:, 0])
+    end = kinetic_energy(solver.points) + elastic_energy(solver.points, YOUNG, 0.0)
+    return Vibration(end / start, _period(np.array(times), np.array(speeds)), np.abs(by_id(solver).v[:, 1]).max())
+
+
+def _period(t: np.ndarray, v: np.ndarray) -> float:
+    """Twice the mean distance of zero crossings, by a line through all of them."""
+    k = np.flatnonzero(v[1:] * v[:-1] < 0.0)
+    crossing = t[k] - v[k] * (t[k + 1] - t[k]) / (v[k + 1] - v[k])
+    return float(2.0 * np.polyfit(np.arange(len(crossing)), crossing, 1)[0])
+
+
+@pytest.mark.parametrize("cfl", [0.1, 0.5])
+def test_period_is_within_a_tenth_of_a_percent(cfl: float) -> None:
+    assert vibration("taylor-flip", cfl).period == pytest.approx(PERIOD, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("transfer", "cfl", "energy", "tolerance"),
+    [
+        ("flip", 0.1, 0.9989, 0.0004),
+        ("taylor-flip", 0.1, 0.9995, 0.0002),
+        ("pic", 0.1, 6e-5, 0.5e-5),
+        ("flip", 0.5, 0.9958, 0.0004),
+        ("taylor-flip", 0.5, 0.9986, 0.0002),
+        ("pic", 0.5, 0.142, 0.001),
+    ],
+)
+def test_energy_after_ten_periods(transfer: str, cfl: float, energy: float, tolerance: float) -> None:
+    """Against an independent one-dimensional code (same bar, same steps)."""
+    assert vibration(transfer, cfl).energy == pytest.approx(energy, abs=tolerance)
+
+
+def test_the_strip_moves_along_its_axis_only() -> None:
+    assert vibration("taylor-flip", 0.5).cross_motion < 1e-12

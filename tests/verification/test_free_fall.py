@@ -1,0 +1,79 @@
+"""A block that falls freely: exact parabola, conserved mass and momentum, position rules and local damping."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mpmcol.solver import Solver
+from mpmcol.state import Points, Settings, node_records
+from tests.verification.blocks import (
+    PLAIN, G, advance_steps, by_id, elastic_body, kinetic_energy, lattice, make_solver, points_at,
+    potential_energy, walled_grid,
+)  # fmt: skip
+
+H = 0.1
+STIFF = elastic_body(density=1000.0, youngs_modulus=1e9, poissons_ratio=0.0)  # c_p = 1000 m/s
+
+
+def thrown_block(v: tuple[float, float], settings: Settings = PLAIN) -> tuple[Solver, Points]:
+    """A stress-free block of 3 x 3 cells in the middle of a large grid, and its points at the start."""
+    points = points_at(lattice((2.03, 4.01), (2.33, 4.31), H / 2), H / 2, density=1000.0)
+    points.v[:] = v
+    solver = make_solver(points, walled_grid((0.0, 0.0), H, (45, 90)), settings, body=STIFF)
+    return solver, by_id(solver)
+
+
+def test_parabola_is_exact_over_10_000_steps() -> None:
+    v0, g = np.array([0.7, 1.5]), np.array([0.0, -G])
+    solver, start = thrown_block((0.7, 1.5))
+    advance_steps(solver, 10_000)
+    points, t = by_id(solver), solver.time
+    np.testing.assert_allclose(points.x, start.x + v0 * t + 0.5 * g * t**2, rtol=1e-12)
+    np.testing.assert_allclose(points.v, np.broadcast_to(v0 + g * t, points.v.shape), rtol=1e-12)
+    np.testing.assert_allclose(points.J, 1.0, rtol=1e-12)
+
+
+def test_mass_and_momentum_are_kept_to_round_off() -> None:
+    solver, start = thrown_block((0.7, 1.5))
+    rng = np.random.default_rng(2)
+    solver.points.v[:] += rng.normal(0.0, 1.0, start.v.shape)
+    solver.points.grad_v = np.pad(rng.normal(0.0, 1.0, (len(start), 2, 2)), ((0, 0), (0, 1), (0, 1)))
+    solver.points.sigma = rng.normal(0.0, 1e3, (len(start), 6))
+    mass, momentum = start.m.sum(), start.m @ solver.points.v
+    advance_steps(solver, 500)
+    nodes = node_records(solver.grid)
+    expected = momentum + mass * np.array([0.0, -G]) * solver.time
+    assert nodes[:, :, 0].sum() == pytest.approx(mass, rel=1e-13)
+    np.testing.assert_allclose(solver.points.m @ solver.points.v, expected, rtol=1e-11)
+    np.testing.assert_allclose(np.einsum("ij,ijk->k", nodes[:, :, 0], nodes[:, :, 1:3]), expected, rtol=1e-11)
+
+
+@pytest.mark.parametrize(("factor", "share"), [(1.0, -0.5), (0.5, 0.0), (0.0, 0.5)], ids=["paper", "trapezoid", "end"])
+def test_error_of_the_position_rules(factor: float, share: float) -> None:
+    """Error `share` a dt t with a the acceleration: Eq. 27 as printed lags behind, the end velocity runs ahead."""
+    solver, start = thrown_block((0.0, 0.0), PLAIN._replace(position_factor=factor))
+    sum_dt2 = 0.0
+    for _ in range(200):
+        sum_dt2 += solver.dt**2
+        advance_steps(solver, 1)
+    error = by_id(solver).x[:, 1] - start.x[:, 1] + 0.5 * G * solver.time**2
+    np.testing.assert_allclose(error, -share * G * sum_dt2, atol=1e-14)
+
+
+@pytest.mark.parametrize(("speed", "factor"), [(-0.5, 0.95), (5.0, 1.05)], ids=["down", "up"])
+def test_damping_of_5_percent_takes_5_percent_of_the_force(speed: float, factor: float) -> None:
+    """-alpha_d |f| sign(v): a falling block accelerates with 0.95 g, a rising one slows down with 1.05 g."""
+    solver, _ = thrown_block((0.0, speed), PLAIN._replace(alpha_d=0.05))
+    advance_steps(solver, 1000)
+    np.testing.assert_allclose(solver.points.v[:, 1], speed - factor * G * solver.time, rtol=1e-12)
+
+
+@pytest.mark.parametrize("speed", [-3.0, 0.0, 0.2, 3.0])
+def test_damping_never_adds_energy(speed: float) -> None:
+    solver, _ = thrown_block((0.3, speed), PLAIN._replace(alpha_d=0.05))
+    energy = [kinetic_energy(solver.points) + potential_energy(solver.points)]
+    for _ in range(100):
+        advance_steps(solver, 20)
+        energy.append(kinetic_energy(solver.points) + potential_energy(solver.points))
+    assert np.all(np.diff(energy) < 0.0)
