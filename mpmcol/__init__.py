@@ -1,10 +1,10 @@
 """mpmcol: collapse of granular columns by the material point method.
 
-    import mpmcol
-    case = mpmcol.load_case("quickstart")
-    results = mpmcol.run(case, "runs/quickstart")
-    print(results.measure().zeta)
-    positions = results.snapshot(-1).x
+import mpmcol
+case = mpmcol.load_case("quickstart")
+results = mpmcol.run(case, "runs/quickstart")
+print(results.measure().zeta)
+positions = results.snapshot(-1).x
 """
 
 from __future__ import annotations

@@ -18,11 +18,11 @@ from typing import Any, TypeVar
 
 os.environ.setdefault("NUMBA_THREADING_LAYER_PRIORITY", "omp tbb workqueue")
 
-import llvmlite  # noqa: E402  (the threading layer is read when numba is imported)
-import numba  # noqa: E402
-import numpy as np  # noqa: E402
-from numba import prange as prange  # noqa: E402
-from numba.extending import register_jitable  # noqa: E402
+import llvmlite
+import numba
+import numpy as np
+from numba import prange as prange
+from numba.extending import register_jitable
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -74,8 +74,9 @@ def _choose_cache_folder() -> Path:
 
 
 CACHE_FOLDER = _choose_cache_folder()
-numba.config.CACHE_DIR = str(CACHE_FOLDER)
-JIT_DISABLED = bool(numba.config.DISABLE_JIT)
+_config: Any = numba.config
+_config.CACHE_DIR = str(CACHE_FOLDER)
+JIT_DISABLED = bool(_config.DISABLE_JIT)
 
 
 def device(function: F) -> F:
@@ -100,7 +101,7 @@ def driver(function: F) -> F:
 
 def set_threads(threads: int | None) -> int:
     """Use `threads` threads (all cores that Numba was given if None); returns the number in use."""
-    limit = numba.config.NUMBA_NUM_THREADS
+    limit: int = _config.NUMBA_NUM_THREADS
     chosen = limit if threads is None else max(1, min(threads, limit))
     numba.set_num_threads(chosen)
     return chosen

@@ -8,6 +8,7 @@ from math import ceil, isqrt
 from mpmcol.case import Case
 from mpmcol.errors import UsageError
 from mpmcol.experiments import expected_runout
+from mpmcol.measure import ColumnShape
 
 RUNOUT_MARGIN = 0.5  # r_i beyond the farthest-running experiment
 HEADROOM_CELLS = 6
@@ -90,3 +91,16 @@ def _domain(case: Case, h: float) -> tuple[float, float]:
                 "make it larger, or leave it out to have the domain sized from the expected runout"
             )
     return length, height
+
+
+def column_shape(case: Case, layout: Layout) -> ColumnShape:
+    """What a deposit of this scene is measured against."""
+    return ColumnShape(
+        model=case.geometry.model,
+        release=case.geometry.release,
+        r_i=layout.r_i,
+        h_i=layout.h_i,
+        spacing=layout.h,
+        density=case.material.density,
+        point_size=layout.point_size,
+    )

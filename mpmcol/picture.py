@@ -68,15 +68,11 @@ def _drawable_meta(path: Path) -> dict[str, str | int | float]:
     meta = read_meta(path)
     missing = sorted({"title", "model", "point_size", "r_i", "h_i"} - meta.keys())
     if missing:
-        raise OutputError(
-            f"{path}: cannot be drawn, it does not say its {', '.join(missing)}; write it with them"
-        )
+        raise OutputError(f"{path}: cannot be drawn, it does not say its {', '.join(missing)}; write it with them")
     return meta
 
 
-def _fit(
-    extent: tuple[float, float, float, float], canvas: tuple[int, int]
-) -> tuple[float, float, float, float]:
+def _fit(extent: tuple[float, float, float, float], canvas: tuple[int, int]) -> tuple[float, float, float, float]:
     """Widen the extent, about its centre, by a margin and to the proportions of the canvas (equal axes)."""
     left, right, bottom, top = extent
     scale = 1.08 * max((right - left) / canvas[0], (top - bottom) / canvas[1])

@@ -14,9 +14,10 @@ from mpmcol.case import Case, resolved_toml
 from mpmcol.files import atomic_write, make_folder
 from mpmcol.kernels import cycle_2d as cycle
 from mpmcol.laws import LAWS
+from mpmcol.layout import column_shape
 from mpmcol.measure import Measurement, measure
 from mpmcol.results import CASE_FILE, write_history
-from mpmcol.scene import Scene, column_shape
+from mpmcol.scene import Scene
 from mpmcol.snapshot import Snapshot, write_index, write_snapshot
 from mpmcol.solver import Solver
 from mpmcol.state import BASE, Points
@@ -34,7 +35,12 @@ class Recorder:
         self.worst_J = [1.0, 1.0]
         self._snapshots = 0
         self._meta = self._make_meta(threads)
-        derived = {"points": len(scene.points), "threads": threads, **describe(scene), **versions()}
+        derived: dict[str, Any] = {
+            "points": len(scene.points),
+            "threads": threads,
+            **describe(scene),
+            **versions(),
+        }
         atomic_write(folder / CASE_FILE, resolved_toml(case, derived).encode())
         self.start_ledger()
 
@@ -54,8 +60,15 @@ class Recorder:
         self.worst_J = [min(self.worst_J[0], points.J.min()), max(self.worst_J[1], points.J.max())]
         row = {"stage": stage, "step": self.solver.steps, "time": clock[cycle.TIME], "dt": clock[cycle.DT]}
         row |= self.energy_ledger() | measured.front | {"height": measured.height}
-        row |= {"J_min": points.J.min(), "J_max": points.J.max(), "open_points": int(np.sum(points.opening > 0.0))}
-        row |= {"grid_kinetic": self.solver.ledger[cycle.L_KINETIC], "unbalanced": self.solver.ledger[cycle.L_UNBALANCED]}
+        row |= {
+            "J_min": points.J.min(),
+            "J_max": points.J.max(),
+            "open_points": int(np.sum(points.opening > 0.0)),
+        }
+        row |= {
+            "grid_kinetic": self.solver.ledger[cycle.L_KINETIC],
+            "unbalanced": self.solver.ledger[cycle.L_UNBALANCED],
+        }
         self.rows.append(row)
         self.seconds += time.perf_counter() - started
         return measured

@@ -70,9 +70,7 @@ def _choose(paths: Sequence[Path], snapshot: int, folder: Path) -> Path:
     if not paths:
         raise OutputError(f"{folder}: no snapshots/*.vtkhdf here; give the results folder of a run")
     if not -len(paths) <= snapshot < len(paths):
-        raise UsageError(
-            f"there is no snapshot {snapshot}: {folder} has 0 to {len(paths) - 1} (-1 is the last)"
-        )
+        raise UsageError(f"there is no snapshot {snapshot}: {folder} has 0 to {len(paths) - 1} (-1 is the last)")
     return paths[snapshot]
 
 
@@ -132,9 +130,7 @@ def _has_egl() -> bool:
 
 def _animation(pictures: Sequence[Image.Image]) -> bytes:
     # By coverage, not by count: the colour bar has few pixels but needs all of its colours.
-    frames = [
-        picture.quantize(256, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE) for picture in pictures
-    ]
+    frames = [picture.quantize(256, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE) for picture in pictures]
     times = [FRAME_MS] * (len(frames) - 1) + [LAST_FRAME_MS]
     return _encoded(frames, "GIF", save_all=True, append_images=frames[1:], duration=times, loop=0)
 

@@ -16,9 +16,8 @@ import numpy as np
 from mpmcol.case import Case, load_case
 from mpmcol.errors import OutputError, UsageError
 from mpmcol.files import atomic_write
-from mpmcol.layout import make_layout
+from mpmcol.layout import column_shape, make_layout
 from mpmcol.measure import ColumnShape, Measurement, measure
-from mpmcol.scene import column_shape
 from mpmcol.snapshot import Snapshot, list_snapshots, read_snapshot
 
 RESULT_SCHEMA = 1
@@ -69,8 +68,7 @@ class Results:
             with path.open(newline="") as file:
                 rows = list(csv.DictReader(file))
             return {
-                name: np.array([row[name] if name == "stage" else float(row[name]) for row in rows])
-                for name in HISTORY
+                name: np.array([row[name] if name == "stage" else float(row[name]) for row in rows]) for name in HISTORY
             }
         except (OSError, KeyError, TypeError, ValueError) as error:
             raise OutputError(f"{path} cannot be read ({error}); run the case again with --fresh") from None

@@ -11,7 +11,6 @@ from mpmcol.case import Case
 from mpmcol.geometries import GEOMETRIES
 from mpmcol.laws import LAWS, elastic
 from mpmcol.layout import Layout, make_layout
-from mpmcol.measure import ColumnShape
 from mpmcol.solver import Body
 from mpmcol.state import BASE, V0, Grid, Points, Settings, allocate_grid, node_coordinates, set_fixed
 
@@ -132,16 +131,3 @@ def close_walls(grid: Grid, layout: Layout, gate_opening: float) -> None:
     sides = (x < slack) | (x > layout.length - slack)
     gate = (x > layout.r_i - slack) & (y > slack) & (y > gate_opening - slack)
     set_fixed(grid, floor | sides | gate, floor)
-
-
-def column_shape(case: Case, layout: Layout) -> ColumnShape:
-    """What a deposit of this scene is measured against."""
-    return ColumnShape(
-        model=case.geometry.model,
-        release=case.geometry.release,
-        r_i=layout.r_i,
-        h_i=layout.h_i,
-        spacing=layout.h,
-        density=case.material.density,
-        point_size=layout.point_size,
-    )

@@ -92,9 +92,7 @@ def _lane(typingctx, value, index):
 def _fma(typingctx, a, b, c):
     def codegen(context, builder, signature, args):
         signature_llvm = ir.FunctionType(_VECTOR, [_VECTOR] * 3)
-        return builder.call(
-            cgutils.get_or_insert_function(builder.module, signature_llvm, "llvm.fma.v8f64"), args
-        )
+        return builder.call(cgutils.get_or_insert_function(builder.module, signature_llvm, "llvm.fma.v8f64"), args)
 
     return vec8(vec8, vec8, vec8), codegen
 

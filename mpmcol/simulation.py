@@ -101,7 +101,10 @@ class Run:
             self.collapse_steps = solver.steps - first
             self.wall_s["output"] = self.recorder.seconds
             self.wall_s["collapse"] = time.perf_counter() - started - (self.recorder.seconds - output)
-        self._say_stage("collapse", f"{'at rest' if solver.time < limit else 'ended'} after {solver.time / self.tau:.2f} tau")
+        self._say_stage(
+            "collapse",
+            f"{'at rest' if solver.time < limit else 'ended'} after {solver.time / self.tau:.2f} tau",
+        )
         self.recorder.snapshot("rest")
 
     def outcome(self, status: str) -> dict[str, Any]:
@@ -217,5 +220,3 @@ def run(
         write_result(folder, simulation.outcome("stopped"))
         raise
     return Results(folder)
-
-

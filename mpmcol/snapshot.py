@@ -71,9 +71,7 @@ class Snapshot:
         return np.linalg.norm(self.arrays["displacement"], axis=1)
 
 
-def write_snapshot(
-    folder: Path, index: int, snapshot: Snapshot, meta: Meta, compression: str = "none"
-) -> Path:
+def write_snapshot(folder: Path, index: int, snapshot: Snapshot, meta: Meta, compression: str = "none") -> Path:
     """Write `folder/snapshots/<index>.vtkhdf` atomically, sorted by point id, reals as float32; return its path.
 
     meta: what a reader needs to know about the run: model, spacing, point_size, r_i, h_i, title, case text,

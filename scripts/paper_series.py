@@ -80,10 +80,14 @@ def main() -> None:
         if not is_done(folder):
             print(folder.name, flush=True)
             overrides = [f"geometry.aspect={a}", f"grid.spacing={spacing}"]
-            run(load_case(case, overrides), folder, threads=asked.threads, fresh=True, say=lambda s: print(" ", s, flush=True))
-    finished = [
-        folder_of(asked.out, *member) for halved in (False, True) for member in members(None, halved)
-    ]
+            run(
+                load_case(case, overrides),
+                folder,
+                threads=asked.threads,
+                fresh=True,
+                say=lambda s: print(" ", s, flush=True),
+            )
+    finished = [folder_of(asked.out, *member) for halved in (False, True) for member in members(None, halved)]
     table = [HEADER, *(row(folder) for folder in finished if is_done(folder))]
     (asked.out / "series.md").write_text("\n".join(table) + "\n")
     print("\n".join(table))

@@ -10,14 +10,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mpmcol import state as lanes
 from mpmcol.basis import spline
-from mpmcol.jit import kernel, prange
+from mpmcol.jit import phase, prange
 from mpmcol.kernels.grid_2d import MASS_FLOOR
 from mpmcol.kernels.transfer_2d import WALL_GAP
-from mpmcol.state import (
-    LXX, LXY, LYX, LYY, LZZ, M, OPENING, Q0, Q1, SXX, SXY, SYY, SZZ, TILE, TILE_DOUBLES, V0, VX, VY, Grid, J,
-    Settings, Tiles, X, Y, tile_count,
-)  # fmt: skip
+from mpmcol.state import TILE, TILE_DOUBLES, Grid, Settings, Tiles, tile_count
 
 
 class PlainPoints(NamedTuple):
@@ -52,13 +50,20 @@ class PlainGrid(NamedTuple):
 def plain_points(rows: np.ndarray) -> PlainPoints:
     """The records of `Points.rows` (n, 24) as separate arrays; a copy."""
 
-    def copy(*lanes: int) -> np.ndarray:
-        return np.ascontiguousarray(rows[:, lanes[0]] if len(lanes) == 1 else rows[:, list(lanes)])
+    def copy(*columns: int) -> np.ndarray:
+        return np.ascontiguousarray(rows[:, columns].squeeze())
 
     return PlainPoints(
-        copy(X, Y), copy(VX, VY), copy(LXX, LXY, LYX, LYY, LZZ), copy(SXX, SYY, SZZ, SXY),
-        copy(M), copy(V0), copy(J), copy(OPENING), copy(Q0, Q1),
-    )  # fmt: skip
+        copy(lanes.X, lanes.Y),
+        copy(lanes.VX, lanes.VY),
+        copy(lanes.LXX, lanes.LXY, lanes.LYX, lanes.LYY, lanes.LZZ),
+        copy(lanes.SXX, lanes.SYY, lanes.SZZ, lanes.SXY),
+        copy(lanes.M),
+        copy(lanes.V0),
+        copy(lanes.J),
+        copy(lanes.OPENING),
+        copy(lanes.Q0, lanes.Q1),
+    )
 
 
 def plain_grid(grid: Grid, tiles: Tiles) -> PlainGrid:
@@ -73,7 +78,7 @@ def plain_grid(grid: Grid, tiles: Tiles) -> PlainGrid:
     )  # fmt: skip
 
 
-@kernel
+@phase
 def clear(grid: PlainGrid) -> None:
     """Set the nodes of all active tiles to zero.
 
@@ -88,7 +93,7 @@ def clear(grid: PlainGrid) -> None:
                     v_i[i, j, c] = a_i[i, j, c] = 0.0
 
 
-@kernel
+@phase
 def p2g(points: PlainPoints, grid: PlainGrid, tiles: Tiles, settings: Settings) -> None:
     """Scatter mass, momentum and force, tiles of one colour in parallel.
 
@@ -128,7 +133,7 @@ def p2g(points: PlainPoints, grid: PlainGrid, tiles: Tiles, settings: Settings) 
                         f_i[i + b, j + c, 1] += w * body_y - volume * (sigma_p[p, 3] * g_x + sigma_p[p, 1] * g_y)
 
 
-@kernel
+@phase
 def update_grid(grid: PlainGrid, settings: Settings, smallest_mass: float, dt: float, report: np.ndarray) -> None:
     """Momentum to velocity, acceleration with damping, explicit update, walls.
 
@@ -165,7 +170,7 @@ def update_grid(grid: PlainGrid, settings: Settings, smallest_mass: float, dt: f
         report[k, 3], report[k, 4], report[k, 5] = walls, unbalanced, weight
 
 
-@kernel
+@phase
 def g2p(points: PlainPoints, grid: PlainGrid, tiles: Tiles, settings: Settings, dt: float) -> None:
     """Velocity, velocity gradient and position of all points.
 

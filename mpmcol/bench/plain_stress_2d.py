@@ -1,24 +1,25 @@
 """Stress update of the plain loops: the formulas of `kernels.stress_2d` on separate arrays."""
 
+# Compiled functions take what Numba infers.
+# mypy: allow-untyped-defs
+# ruff: noqa: ANN001
+
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import lru_cache
 from math import sqrt
 from types import ModuleType
-from typing import Any
 
-from mpmcol.jit import device, kernel, prange
+from mpmcol.jit import device, phase, prange
 from mpmcol.kernels.stress_2d import _return_in_plane
 
 
-@lru_cache(maxsize=None)
-def make_update_stress(column_law: ModuleType, base_law: ModuleType) -> Callable[..., Any]:
+def make_update_stress(column_law: ModuleType, base_law: ModuleType) -> Callable[..., None]:
     """The loop over all points with the laws of column and base frozen in."""
     column_stress, base_stress = _make_point_stress(column_law), _make_point_stress(base_law)
 
-    @kernel
-    def update_stress(points, tiles, settings, column, base, c2_column, c2_base, dt, report):  # noqa: ANN001, ANN202
+    @phase
+    def update_stress(points, tiles, settings, column, base, c2_column, c2_base, dt, report):
         """Volume, stress and time step of all points.
 
         Reads: points (L). Writes: points (sigma, J, opening, history), report (n_tiles, 2). Eq. (29)-(36).
@@ -43,7 +44,7 @@ def _make_point_stress(law: ModuleType) -> Callable[..., float]:
     return_map, apex = law.return_map, law.apex
 
     @device
-    def point_stress(p, L_p, sigma_p, V0_p, J_p, opening_p, history_p, params, settings, dt):  # noqa: ANN001, ANN202
+    def point_stress(p, L_p, sigma_p, V0_p, J_p, opening_p, history_p, params, settings, dt):
         """Update sigma, J, opening and history of point `p`; returns its stress work, J."""
         l_xx, l_xy, l_yx = dt * L_p[p, 0], dt * L_p[p, 1], dt * L_p[p, 2]
         l_yy, l_zz = dt * L_p[p, 3], dt * L_p[p, 4]

@@ -114,9 +114,7 @@ def _value_at(tables: Any, key: KeyPath) -> Any:
     return tables
 
 
-def _sound_values(
-    tables: dict[str, Any], wrong: set[KeyPath], law: str, at: KeyPath = ()
-) -> Iterator[tuple[str, Any]]:
+def _sound_values(tables: dict[str, Any], wrong: set[KeyPath], law: str, at: KeyPath = ()) -> Iterator[tuple[str, Any]]:
     """Give the converted values of all keys that are right by themselves, for the rules between keys."""
     for name, field in fields_at(at, law).items():
         key = (*at, name)

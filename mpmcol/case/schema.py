@@ -47,9 +47,7 @@ class Geometry(Keys):
     radius: float = quantity("r_i: width of a plane column (half of it if two-sided), or radius", "m", gt=0)
     height: float | None = quantity("h_i: initial height of the column; or give aspect", "m", None, gt=0)
     aspect: float | None = quantity("a = h_i / r_i: aspect ratio; or give height", "", None, gt=0)
-    base: Literal["elastic", "rigid"] = choice(
-        "elastic layer as in the paper, or no-slip grid nodes", "elastic"
-    )
+    base: Literal["elastic", "rigid"] = choice("elastic layer as in the paper, or no-slip grid nodes", "elastic")
     base_thickness: float = quantity("thickness of the elastic base", "m", 0.02, gt=0)
     domain_length: float | None = quantity(
         "length of the grid from the wall or axis; sized from the expected runout if absent", "m", None, gt=0
@@ -162,9 +160,7 @@ class Output(Keys):
 class Score(Keys):
     """What the result is compared with."""
 
-    experiment: ExperimentName = choice(
-        "published experiment to score against; paper: the paper's own", "paper"
-    )
+    experiment: ExperimentName = choice("published experiment to score against; paper: the paper's own", "paper")
 
 
 def _elastic_part(data: dict[str, Any]) -> elastic.Material:

@@ -7,9 +7,7 @@ import click
 
 @click.command()
 @click.argument("case")
-@click.option(
-    "--set", "overrides", multiple=True, metavar="KEY=VALUE", help="Replace a value, e.g. geometry.aspect=5."
-)
+@click.option("--set", "overrides", multiple=True, metavar="KEY=VALUE", help="Replace a value, e.g. geometry.aspect=5.")
 @click.option("--resolved", is_flag=True, help="Print the case with all defaults filled in.")
 def check(case: str, overrides: tuple[str, ...], resolved: bool) -> None:
     """Check CASE, a TOML file or a shipped case, and say what it is.

@@ -51,9 +51,7 @@ def _stop_time(results: Results, snapshot: int) -> float | None:
     return None if stop is None else stop / (shape.h_i / gravity) ** 0.5
 
 
-def _scores(
-    measured: Measurement, shape: ColumnShape, stop: float | None
-) -> tuple[list[Score], list[ProfileScore]]:
+def _scores(measured: Measurement, shape: ColumnShape, stop: float | None) -> tuple[list[Score], list[ProfileScore]]:
     from mpmcol.experiments import EXPERIMENTS, profile_score, score
 
     values: dict[str, Any] = {"zeta": measured.zeta, "beta": measured.beta}
@@ -99,8 +97,7 @@ def _csv(measured: Measurement, stop: float | None, scores: list[Score]) -> str:
 def _deposit_lines(measured: Measurement, shape: ColumnShape, stop: float | None) -> list[str]:
     still = measured.undisturbed_radius
     fronts = [
-        f"{name:<20} {1e3 * front:9.1f} mm   zeta {measured.zeta[name]:7.3f}"
-        for name, front in measured.front.items()
+        f"{name:<20} {1e3 * front:9.1f} mm   zeta {measured.zeta[name]:7.3f}" for name, front in measured.front.items()
     ]
     return [
         f"{shape.model}, {shape.release}, a = {shape.a:.3g}, r_i = {1e3 * shape.r_i:.4g} mm",

@@ -7,16 +7,12 @@ from pathlib import Path
 import click
 
 
-def parse_times(
-    context: click.Context, parameter: click.Parameter, text: str | None
-) -> tuple[float, ...] | None:
+def parse_times(context: click.Context, parameter: click.Parameter, text: str | None) -> tuple[float, ...] | None:
     """Seconds since release, separated by commas."""
     try:
         return None if text is None else tuple(float(part) for part in text.split(","))
     except ValueError as error:
-        raise click.BadParameter(
-            f"{text!r}: expected seconds, separated by commas, such as 0.1,0.2"
-        ) from error
+        raise click.BadParameter(f"{text!r}: expected seconds, separated by commas, such as 0.1,0.2") from error
 
 
 @click.command()

@@ -12,18 +12,14 @@ def parse_size(context: click.Context, parameter: click.Parameter, text: str) ->
     width, _, height = text.partition("x")
     sizes = [int(part) if part.isdecimal() else 0 for part in (width, height)]
     if not all(200 <= pixels <= 8000 for pixels in sizes):
-        raise click.BadParameter(
-            f"{text!r}: expected WIDTHxHEIGHT in pixels, each 200 to 8000, such as 1280x720"
-        )
+        raise click.BadParameter(f"{text!r}: expected WIDTHxHEIGHT in pixels, each 200 to 8000, such as 1280x720")
     return sizes[0], sizes[1]
 
 
 @click.command()
 @click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
 @click.option("--gif", is_flag=True, help="Also make an animation of all snapshots.")
-@click.option(
-    "--snapshot", metavar="N", default=-1, show_default=True, help="Which snapshot; -1 is the last."
-)
+@click.option("--snapshot", metavar="N", default=-1, show_default=True, help="Which snapshot; -1 is the last.")
 @click.option("--out", metavar="FILE", type=click.Path(path_type=Path), help="The PNG [default: in DIR].")
 @click.option("--size", default="1280x720", show_default=True, callback=parse_size, help="Size in pixels.")
 def render(folder: Path, gif: bool, snapshot: int, out: Path | None, size: tuple[int, int]) -> None:

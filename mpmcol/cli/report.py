@@ -23,7 +23,9 @@ def closing_table(results: Results) -> str:
 def _measured(results: Results) -> Iterator[str]:
     summary, case = results.summary, results.case
     experiment = find_experiment(case.score.experiment, case.geometry.model)
-    errors = {(s["quantity"], s["front_definition"]): s for s in summary["errors"] if s["experiment"] == experiment.name}
+    errors = {
+        (s["quantity"], s["front_definition"]): s for s in summary["errors"] if s["experiment"] == experiment.name
+    }
     yield f"{'':40s}{'m':>8s}{'':>8s}   against {experiment.name}"
     for name, front in summary["front"].items():
         label = f"runout zeta, {name} ({FRONT_TEXT[name]})"

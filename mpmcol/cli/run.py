@@ -50,9 +50,7 @@ def run(
     from mpmcol.simulation import run as simulate
 
     with reporter:
-        results = simulate(
-            loaded, folder, threads=threads, fresh=fresh, progress=reporter.progress, say=reporter.say
-        )
+        results = simulate(loaded, folder, threads=threads, fresh=fresh, progress=reporter.progress, say=reporter.say)
     if as_json:
         click.echo(json.dumps(results.summary))
     elif not quiet:

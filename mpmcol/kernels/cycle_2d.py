@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import lru_cache
+from functools import cache
 from math import sqrt
 from types import ModuleType
 from typing import Any
 
 from mpmcol.jit import device, driver, phase, prange
 from mpmcol.kernels.grid_2d import (
-    DAMPING, KINETIC_AFTER, KINETIC_BEFORE, NODE_REPORT, UNBALANCED, WALLS, WEIGHT, update_grid,
+    DAMPING,
+    KINETIC_AFTER,
+    KINETIC_BEFORE,
+    UNBALANCED,
+    WALLS,
+    WEIGHT,
+    update_grid,
 )  # fmt: skip
 from mpmcol.kernels.stress_2d import make_update_stress
 from mpmcol.kernels.transfer_2d import clear, gather, keep_off_walls, p2g
@@ -32,7 +38,7 @@ def make_update_points(column_law: ModuleType, base_law: ModuleType) -> Callable
     column_stress, base_stress = make_update_stress(column_law), make_update_stress(base_law)
 
     @phase
-    def update_points(rows, grid, tiles, settings, column, base, c2_column, c2_base, dt, report):  # noqa: ANN001, ANN202
+    def update_points(rows, grid, tiles, settings, column, base, c2_column, c2_base, dt, report):
         """Move all points and update their stress.
 
         Reads: nodes (v~, a). Writes: rows, report (n_tiles, 4). Eq. (26)-(34), and c_p + |v_p| of Eq. (35)-(36).
@@ -58,7 +64,7 @@ def make_update_points(column_law: ModuleType, base_law: ModuleType) -> Callable
 
 
 @device
-def _inspect(rows, p, c2, report, t):  # noqa: ANN001, ANN202
+def _inspect(rows, p, c2, report, t):
     """Note the point's wave speed plus speed, and the point itself if it is faster than its waves or not finite."""
     o = p * ROW
     c2_p = c2 * rows[o + J]  # Eq. 36 at the current density
@@ -69,20 +75,20 @@ def _inspect(rows, p, c2, report, t):  # noqa: ANN001, ANN202
 
 
 @device
-def _is_inside(rows, o, grid):  # noqa: ANN001, ANN202
+def _is_inside(rows, o, grid):
     """Whether a point of the column is two cells away from the open ends of the domain."""
     right = grid.origin_x + (grid.n_x - 3) * grid.h
     return rows[o + X] < right and rows[o + Y] < grid.origin_y + (grid.n_y - 3) * grid.h
 
 
 @device
-def _is_ordered(clock):  # noqa: ANN001, ANN202
+def _is_ordered(clock):
     """Whether no point can be more than one cell away from where it was sorted after one more step."""
     return clock[TRAVELLED] + max(0.1, 2.0 * clock[LAST_TRAVEL]) < 1.0
 
 
 @device
-def _sum_nodes(report, ledger):  # noqa: ANN001, ANN202
+def _sum_nodes(report, ledger):
     """Add the report of the grid to the ledger, in a fixed order."""
     before, after, damping, walls, unbalanced, weight = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(len(report)):
@@ -100,7 +106,7 @@ def _sum_nodes(report, ledger):  # noqa: ANN001, ANN202
 
 
 @device
-def _sum_points(report, ledger, clock, courant):  # noqa: ANN001, ANN202
+def _sum_points(report, ledger, clock, courant):
     """Time step of Eq. 35, travel and stress work from the report of the points; returns the first bad point."""
     speed, travel, work, fault = 0.0, 0.0, 0.0, NO_FAULT
     for t in range(len(report)):
@@ -116,15 +122,28 @@ def _sum_points(report, ledger, clock, courant):  # noqa: ANN001, ANN202
     return fault
 
 
-@lru_cache(maxsize=None)
+@cache
 def make_cycle(column_law: ModuleType, base_law: ModuleType) -> Callable[..., Any]:
     """The compiled loop over steps for these two laws."""
     update_points = make_update_points(column_law, base_law)
 
     @driver
-    def cycle(  # noqa: ANN202
-        rows, grid, tiles, settings, column, base, c2_column, c2_base, smallest_mass, reports, clock, ledger, end, steps
-    ):  # noqa: ANN001
+    def cycle(
+        rows,
+        grid,
+        tiles,
+        settings,
+        column,
+        base,
+        c2_column,
+        c2_base,
+        smallest_mass,
+        reports,
+        clock,
+        ledger,
+        end,
+        steps,
+    ):
         """Step until `clock[TIME] >= end`, `steps` are done, points are out of order, or one goes wrong.
 
         Reads: settings, params. Writes: rows, nodes, reports, clock, ledger. Eq. (13)-(36). Returns the row of the

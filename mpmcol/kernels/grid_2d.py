@@ -34,7 +34,7 @@ def update_grid(
 
 
 @device
-def _update_node(nodes, o, mask, settings, dt, report, k):  # noqa: ANN001, ANN202
+def _update_node(nodes, o, mask, settings, dt, report, k):
     """One node with mass; adds its energies to row `k` of the report."""
     m = nodes[o]
     inv_m = 1.0 / m
@@ -46,7 +46,7 @@ def _update_node(nodes, o, mask, settings, dt, report, k):  # noqa: ANN001, ANN2
 
 
 @device
-def _update_component(nodes, at, is_fixed, m, inv_m, settings, dt, report, k):  # noqa: ANN001, ANN202
+def _update_component(nodes, at, is_fixed, m, inv_m, settings, dt, report, k):
     """One velocity component (`at`) and the force three lanes on."""
     raw = nodes[at] * inv_m  # Eq. 21
     kinetic = 0.5 * m * raw * raw

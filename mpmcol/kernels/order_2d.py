@@ -44,7 +44,7 @@ def sort_points(rows: np.ndarray, ordered: np.ndarray, grid: Grid, count: np.nda
 
 
 @device
-def _place(rows, o, grid, tiles_y):  # noqa: ANN001, ANN202
+def _place(rows, o, grid, tiles_y):
     """Tile of a point and its bucket in the tile."""
     i = base_node((rows[o + X] - grid.origin_x) / grid.h, grid.n_x)
     j = base_node((rows[o + Y] - grid.origin_y) / grid.h, grid.n_y)
@@ -53,7 +53,7 @@ def _place(rows, o, grid, tiles_y):  # noqa: ANN001, ANN202
 
 
 @device
-def _count(tile_of, count):  # noqa: ANN001, ANN202
+def _count(tile_of, count):
     """Occupied tiles in order and where their points start; `count` becomes each tile's next free place."""
     for tile in tile_of:
         count[tile] += 1
@@ -66,7 +66,7 @@ def _count(tile_of, count):  # noqa: ANN001, ANN202
 
 
 @device
-def _order_tile(by_tile, bucket_of, start, stop, order):  # noqa: ANN001, ANN202
+def _order_tile(by_tile, bucket_of, start, stop, order):
     """Counting sort of one tile's points by bucket; returns where the base's points begin."""
     place = np.zeros(_BUCKETS + 1, np.int64)
     for k in range(start, stop):
@@ -83,7 +83,7 @@ def _order_tile(by_tile, bucket_of, start, stop, order):  # noqa: ANN001, ANN202
 
 
 @device
-def _colour(occupied, tiles_y):  # noqa: ANN001, ANN202
+def _colour(occupied, tiles_y):
     """Tiles grouped by the parity of their two coordinates, and where each of the four groups starts."""
     by_colour, colour_start = np.empty(len(occupied), np.int64), np.zeros(5, np.int64)
     k = 0
@@ -97,7 +97,7 @@ def _colour(occupied, tiles_y):  # noqa: ANN001, ANN202
 
 
 @device
-def _reachable(occupied, grid, tiles_y, mark):  # noqa: ANN001, ANN202
+def _reachable(occupied, grid, tiles_y, mark):
     """Addresses of the tiles whose nodes a point can touch before the next sort."""
     active, k = np.empty(9 * len(occupied), np.int64), 0
     for tile in occupied:

@@ -10,7 +10,22 @@ import numpy as np
 
 from mpmcol.jit import device
 from mpmcol.state import (
-    LXX, LXY, LYX, LYY, LZZ, OPENING, Q0, Q1, SXX, SXY, SXY_COPY, SYY, SZZ, V0, J, Settings,
+    LXX,
+    LXY,
+    LYX,
+    LYY,
+    LZZ,
+    OPENING,
+    Q0,
+    Q1,
+    SXX,
+    SXY,
+    SXY_COPY,
+    SYY,
+    SZZ,
+    V0,
+    J,
+    Settings,
 )  # fmt: skip
 
 
@@ -19,7 +34,7 @@ def make_update_stress(law: ModuleType) -> Callable[..., float]:
     return_map, apex = law.return_map, law.apex
 
     @device
-    def update_stress(rows: np.ndarray, o: int, params, settings: Settings, dt: float) -> float:  # noqa: ANN001
+    def update_stress(rows: np.ndarray, o: int, params, settings: Settings, dt: float) -> float:
         """Update J, opening and stress of the point whose record starts at `o`; returns its stress work, J.
 
         Reads: L, sigma, J, e_o, history. Writes: sigma, J, e_o, history. Eq. (29)-(34).
@@ -76,7 +91,7 @@ def make_update_stress(law: ModuleType) -> Callable[..., float]:
 
 
 @device
-def _store_stress(rows, o, t_xx, t_yy, t_zz, t_xy):  # noqa: ANN001, ANN202
+def _store_stress(rows, o, t_xx, t_yy, t_zz, t_xy):
     """Write the stress where P2G expects its columns."""
     rows[o + SXX], rows[o + SYY], rows[o + SZZ] = t_xx, t_yy, t_zz
     rows[o + SXY] = t_xy
@@ -84,7 +99,7 @@ def _store_stress(rows, o, t_xx, t_yy, t_zz, t_xy):  # noqa: ANN001, ANN202
 
 
 @device
-def _return_in_plane(a, b, z, history, params, return_map):  # noqa: ANN001, ANN202
+def _return_in_plane(a, b, z, history, params, return_map):
     """Sort the principal stresses a >= b in the plane and z across it, return them, put them back in place."""
     if z >= a:
         s1, s2, s3, q, freed, elastic = return_map(z, a, b, history, params)

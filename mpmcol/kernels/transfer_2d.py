@@ -8,7 +8,24 @@ from mpmcol.basis import spline
 from mpmcol.jit import device, phase, prange
 from mpmcol.simd import fma, lane, load, splat, store, vector
 from mpmcol.state import (
-    LXX, LXY, LYX, LYY, LZZ, M, ROW, SZZ, TILE_DOUBLES, V0, VX, VY, Grid, J, Settings, Tiles, X, Y,
+    LXX,
+    LXY,
+    LYX,
+    LYY,
+    LZZ,
+    ROW,
+    SZZ,
+    TILE_DOUBLES,
+    V0,
+    VX,
+    VY,
+    Grid,
+    J,
+    M,
+    Settings,
+    Tiles,
+    X,
+    Y,
 )  # fmt: skip
 
 WALL_GAP = 0.05  # in h
@@ -55,7 +72,9 @@ def _scatter(rows: np.ndarray, o: int, nodes: np.ndarray, grid: Grid, settings: 
     # Eq. 19, 20, 14: mass, momentum at the point, weight (and the hoop stress of axisymmetry)
     momentum = splat(m) * vector(0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     at_point = fma(
-        load(rows, o), momentum, vector(m, 0.0, 0.0, 0.0, m * settings.gravity_x - hoop, m * settings.gravity_y, 0.0, 0.0)
+        load(rows, o),
+        momentum,
+        vector(m, 0.0, 0.0, 0.0, m * settings.gravity_x - hoop, m * settings.gravity_y, 0.0, 0.0),
     )
     # Eq. 20: m L (x_i - x_p); Eq. 13: -V sigma . grad w
     taylor = splat(settings.taylor) * momentum
@@ -78,7 +97,7 @@ def _scatter(rows: np.ndarray, o: int, nodes: np.ndarray, grid: Grid, settings: 
 
 
 @device
-def _add_column(nodes, a, y0, y1, y2, p, wx, wy0, wy1, wy2, q0, q1, q2):  # noqa: ANN001, ANN202
+def _add_column(nodes, a, y0, y1, y2, p, wx, wy0, wy1, wy2, q0, q1, q2):
     """Add one point to three nodes of equal x."""
     store(nodes, a + y0, fma(splat(wy0), p, fma(splat(wx), q0, load(nodes, a + y0))))
     store(nodes, a + y1, fma(splat(wy1), p, fma(splat(wx), q1, load(nodes, a + y1))))
@@ -110,13 +129,13 @@ def gather(rows: np.ndarray, o: int, nodes: np.ndarray, grid: Grid, settings: Se
 
 
 @device
-def _rows_of(nodes, a, y0, y1, y2):  # noqa: ANN001, ANN202
+def _rows_of(nodes, a, y0, y1, y2):
     """Three node records of equal x."""
     return load(nodes, a + y0), load(nodes, a + y1), load(nodes, a + y2)
 
 
 @device
-def _along_y(n0, n1, n2, wy0, wy1, wy2, gy0, gy1, gy2):  # noqa: ANN001, ANN202
+def _along_y(n0, n1, n2, wy0, wy1, wy2, gy0, gy1, gy2):
     """Weighted sum and slope of three nodes of equal x."""
     value = fma(splat(wy2), n2, fma(splat(wy1), n1, splat(wy0) * n0))
     slope = fma(splat(gy2), n2, fma(splat(gy1), n1, splat(gy0) * n0))
@@ -124,7 +143,7 @@ def _along_y(n0, n1, n2, wy0, wy1, wy2, gy0, gy1, gy2):  # noqa: ANN001, ANN202
 
 
 @device
-def _move(rows, o, mean, grad_x, grad_y, settings, dt):  # noqa: ANN001, ANN202
+def _move(rows, o, mean, grad_x, grad_y, settings, dt):
     """Write back one point; returns the larger component of its displacement, m."""
     share = settings.flip_fraction
     sv_x, sv_y, sa_x, sa_y = lane(mean, 1), lane(mean, 2), lane(mean, 4), lane(mean, 5)

@@ -52,12 +52,12 @@ def make_params(material: Elasticity) -> ElasticParams:
 
 
 @device
-def return_map(s1, s2, s3, history, params):  # noqa: ANN001, ANN202
+def return_map(s1, s2, s3, history, params):
     """Nothing to return: every stress is elastic."""
     return s1, s2, s3, history, 0.0, True
 
 
 @device
-def apex(history, params):  # noqa: ANN001, ANN202
+def apex(history, params):
     """Never used, since nothing opens."""
     return 0.0

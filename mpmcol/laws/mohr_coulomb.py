@@ -61,7 +61,7 @@ def flow_number(sine: float) -> float:
 
 
 @device
-def return_map(s1, s2, s3, history, params):  # noqa: ANN001, ANN202
+def return_map(s1, s2, s3, history, params):
     """Return sorted principal stresses to the yield surface; see `mpmcol.laws` for what comes back."""
     a = params.apex
     if params.n_phi * (s1 - a) - (s3 - a) <= 0.0:
@@ -73,13 +73,13 @@ def return_map(s1, s2, s3, history, params):  # noqa: ANN001, ANN202
 
 
 @device
-def apex(history, params):  # noqa: ANN001, ANN202
+def apex(history, params):
     """Mean stress of an opened point."""
     return params.apex
 
 
 @device
-def return_to_cone(s1, s2, s3, k, m, bulk, shear):  # noqa: ANN001, ANN202
+def return_to_cone(s1, s2, s3, k, m, bulk, shear):
     """Return a yielding stress, measured from the apex; also the volumetric strain that the apex sets free."""
     p = (s1 + s2 + s3) / 3.0
     spread = (k - 1.0) * (m - 1.0) / (3.0 * shear)

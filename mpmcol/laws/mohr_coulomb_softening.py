@@ -70,7 +70,7 @@ def make_params(material: Material) -> SofteningParams:
 
 
 @device
-def return_map(s1, s2, s3, history, params):  # noqa: ANN001, ANN202
+def return_map(s1, s2, s3, history, params):
     """Return sorted principal stresses to the yield surface of the strain so far, then add to that strain."""
     eps, other = history
     if params.cohesion == 0.0 and params.weakest_n_phi * s1 - s3 <= 0.0:
@@ -90,7 +90,7 @@ def return_map(s1, s2, s3, history, params):  # noqa: ANN001, ANN202
 
 
 @device
-def apex(history, params):  # noqa: ANN001, ANN202
+def apex(history, params):
     """Mean stress of an opened point."""
     phi = params.phi_residual + params.phi_excess * exp(-params.rate * history[0])
     return params.cohesion / tan(phi)

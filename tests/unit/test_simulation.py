@@ -70,7 +70,9 @@ def test_history_is_in_order(finished: Path) -> None:
     flow = history["stage"] == "collapse"
     assert np.all(np.diff(history["time"][flow]) > 0.0)
     assert np.all(history["time"][history["stage"] == "equilibrate"] <= 0.0)
-    total = sum(history[name][flow] for name in ("kinetic", "potential", "elastic", "plastic", "damping", "walls", "transfer"))
+    total = sum(
+        history[name][flow] for name in ("kinetic", "potential", "elastic", "plastic", "damping", "walls", "transfer")
+    )
     start = total - history["residual"][flow]
     np.testing.assert_allclose(start, start[0], rtol=1e-9)
 
@@ -138,7 +140,9 @@ def test_divergence_stops_with_place_cause_and_remedy(tmp_path: Path) -> None:
 
 
 def test_material_at_the_end_of_the_domain_is_refused(tmp_path: Path) -> None:
-    case = mpmcol.load_case("quickstart", [*TINY, "geometry.domain_length=0.165", "stages.collapse.max_time_factor=4.0"])
+    case = mpmcol.load_case(
+        "quickstart", [*TINY, "geometry.domain_length=0.165", "stages.collapse.max_time_factor=4.0"]
+    )
     with pytest.raises(NumericalFailure, match=r"end of the domain.*\n.*\n.*geometry\.domain_length"):
         mpmcol.run(case, tmp_path / "a")
     with pytest.raises(UsageError, match=r"geometry\.domain_length = 0\.1 m is too small"):
@@ -168,7 +172,9 @@ def test_assigned_stress_replaces_loading(tmp_path: Path) -> None:
     by_gravity = mpmcol.run(mpmcol.load_case("quickstart", TINY), tmp_path / "gravity")
     assigned = mpmcol.run(mpmcol.load_case("quickstart", [*TINY, "stages.initial_stress=k0"]), tmp_path / "k0")
     assert assigned.summary["steps"] < by_gravity.summary["steps"]
-    assert assigned.summary["zeta"]["front_height"] == pytest.approx(by_gravity.summary["zeta"]["front_height"], rel=0.05)
+    assert assigned.summary["zeta"]["front_height"] == pytest.approx(
+        by_gravity.summary["zeta"]["front_height"], rel=0.05
+    )
 
 
 def test_two_sided_release_is_the_half_model(tmp_path: Path) -> None:

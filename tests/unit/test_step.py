@@ -53,7 +53,9 @@ def random_points(seed: int, opens: bool) -> Points:
     points.rows[:, V0] = points.m / 2000.0
     points.J[:] = rng.uniform(0.9, 1.1, 300)
     points.kind[:] = points.x[:, 1] < 0.0
-    points.opening[:] = np.where(opens & (points.kind == 0) & (rng.uniform(size=300) < 0.2), rng.uniform(0.0, 1e-3, 300), 0.0)
+    points.opening[:] = np.where(
+        opens & (points.kind == 0) & (rng.uniform(size=300) < 0.2), rng.uniform(0.0, 1e-3, 300), 0.0
+    )
     points.history[:, 0] = rng.uniform(0.0, 0.3, 300)
     grad_v = np.zeros((300, 3, 3))
     grad_v[:, :2, :2] = rng.normal(0.0, 1.0, (300, 2, 2))
@@ -117,6 +119,13 @@ def test_steps_equal_the_reference(law: str, change: dict) -> None:
     rows = solver.points.rows[np.argsort(solver.points.id)]
     solver.points.rows = rows
     got = as_reference(solver.points)
-    for name, scale in {"x": 1e-13, "v": 1e-12, "grad_v": 1e-9, "sigma": 1e-6, "J": 1e-12, "opening": 1e-12}.items():
+    for name, scale in {
+        "x": 1e-13,
+        "v": 1e-12,
+        "grad_v": 1e-9,
+        "sigma": 1e-6,
+        "J": 1e-12,
+        "opening": 1e-12,
+    }.items():
         np.testing.assert_allclose(getattr(got, name), getattr(expected, name), rtol=1e-10, atol=scale, err_msg=name)
     np.testing.assert_allclose(got.history[:, 0], expected.history[:, 0], rtol=1e-10, atol=1e-13)

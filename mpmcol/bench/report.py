@@ -1,0 +1,182 @@
+"""What `mpmcol bench` found: as a table, as JSON, and beside an earlier report."""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+import statistics
+from dataclasses import asdict, dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from mpmcol.errors import UsageError
+
+SCHEMA = 1
+SLOWDOWN = 1.5
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Median, least and greatest of repeated timings, ns per point and step."""
+
+    median: float
+    min: float
+    max: float
+
+    @classmethod
+    def of(cls, values: list[float]) -> Spread:
+        """From the timings."""
+        return cls(statistics.median(values), min(values), max(values))
+
+    def __str__(self) -> str:
+        return f"{self.median:7.1f} ({self.min:.1f}-{self.max:.1f})"
+
+
+@dataclass(frozen=True)
+class Row:
+    """One phase of the step; `ratio` is plain over vector, the median of paired rounds."""
+
+    phase: str
+    vector: Spread
+    plain: Spread | None
+    ratio: float | None
+
+
+@dataclass(frozen=True)
+class Scene:
+    """One model, size and number of threads; `points` were asked for, `n_points` it has."""
+
+    model: str
+    points: int
+    n_points: int
+    threads: int
+    rows: tuple[Row, ...]
+    bytes_per_point: float
+    python_us: float  # what a step costs more if Python is asked for every single one
+
+    @property
+    def key(self) -> tuple[str, int, int]:
+        """What makes scenes of two reports comparable."""
+        return self.model, self.points, self.threads
+
+    @property
+    def python_share(self) -> float:
+        """Cost of Python for every step over the cost of the step."""
+        step = next(row.vector.median for row in self.rows if row.phase == "step")
+        return 1e3 * self.python_us / (step * self.n_points)
+
+
+@dataclass(frozen=True)
+class Report:
+    """All scenes, with the machine and the date."""
+
+    date: str
+    machine: dict[str, Any]
+    scenes: tuple[Scene, ...]
+
+    def to_json(self) -> str:
+        """One JSON object."""
+        return json.dumps({"schema": SCHEMA, **asdict(self)}, indent=1) + "\n"
+
+
+def make_report(scenes: list[Scene]) -> Report:
+    """Scenes with this machine and now."""
+    return Report(datetime.now(UTC).isoformat(timespec="seconds"), describe_machine(), tuple(scenes))
+
+
+def load_report(path: Path) -> Report:
+    """Read what `--json` wrote; raises UsageError if the file is none of ours."""
+    try:
+        data = json.loads(path.read_text())
+        if data["schema"] != SCHEMA:
+            raise ValueError(f"schema {data['schema']}, expected {SCHEMA}")
+        return Report(data["date"], data["machine"], tuple(_scene(scene) for scene in data["scenes"]))
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise UsageError(f"{path}: expected a report that `mpmcol bench --json` wrote: {error!r}") from error
+
+
+def _scene(data: dict[str, Any]) -> Scene:
+    rows = tuple(
+        Row(row["phase"], Spread(**row["vector"]), row["plain"] and Spread(**row["plain"]), row["ratio"])
+        for row in data["rows"]
+    )
+    return Scene(**{**data, "rows": rows})
+
+
+def describe_machine() -> dict[str, Any]:
+    """Processor, cores and the versions of everything that makes machine code."""
+    import llvmlite
+    import numba
+    import numpy as np
+    from llvmlite import binding
+
+    return {
+        "cpu": _cpu_model(),
+        "llvm_cpu": binding.get_host_cpu_name(),
+        "cores": os.cpu_count(),
+        "system": platform.platform(terse=True),
+        "python": platform.python_version(),
+        "numba": numba.__version__,
+        "llvmlite": llvmlite.__version__,
+        "llvm": ".".join(map(str, binding.llvm_version_info)),
+        "numpy": np.__version__,
+    }
+
+
+def _cpu_model() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+        return next(line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
+    except (OSError, StopIteration):
+        return platform.processor() or platform.machine()
+
+
+def scene_lines(scene: Scene) -> list[str]:
+    """The table of one scene."""
+    head = f"{scene.model}, {scene.n_points} points, {scene.threads} thread{'s' if scene.threads > 1 else ''}"
+    columns = f"{'phase':<16}{'vector kernels':<26}{'plain loops':<26}plain/vector"
+    return [
+        f"{head}: ns per point and step, median (min-max)",
+        columns,
+        *(_row_line(row) for row in scene.rows),
+        f"{'memory':<16}{scene.bytes_per_point:7.0f} bytes a point",
+        f"{'Python':<16}{scene.python_us:7.1f} us per call of one step, {100.0 * scene.python_share:.1f} % of the step",
+        "",
+    ]
+
+
+def _row_line(row: Row) -> str:
+    plain = "" if row.plain is None else str(row.plain)
+    ratio = "" if row.ratio is None else f"{row.ratio:8.2f}"
+    return f"{row.phase:<16}{row.vector!s:<26}{plain:<26}{ratio}".rstrip()
+
+
+@dataclass(frozen=True)
+class Slowdown:
+    """A phase that became slower beyond the noise of both reports."""
+
+    scene: Scene
+    phase: str
+    ratio: float
+    plain_ratio: float | None
+
+    def __str__(self) -> str:
+        """The plain loops beside it tell a slower machine from slower code."""
+        where = f"{self.scene.model}, {self.scene.points} points, {self.scene.threads} threads, {self.phase}"
+        plain = "" if self.plain_ratio is None else f" (plain loops: {self.plain_ratio:.2f} times)"
+        return f"{where}: {self.ratio:.2f} times as slow as before{plain}"
+
+
+def compare(old: Report, new: Report) -> list[Slowdown]:
+    """Phases at least SLOWDOWN times slower than in `old`, whose fastest round is slower than the slowest then."""
+    before = {(scene.key, row.phase): row for scene in old.scenes for row in scene.rows}
+    found = []
+    for scene in new.scenes:
+        for row in scene.rows:
+            was = before.get((scene.key, row.phase))
+            if was and row.vector.median >= SLOWDOWN * was.vector.median and row.vector.min > was.vector.max:
+                plain = row.plain.median / was.plain.median if row.plain and was.plain else None
+                found.append(Slowdown(scene, row.phase, row.vector.median / was.vector.median, plain))
+    return found

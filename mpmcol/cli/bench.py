@@ -1,0 +1,77 @@
+"""`mpmcol bench`: speed of the kernels on this machine."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from mpmcol.bench.report import Report
+
+SIZES = (8_000, 20_000, 100_000, 500_000)
+QUICK_SIZES = (2_000,)
+FILE = click.Path(path_type=Path)
+
+
+def parse_counts(context: click.Context, parameter: click.Parameter, text: str | None) -> tuple[int, ...] | None:
+    """Positive whole numbers, separated by commas."""
+    if text is None:
+        return None
+    parts = text.split(",")
+    if not all(part.isdecimal() and int(part) > 0 for part in parts):
+        raise click.BadParameter(f"{text!r}: expected whole numbers above 0, such as 8000,100000")
+    return tuple(int(part) for part in parts)
+
+
+@click.command()
+@click.option("--points", metavar="N,...", callback=parse_counts, help="[default: 8000,20000,100000,500000]")
+@click.option("--threads", metavar="N,...", callback=parse_counts, help="[default: 1 and all]")
+@click.option("--model", type=click.Choice(["plane", "axisymmetric"]), help="[default: both]")
+@click.option("--quick", is_flag=True, help="Few points and steps: shows that it works, not how fast it is.")
+@click.option("--json", "json_file", metavar="FILE", type=FILE, help="Also write the report as JSON.")
+@click.option("--against", metavar="FILE", type=FILE, help="An earlier report to compare with.")
+def bench(
+    points: tuple[int, ...] | None,
+    threads: tuple[int, ...] | None,
+    model: str | None,
+    quick: bool,
+    json_file: Path | None,
+    against: Path | None,
+) -> None:
+    """Time every kernel beside plain loops, in nanoseconds per point and step.
+
+    With --against, the exit code is 1 if a kernel became 1.5 times slower beyond the noise.
+    """
+    from mpmcol.bench.measure import FULL, QUICK, measure_scene
+    from mpmcol.bench.report import load_report, make_report, scene_lines
+    from mpmcol.bench.scenes import MODELS
+    from mpmcol.files import atomic_write
+    from mpmcol.jit import set_threads
+
+    old = load_report(against) if against else None
+    scenes = []
+    for chosen in (model,) if model else MODELS:
+        for size in points or (QUICK_SIZES if quick else SIZES):
+            for count in threads or sorted({1, set_threads(None)}):
+                scenes.append(measure_scene(chosen, size, count, QUICK if quick else FULL))
+                click.echo("\n".join(scene_lines(scenes[-1])))
+    report = make_report(scenes)
+    click.echo(", ".join(f"{name} {value}" for name, value in report.machine.items()))
+    if json_file:
+        atomic_write(json_file, report.to_json().encode())
+    if old:
+        _compare(old, report)
+
+
+def _compare(old: Report, new: Report) -> None:
+    from mpmcol.bench.report import SLOWDOWN, compare
+    from mpmcol.errors import MpmcolError
+
+    if old.machine != new.machine:
+        click.echo(f"The report of {old.date} comes from another machine: {old.machine}", err=True)
+    slower = compare(old, new)
+    if slower:
+        raise MpmcolError("\n".join(map(str, slower)))
+    click.echo(f"Nothing is {SLOWDOWN} times slower than on {old.date}.")

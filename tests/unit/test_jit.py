@@ -1,0 +1,135 @@
+"""Rules of the compiled code that a compiler does not check."""
+
+from __future__ import annotations
+
+import ast
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from mpmcol import jit
+
+PACKAGE = Path(jit.__file__).parent
+KERNELS = sorted((PACKAGE / "kernels").glob("*.py"))
+DECORATORS = {"device", "phase", "kernel", "driver"}
+
+
+# -------------------------------------------------------------------------------------------- cache folder
+
+
+@pytest.fixture
+def copied_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    package = tmp_path / "mpmcol"
+    shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__"))
+    monkeypatch.setattr(jit, "__file__", str(package / "jit.py"))
+    return package
+
+
+@pytest.mark.parametrize("name", ["basis.py", "simd.py", "laws/mohr_coulomb.py", "kernels/stress_2d.py", "jit.py"])
+def test_an_edited_helper_gets_a_cache_folder_of_its_own(copied_package: Path, name: str) -> None:
+    before = jit.source_digest()
+    assert before == jit.source_digest()
+    with (copied_package / name).open("a") as source:
+        source.write("\n# edited\n")
+    assert jit.source_digest() != before
+
+
+def test_a_new_law_does_so_too(copied_package: Path) -> None:
+    before = jit.source_digest()
+    (copied_package / "laws" / "another.py").write_text("STATE = ()\n")
+    assert jit.source_digest() != before
+
+
+def test_other_files_keep_the_compiled_code(copied_package: Path) -> None:
+    before = jit.source_digest()
+    (copied_package / "chart.py").write_text("")
+    assert jit.source_digest() == before
+
+
+def test_every_file_with_compiled_code_is_hashed() -> None:
+    for path, tree in parsed(PACKAGE.rglob("*.py")):
+        if path.name != "jit.py" and decorated(tree, DECORATORS):
+            assert path.relative_to(PACKAGE).parts[0] in jit.COMPILED_SOURCES, path
+
+
+# ------------------------------------------------------------------------------------------------- sources
+
+
+def parsed(paths: Iterator[Path] | list[Path]) -> Iterator[tuple[Path, ast.Module]]:
+    for path in paths:
+        yield path, ast.parse(path.read_text(), str(path))
+
+
+def decorated(tree: ast.AST, names: set[str]) -> list[ast.FunctionDef]:
+    """Functions, nested ones too, with one of these decorators."""
+    return [
+        node
+        for node in ast.walk(tree)
+        if isinstance(node, ast.FunctionDef)
+        and any(isinstance(d, ast.Name) and d.id in names for d in node.decorator_list)
+    ]
+
+
+def attribute_stores(tree: ast.AST) -> list[str]:
+    """Stores through an attribute, `name.attr[...] = value` or `name.attr = value`, as text.
+
+    A store through a NamedTuple inside a parallel loop is silently lost: the array needs a name of its own.
+    """
+    found = []
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Assign):
+            targets = node.targets
+        elif isinstance(node, ast.AugAssign | ast.AnnAssign):
+            targets = [node.target]
+        else:
+            continue
+        for target in (part for each in targets for part in ast.walk(each)):
+            stored = target.value if isinstance(target, ast.Subscript) else target
+            writes = isinstance(target, ast.Subscript | ast.Attribute) and isinstance(target.ctx, ast.Store)
+            if writes and isinstance(stored, ast.Attribute):
+                found.append(ast.unparse(target))
+    return found
+
+
+def imports_numba(tree: ast.AST) -> bool:
+    names = [alias.name for node in ast.walk(tree) if isinstance(node, ast.Import) for alias in node.names]
+    names += [node.module or "" for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)]
+    return any(name.split(".")[0] == "numba" for name in names)
+
+
+def test_kernels_never_store_through_an_attribute() -> None:
+    assert len(KERNELS) > 4
+    for path, tree in parsed(KERNELS):
+        assert attribute_stores(tree) == [], path
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["grid.nodes[o] = 1.0", "grid.nodes[o : o + 8] += 1.0", "a, grid.nodes[o] = 1.0, 2.0", "tiles.start[0]: int = 3"],
+)
+def test_a_planted_store_is_found(line: str) -> None:
+    assert attribute_stores(ast.parse(f"def f(grid, tiles, o):\n    {line}\n")) != []
+
+
+def test_a_store_to_a_plain_name_is_allowed() -> None:
+    source = "def f(grid, o):\n    nodes = grid.nodes\n    nodes[o + grid.n_x] = grid.h\n    nodes[grid.ax[o]] += 1.0\n"
+    assert attribute_stores(ast.parse(source)) == []
+
+
+def test_only_jit_and_simd_know_numba() -> None:
+    assert imports_numba(ast.parse("from numba.core import types")) and imports_numba(ast.parse("import numba"))
+    users = {path.name for path, tree in parsed(PACKAGE.rglob("*.py")) if imports_numba(tree)}
+    assert users == {"jit.py", "simd.py"}
+
+
+def test_kernels_say_what_they_read_write_and_which_equations_they_are() -> None:
+    functions = [
+        (path, function) for path, tree in parsed(KERNELS) for function in decorated(tree, DECORATORS - {"device"})
+    ]
+    assert len(functions) >= 5
+    for path, function in functions:
+        doc = ast.get_docstring(function) or ""
+        for word in ("Reads:", "Writes:", "Eq."):
+            assert word in doc, f"{path.name}: {function.name} lacks {word}"

@@ -1,0 +1,48 @@
+"""A collapse is the same to the last bit for any number of threads and however its calls are cut."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+from tests.verification.blocks import advance_steps
+from tests.verification.test_energy import DAMPED, collapse
+
+ROOT = Path(__file__).absolute().parents[2]
+STEPS = 400
+IN_ANOTHER_PROCESS = """
+from mpmcol.jit import set_threads
+from tests.verification.test_determinism import fingerprint
+for threads in (1, 2, 4):
+    print(set_threads(threads), fingerprint())
+"""
+
+
+def fingerprint(chunk: int = STEPS) -> str:
+    """Hash of all points, the clock and the ledger after STEPS steps, `chunk` steps a call."""
+    solver = collapse(DAMPED)
+    for done in range(0, STEPS, chunk):
+        advance_steps(solver, min(chunk, STEPS - done))
+    assert solver.steps == STEPS
+    state = hashlib.sha256()
+    for array in (solver.points.rows, solver.clock, solver.ledger):
+        state.update(array.tobytes())
+    return state.hexdigest()
+
+
+def test_equal_for_1_2_and_4_threads() -> None:
+    run = subprocess.run(
+        [sys.executable, "-c", IN_ANOTHER_PROCESS],
+        cwd=ROOT, env=os.environ | {"NUMBA_NUM_THREADS": "4", "PYTHONPATH": str(ROOT)},
+        capture_output=True, text=True, check=True, timeout=120,
+    )  # fmt: skip
+    threads, prints = zip(*(line.split() for line in run.stdout.splitlines()), strict=True)
+    assert threads == ("1", "2", "4")
+    assert set(prints) == {fingerprint()}
+
+
+def test_equal_however_the_calls_are_cut() -> None:
+    assert fingerprint(chunk=1) == fingerprint(chunk=7) == fingerprint()

@@ -1,0 +1,68 @@
+"""What must go wrong does: steps beyond the stability limit, missing damping, numbers that are not numbers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mpmcol.solver import Solver
+from mpmcol.state import LXX, SXX, VX, Settings, J, X
+from tests.verification.blocks import (
+    WEIGHTLESS, E, advance_to, elastic_body, elastic_energy, kinetic_energy, lattice, make_solver, points_at,
+    walled_grid,
+)  # fmt: skip
+
+H = 0.1
+TRANSIT = 1.0 / 64.7
+
+
+def ringing_block(settings: Settings) -> Solver:
+    """A free elastic square of 10 x 10 cells with a small random motion."""
+    points = points_at(lattice((0.5, 0.5), (1.5, 1.5), H / 2), H / 2)
+    points.v[:] = np.random.default_rng(7).normal(0.0, 0.05, (len(points), 2))
+    return make_solver(points, walled_grid((0.0, 0.0), H, (20, 20)), settings, body=elastic_body())
+
+
+def energy(solver: Solver) -> float:
+    return kinetic_energy(solver.points) + elastic_energy(solver.points, E)
+
+
+def test_a_step_beyond_the_stability_limit_is_caught() -> None:
+    solver = ringing_block(WEIGHTLESS._replace(cfl=1.5))
+    faults = [solver.advance(np.inf, max_steps=100) for _ in range(5)]
+    assert max(faults) >= 0
+
+
+def test_a_step_within_it_is_not() -> None:
+    solver = ringing_block(WEIGHTLESS)
+    start = energy(solver)
+    for k in range(10):
+        advance_to(solver, 5.0 * TRANSIT * (k + 1))
+        assert energy(solver) < start
+
+
+def test_damping_makes_the_difference_between_ringing_and_rest() -> None:
+    """A sine of compression across the block: local damping stops it within a few transits, without it it rings on."""
+    left = {}
+    for alpha_d in (0.0, 0.5):
+        solver = ringing_block(WEIGHTLESS._replace(alpha_d=alpha_d))
+        solver.points.v[:] = 0.0
+        solver.points.v[:, 0] = np.sin(np.pi * (solver.points.x[:, 0] - 1.0))
+        start = energy(solver)
+        advance_to(solver, 20.0 * TRANSIT)
+        left[alpha_d] = energy(solver) / start
+    assert left[0.0] > 0.8
+    assert left[0.5] < 0.01
+
+
+@pytest.mark.parametrize("lane", [VX, LXX, SXX, J, X], ids=["velocity", "gradient", "stress", "J", "position"])
+def test_a_number_that_is_none_is_found_within_one_step(lane: int) -> None:
+    solver = ringing_block(WEIGHTLESS)
+    assert solver.advance(np.inf, max_steps=3) == -1
+    solver.points.rows[123, lane] = np.nan
+    start = solver.points.x.copy()
+    fault = solver.advance(np.inf, max_steps=1)
+    assert fault >= 0
+    assert not np.all(np.isfinite(solver.points.rows[fault]))
+    if lane != X:
+        assert np.linalg.norm(start[fault] - start[123]) < 4.0 * H
