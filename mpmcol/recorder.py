@@ -77,11 +77,12 @@ class Recorder:
         """Where the energy is since `start_ledger`, J per metre or radian; `residual` is what is missing.
 
         potential + kinetic + elastic + plastic + damping + walls + transfer = constant. `plastic` is the stress work
-        that is not stored, `transfer` what P2G and G2P take from the points' kinetic energy.
+        that is not stored, `transfer` what P2G and G2P take from the points' kinetic energy and from their stress work.
         """
         now, start, sums = _energies(self.case, self.solver.points), self._start, self.solver.ledger
         plastic = sums[cycle.L_WORK] - (now["elastic"] - start["elastic"])
         transfer = sums[cycle.L_GRID] - (now["kinetic"] - start["kinetic"])
+        transfer += sums[cycle.L_NODE_WORK] - sums[cycle.L_WORK]
         lost = {"damping": sums[cycle.L_DAMPING], "walls": sums[cycle.L_WALLS], "transfer": transfer}
         residual = sum(now.values()) - sum(start.values()) + plastic + sum(lost.values())
         return {name: float(value) for name, value in {**now, "plastic": plastic, **lost, "residual": residual}.items()}

@@ -23,11 +23,11 @@ from mpmcol.kernels.transfer_2d import clear, gather, keep_off_walls, p2g
 from mpmcol.state import ROW, VX, VY, J, X, Y
 
 # what a tile of points reports after G2P
-SPEED, TRAVEL, WORK, FAULT, TILE_REPORT = range(5)
+SPEED, TRAVEL, WORK, NODE_WORK, FAULT, TILE_REPORT = range(6)
 # clock of a run: numbers that change from step to step
 TIME, DT, TRAVELLED, LAST_TRAVEL, STEPS, CLOCK = range(6)
 # ledger: sums since the start of the run (J per metre or radian), and the state of rest of the last step
-L_DAMPING, L_WALLS, L_WORK, L_GRID, L_KINETIC, L_UNBALANCED, LEDGER = range(7)
+L_DAMPING, L_WALLS, L_WORK, L_NODE_WORK, L_GRID, L_KINETIC, L_UNBALANCED, LEDGER = range(8)
 
 J_MIN, J_MAX = 0.1, 50.0
 NO_FAULT = -1.0
@@ -41,14 +41,15 @@ def make_update_points(column_law: ModuleType, base_law: ModuleType) -> Callable
     def update_points(rows, grid, tiles, settings, column, base, c2_column, c2_base, dt, report):
         """Move all points and update their stress.
 
-        Reads: nodes (v~, a). Writes: rows, report (n_tiles, 4). Eq. (26)-(34), and c_p + |v_p| of Eq. (35)-(36).
+        Reads: nodes (v~, a). Writes: rows, report (n_tiles, 5). Eq. (26)-(34), and c_p + |v_p| of Eq. (35)-(36).
         """
         nodes, start, split = grid.nodes, tiles.start, tiles.split
         for t in prange(len(split)):
-            report[t, SPEED], report[t, TRAVEL], report[t, WORK] = 0.0, 0.0, 0.0
+            report[t, SPEED], report[t, TRAVEL], report[t, WORK], report[t, NODE_WORK] = 0.0, 0.0, 0.0, 0.0
             report[t, FAULT] = NO_FAULT
             for p in range(start[t], start[t + 1]):
-                travel = gather(rows, p * ROW, nodes, grid, settings, dt)
+                travel, work = gather(rows, p * ROW, nodes, grid, settings, dt)
+                report[t, NODE_WORK] += work
                 report[t, TRAVEL] = max(report[t, TRAVEL], travel)
                 keep_off_walls(rows, p * ROW, grid)
             for p in range(start[t], split[t]):
@@ -108,14 +109,16 @@ def _sum_nodes(report, ledger):
 @device
 def _sum_points(report, ledger, clock, courant):
     """Time step of Eq. 35, travel and stress work from the report of the points; returns the first bad point."""
-    speed, travel, work, fault = 0.0, 0.0, 0.0, NO_FAULT
+    speed, travel, work, node_work, fault = 0.0, 0.0, 0.0, 0.0, NO_FAULT
     for t in range(len(report)):
         speed = max(speed, report[t, SPEED])
         travel = max(travel, report[t, TRAVEL])
         work += report[t, WORK]
+        node_work += report[t, NODE_WORK]
         if fault == NO_FAULT:
             fault = report[t, FAULT]
     ledger[L_WORK] += work
+    ledger[L_NODE_WORK] += node_work
     clock[TRAVELLED] += travel
     clock[LAST_TRAVEL] = travel
     clock[DT] = courant / speed

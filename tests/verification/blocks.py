@@ -1,7 +1,7 @@
-"""Scenes of the verification problems: points on a lattice, rollers on a grid, a solver of sand and an elastic body.
+"""Scenes of the verification problems: lattices of points, grids with rollers, a solver of sand and elastic body.
 
-The elastic body of every problem is made of points of kind BASE and the sand of points of kind COLUMN, so that all
-problems share one compiled cycle.
+The elastic body of every problem is made of points of kind BASE and the sand of points of kind COLUMN, so that
+all problems share one compiled cycle.
 """
 
 from __future__ import annotations
@@ -13,8 +13,16 @@ import numpy as np
 from mpmcol.laws import elastic, mohr_coulomb
 from mpmcol.solver import Body, Solver
 from mpmcol.state import (
-    BASE, COLUMN, KIND, V0, Grid, Points, Settings, allocate_grid, node_coordinates, set_fixed,
-)  # fmt: skip
+    BASE,
+    KIND,
+    V0,
+    Grid,
+    Points,
+    Settings,
+    allocate_grid,
+    node_coordinates,
+    set_fixed,
+)
 
 G = 9.81
 DENSITY, E, NU, PHI = 2650.0, 10e6, 0.2, 33.0
@@ -25,17 +33,21 @@ K_ACTIVE = (1.0 - np.sin(np.radians(PHI))) / (1.0 + np.sin(np.radians(PHI)))
 
 def elastic_body(density: float = DENSITY, youngs_modulus: float = E, poissons_ratio: float = NU) -> Body:
     """The elastic body, by default with the elastic part of Table 1."""
-    material = elastic.Material(
-        density=density, youngs_modulus=youngs_modulus, poissons_ratio=poissons_ratio
-    )
+    material = elastic.Material(density=density, youngs_modulus=youngs_modulus, poissons_ratio=poissons_ratio)
     return Body(elastic, elastic.make_params(material), material.wave_speed**2)
 
 
-def sand_body(density: float = DENSITY, youngs_modulus: float = E, poissons_ratio: float = NU, **plastic: float) -> Body:
+def sand_body(
+    density: float = DENSITY, youngs_modulus: float = E, poissons_ratio: float = NU, **plastic: float
+) -> Body:
     """Cohesionless Mohr-Coulomb sand, by default that of Table 1."""
     keys: dict[str, Any] = {"friction_deg": PHI, "dilatancy_deg": 0.0} | plastic
     material = mohr_coulomb.Material(
-        law="mohr-coulomb", density=density, youngs_modulus=youngs_modulus, poissons_ratio=poissons_ratio, **keys
+        law="mohr-coulomb",
+        density=density,
+        youngs_modulus=youngs_modulus,
+        poissons_ratio=poissons_ratio,
+        **keys,
     )
     return Body(mohr_coulomb, mohr_coulomb.make_params(material), material.wave_speed**2)
 

@@ -7,9 +7,20 @@ import pytest
 
 from mpmcol.state import node_records
 from tests.verification.blocks import (
-    DENSITY, NU, PLAIN, WEIGHTLESS, G, advance_steps, advance_to, by_id, elastic_body, lattice, make_solver,
-    points_at, walled_grid,
-)  # fmt: skip
+    DENSITY,
+    NU,
+    PLAIN,
+    WEIGHTLESS,
+    G,
+    advance_steps,
+    advance_to,
+    by_id,
+    elastic_body,
+    lattice,
+    make_solver,
+    points_at,
+    walled_grid,
+)
 
 H = 0.1
 FREE = WEIGHTLESS._replace(axisymmetric=True)
@@ -28,11 +39,13 @@ def test_uniform_expansion_is_exact_next_to_the_axis() -> None:
     points.grad_v = gradient
     solver = make_solver(points, walled_grid((0.0, 0.0), H, (10, 8), rollers="left"), FREE)
     advance_steps(solver, 1)
-    np.testing.assert_allclose(solver.points.grad_v, np.broadcast_to(np.diag([a, 0.0, a]), (len(r), 3, 3)), atol=1e-12)
+    np.testing.assert_allclose(
+        solver.points.grad_v, np.broadcast_to(np.diag([a, 0.0, a]), (len(r), 3, 3)), atol=1e-12
+    )
 
 
 def radial_acceleration(points_per_axis: int) -> np.ndarray:
-    """Of the nodes of one row (r = 0, h, 2h...) in a cylinder under uniform hydrostatic stress, over sigma / rho h."""
+    """Over sigma / rho h, of one row of nodes (r = 0, h, 2h...) in a cylinder under uniform hydrostatic stress."""
     sigma, spacing = 1e4, H / points_per_axis
     points = points_at(lattice((0.0, 0.0), (8 * H, 6 * H), spacing), spacing, axisymmetric=True)
     points.sigma = np.broadcast_to([sigma, sigma, sigma, 0.0], (len(points), 4))
@@ -42,9 +55,10 @@ def radial_acceleration(points_per_axis: int) -> np.ndarray:
 
 
 def test_uniform_stress_is_in_balance_from_the_second_node_on() -> None:
-    """One point per quarter cell integrates (r w)' exactly everywhere but at the join of hat and spline, r = h / 2.
+    """One point per quarter cell integrates (r w)' exactly but at the join of hat and spline, r = h / 2.
 
-    What is left acts on the node at r = h alone, -1/32 of sigma / rho h, and falls with the square of the spacing.
+    What is left acts on the node at r = h alone, -1/32 of sigma / rho h, and falls with the square of the
+    distance of points.
     """
     two, four = radial_acceleration(2), radial_acceleration(4)
     np.testing.assert_allclose(two[2:7], 0.0, atol=1e-12)
@@ -54,7 +68,7 @@ def test_uniform_stress_is_in_balance_from_the_second_node_on() -> None:
 
 
 def test_self_weight_stress_next_to_the_axis() -> None:
-    """Oedometric cylinder: sigma_r = sigma_t = nu / (1 - nu) sigma_v within 3.3 % in the first cells, 1 % further out.
+    """Oedometric cylinder: sigma_r = sigma_t = nu / (1 - nu) sigma_v within 3.3 % in two cells, then 1 %.
 
     The 3 % are the -1/32 of the test above and do not fall with h.
     """
@@ -86,7 +100,10 @@ def test_an_elastic_cylinder_dropped_on_its_end_shows_no_spike_at_the_axis() -> 
     for k in range(40):
         advance_to(solver, (k + 1) * 0.1 * radius / c)
         now = by_id(solver)
-        stress, rate = np.maximum(stress, np.abs(now.sigma[:, 2])), np.maximum(rate, np.abs(now.grad_v[:, 2, 2]))
+        stress, rate = (
+            np.maximum(stress, np.abs(now.sigma[:, 2])),
+            np.maximum(rate, np.abs(now.grad_v[:, 2, 2])),
+        )
     for largest in (stress, rate):
         columns = [largest[np.isclose(x[:, 0], (k + 0.5) * H / 2)].max() for k in range(4)]
         assert columns[0] == pytest.approx(np.mean(columns[1:]), rel=0.05)
@@ -118,7 +135,9 @@ def breathing_period(cells: int) -> float:
     shape = bessel(1, z * x[:, 0])
     points = points_at(x, h / 2, axisymmetric=True)
     points.v[:, 0] = 1e-3 * shape
-    solver = make_solver(points, walled_grid((0.0, 0.0), h, (cells + 4, 2), rollers="left bottom top"), FREE, body=body)
+    solver = make_solver(
+        points, walled_grid((0.0, 0.0), h, (cells + 4, 2), rollers="left bottom top"), FREE, body=body
+    )
     exact = 2.0 * np.pi / (z * np.sqrt(body.wave_speed2))
     times, amplitudes = [], []
     while solver.time < 5.0 * exact:
@@ -132,7 +151,7 @@ def breathing_period(cells: int) -> float:
 
 
 def test_breathing_cylinder() -> None:
-    """Plane-strain radial vibration (Lame's equations in time): within 0.1 % at ten cells and second order."""
+    """Plane-strain radial vibration (Lame in time): within 0.1 % at ten cells and second order."""
     errors = np.array([breathing_period(cells) for cells in (5, 10, 20)]) - 1.0
     assert 0.0 < errors[1] < 1e-3
     orders = np.log2(errors[:-1] / errors[1:])

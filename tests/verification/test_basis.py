@@ -55,7 +55,7 @@ def test_corrected_and_plain_spline_join_with_equal_value_and_slope(join: float)
 
 def test_without_correction_the_spline_is_cut_off_at_the_wall() -> None:
     for s in WALL_STRIPS:
-        nodes, w, g = weights_at(s, correction=False)
+        _, w, g = weights_at(s, correction=False)
         distance = min(s, NODES - 1 - s)
         assert w.sum() == pytest.approx(1.0 - 0.5 * (0.5 - distance) ** 2)
         assert abs(g.sum()) == pytest.approx(0.5 - distance)

@@ -36,9 +36,13 @@ def fingerprint(chunk: int = STEPS) -> str:
 def test_equal_for_1_2_and_4_threads() -> None:
     run = subprocess.run(
         [sys.executable, "-c", IN_ANOTHER_PROCESS],
-        cwd=ROOT, env=os.environ | {"NUMBA_NUM_THREADS": "4", "PYTHONPATH": str(ROOT)},
-        capture_output=True, text=True, check=True, timeout=120,
-    )  # fmt: skip
+        cwd=ROOT,
+        env=os.environ | {"NUMBA_NUM_THREADS": "4", "PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=120,
+    )
     threads, prints = zip(*(line.split() for line in run.stdout.splitlines()), strict=True)
     assert threads == ("1", "2", "4")
     assert set(prints) == {fingerprint()}

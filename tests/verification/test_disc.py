@@ -1,19 +1,19 @@
 """A spinning elastic disc: what is left of rigid rotation in its third turn, for each transfer.
 
-R = 1, h = 0.1, four points per cell, nu = 0.2, CFL 0.4, c_p = 16.7 omega R. Residual: mass-weighted rms of the
-velocity less the rigid rotation of the same angular momentum, over omega R. An independent code found, at one
-instant after three turns, 3.7 % for FLIP, 1.39 % for Taylor P2G with FLIP and 1.20 % with PIC, with kinetic energies
-of 0.897, 0.956 and 0.958 and angular momenta of 0.986, 1.021 and 1.022. Its stiffness is not on record; this one
-meets those energies and momenta.
+R = 1, h = 0.1, four points per cell, nu = 0.2, CFL 0.4, c_p = 16.7 omega R. Residual: mass-weighted rms of
+the velocity less the rigid rotation of the same angular momentum, over omega R. An independent code found, at
+one instant after three turns, 3.7 % for FLIP, 1.39 % for Taylor P2G with FLIP and 1.20 % with PIC, with
+kinetic energies of 0.897, 0.956 and 0.958 and angular momenta of 0.986, 1.021 and 1.022. Its stiffness is not
+on record; this one meets those energies and momenta.
 
-The residual of the Taylor transfers is no noise: it is the disc's breathing under its own spin, which swings between
-0.1 and 1.7 % and would be there in an exact solution. Without it (the uniform part of the radial velocity), 0.16 %
-is left with Taylor, against 3.6 % with FLIP.
+The residual of the Taylor transfers is no noise: it is the disc's breathing under its own spin, which swings
+between 0.1 and 1.7 % and would be there in an exact solution. Without it (the uniform part of the radial
+velocity), 0.16 % is left with Taylor, against 3.6 % with FLIP.
 """
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -21,8 +21,15 @@ import pytest
 
 from mpmcol.state import Points
 from tests.verification.blocks import (
-    WEIGHTLESS, advance_to, elastic_body, kinetic_energy, lattice, make_solver, points_at, walled_grid,
-)  # fmt: skip
+    WEIGHTLESS,
+    advance_to,
+    elastic_body,
+    kinetic_energy,
+    lattice,
+    make_solver,
+    points_at,
+    walled_grid,
+)
 
 H, OMEGA, TURNS, NU, DENSITY = 0.1, 1.0, 3, 0.2, 1.0
 YOUNG = DENSITY * (16.7 * OMEGA) ** 2 * (1.0 + NU) * (1.0 - 2.0 * NU) / (1.0 - NU)
@@ -43,7 +50,7 @@ def rotation(x: np.ndarray) -> np.ndarray:
     return np.stack([-x[:, 1], x[:, 0]], axis=1)
 
 
-@lru_cache(maxsize=None)
+@cache
 def spin(transfer: str) -> Spin:
     x = lattice((-1.1, -1.1), (1.1, 1.1), H / 2)
     points = points_at(x[np.hypot(*x.T) < 1.0], H / 2, density=DENSITY)
@@ -68,7 +75,9 @@ def spin(transfer: str) -> Spin:
     points = solver.points
     left = points.m @ np.sum(points.v * rotation(points.x), axis=1)
     rms = [float(np.sqrt(np.mean(np.square(each)))) for each in (residuals, noises)]
-    return Spin(rms[0], min(residuals), max(residuals), rms[1], kinetic_energy(points) / energy, left / momentum)
+    return Spin(
+        rms[0], min(residuals), max(residuals), rms[1], kinetic_energy(points) / energy, left / momentum
+    )
 
 
 def deviations(points: Points) -> tuple[float, float]:

@@ -15,7 +15,7 @@ BULK = E / (3.0 * (1.0 - 2.0 * NU))
 
 
 def driven(body: Body, strain: np.ndarray, steps: int, sigma: tuple[float, ...] = (0.0,) * 4) -> Points:
-    """A point after `steps` equal steps that add up to dt L = `strain` (2, 2); stress xx yy zz xy at the start."""
+    """A point that starts with stress xx yy zz xy, after equal steps that add up to dt L = `strain` (2, 2)."""
     update = make_update_stress(body.law)
     point = Points(1)
     point.V0[:] = 1.0
@@ -69,7 +69,7 @@ def test_oedometer_stays_at_active_yield() -> None:
 def test_simple_shear_mobilises_the_sine_of_friction(ratio: float) -> None:
     """tau / sigma_n = sin(phi) at constant volume with psi = 0, whatever the lateral stress was."""
     start = (ratio * -1e3, -1e3, ratio * -1e3, 0.0)
-    xx, yy, zz, xy = driven(sand_body(), simple_shear(0.2), 10_000, start).sigma[0, :4]
+    xx, yy, _, xy = driven(sand_body(), simple_shear(0.2), 10_000, start).sigma[0, :4]
     assert xy / -yy == pytest.approx(np.sin(np.radians(PHI)), rel=2e-4)
     assert xy / -yy == pytest.approx(0.5446, rel=3e-4)
     assert xx == pytest.approx(yy, rel=1e-3)

@@ -1,29 +1,29 @@
 """The energy ledger of a collapse closes.
 
-In one step the nodes turn the kinetic energy K of P2G into K~. With f = f_int + m g and the mean nodal velocity
-(v + v~) / 2,
+In one step the nodes turn the kinetic energy K of P2G into K~. With f = f_int + m g and the mean nodal
+velocity (v + v~) / 2,
 
     K~ - K = dt f_int . mean  +  dt m g . mean  -  damping  -  walls,
 
-where dt f_int . mean is minus the work of the stress (L_WORK, stored or dissipated in the material), dt m g . mean
-is minus the change of the potential energy of the points (their trapezoid rule moves them by dt S mean), `damping`
-is the work of -alpha_d |f| sign(v) (L_DAMPING, >= 0), and `walls` the kinetic energy of the nodal components that
-the walls stop (L_WALLS, >= 0). Summed over all steps K~ - K is L_GRID. The points do not hold the same kinetic
-energy as the nodes; what P2G and G2P lose is
+where dt f_int . mean is minus the work of the stress (L_WORK, stored or dissipated in the material), dt m g .
+mean is minus the change of the potential energy of the points (their trapezoid rule moves them by dt S mean),
+`damping` is the work of -alpha_d |f| sign(v) (L_DAMPING, >= 0), and `walls` the kinetic energy of the nodal
+components that the walls stop (L_WALLS, >= 0). Summed over all steps K~ - K is L_GRID. The points do not hold
+the same kinetic energy as the nodes; what P2G and G2P lose is
 
     transfer = KE at the start - KE now + L_GRID,
 
-so that  residual = dPE + dKE + L_WORK + L_DAMPING + L_WALLS + transfer = 0.  With the work of the nodal forces in
-place of L_WORK this holds to 1e-5, the weight that walls carry while they stop a node. L_WORK is taken at the points,
-with the velocity gradient after the step and the mean stress, while the force acted with the gradient before and
-after: the difference is the stress times the jump that the transfer makes in the gradient, summed over the steps. It
-does not fall with dt, but with h: residual -0.87 % of the initial potential energy with 8 cells across the column,
--0.42 % with 16.
+so that residual = dPE + dKE + L_WORK + L_DAMPING + L_WALLS + transfer = 0. With the work of the nodal forces
+in place of L_WORK this holds to 1e-5, the weight that walls carry while they stop a node. L_WORK is taken at
+the points, with the velocity gradient after the step and the mean stress, while the force acted with the
+gradient before and after: the difference is the stress times the jump that the transfer makes in the
+gradient, summed over the steps. It does not fall with dt, but with h: residual -0.87 % of the initial
+potential energy with 8 cells across the column, -0.42 % with 16.
 """
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -33,9 +33,21 @@ from mpmcol.kernels.cycle_2d import L_DAMPING, L_GRID, L_WALLS, L_WORK
 from mpmcol.solver import Solver
 from mpmcol.state import COLUMN, Points, Settings, node_addresses, node_records
 from tests.verification.blocks import (
-    PLAIN, G, advance_steps, advance_to, elastic_body, elastic_energy, joined, kinetic_energy, lattice, make_solver, points_at,
-    potential_energy, sand_body, walled_grid,
-)  # fmt: skip
+    PLAIN,
+    G,
+    advance_steps,
+    advance_to,
+    elastic_body,
+    elastic_energy,
+    joined,
+    kinetic_energy,
+    lattice,
+    make_solver,
+    points_at,
+    potential_energy,
+    sand_body,
+    walled_grid,
+)
 
 WIDTH, HEIGHT, BASE = 0.08, 0.16, 0.02
 COARSE, FINE = 0.01, 0.005
@@ -48,7 +60,9 @@ def collapse(settings: Settings, h: float = COARSE) -> Solver:
     axisymmetric = settings.axisymmetric
     base = points_at(lattice((0.0, -BASE), (0.5, 0.0), h / 2), h / 2, axisymmetric=axisymmetric)
     column = points_at(lattice((0.0, 0.0), (WIDTH, HEIGHT), h / 2), h / 2, COLUMN, axisymmetric=axisymmetric)
-    grid = walled_grid((0.0, -BASE), h, (round(0.5 / h), round(0.24 / h)), rollers="left right", no_slip="bottom")
+    grid = walled_grid(
+        (0.0, -BASE), h, (round(0.5 / h), round(0.24 / h)), rollers="left right", no_slip="bottom"
+    )
     soft = {"youngs_modulus": YOUNG}
     return make_solver(joined(base, column), grid, settings, sand_body(**soft), elastic_body(**soft))
 
@@ -75,7 +89,7 @@ def scale_of(points: Points) -> float:
     return float(G * points.m[column] @ points.x[column, 1])
 
 
-@lru_cache(maxsize=None)
+@cache
 def ledger_of(settings: Settings, h: float, duration: float = 0.5) -> Ledger:
     solver = collapse(settings, h)
     points = solver.points

@@ -1,4 +1,4 @@
-"""A block that falls freely: exact parabola, conserved mass and momentum, position rules and local damping."""
+"""A block that falls freely: exact parabola, mass and momentum, position rules, local damping."""
 
 from __future__ import annotations
 
@@ -8,9 +8,18 @@ import pytest
 from mpmcol.solver import Solver
 from mpmcol.state import Points, Settings, node_records
 from tests.verification.blocks import (
-    PLAIN, G, advance_steps, by_id, elastic_body, kinetic_energy, lattice, make_solver, points_at,
-    potential_energy, walled_grid,
-)  # fmt: skip
+    PLAIN,
+    G,
+    advance_steps,
+    by_id,
+    elastic_body,
+    kinetic_energy,
+    lattice,
+    make_solver,
+    points_at,
+    potential_energy,
+    walled_grid,
+)
 
 H = 0.1
 STIFF = elastic_body(density=1000.0, youngs_modulus=1e9, poissons_ratio=0.0)  # c_p = 1000 m/s
@@ -49,9 +58,11 @@ def test_mass_and_momentum_are_kept_to_round_off() -> None:
     np.testing.assert_allclose(np.einsum("ij,ijk->k", nodes[:, :, 0], nodes[:, :, 1:3]), expected, rtol=1e-11)
 
 
-@pytest.mark.parametrize(("factor", "share"), [(1.0, -0.5), (0.5, 0.0), (0.0, 0.5)], ids=["paper", "trapezoid", "end"])
+@pytest.mark.parametrize(
+    ("factor", "share"), [(1.0, -0.5), (0.5, 0.0), (0.0, 0.5)], ids=["paper", "trapezoid", "end"]
+)
 def test_error_of_the_position_rules(factor: float, share: float) -> None:
-    """Error `share` a dt t with a the acceleration: Eq. 27 as printed lags behind, the end velocity runs ahead."""
+    """Error `share` a dt t, a the acceleration: Eq. 27 as printed lags behind, the end velocity runs ahead."""
     solver, start = thrown_block((0.0, 0.0), PLAIN._replace(position_factor=factor))
     sum_dt2 = 0.0
     for _ in range(200):

@@ -1,4 +1,4 @@
-"""What must go wrong does: steps beyond the stability limit, missing damping, numbers that are not numbers."""
+"""What must go wrong does: steps beyond the stability limit, missing damping, not-a-numbers."""
 
 from __future__ import annotations
 
@@ -6,11 +6,19 @@ import numpy as np
 import pytest
 
 from mpmcol.solver import Solver
-from mpmcol.state import LXX, SXX, VX, Settings, J, X
+from mpmcol.state import LXX, SXX, VX, J, Settings, X
 from tests.verification.blocks import (
-    WEIGHTLESS, E, advance_to, elastic_body, elastic_energy, kinetic_energy, lattice, make_solver, points_at,
+    WEIGHTLESS,
+    E,
+    advance_to,
+    elastic_body,
+    elastic_energy,
+    kinetic_energy,
+    lattice,
+    make_solver,
+    points_at,
     walled_grid,
-)  # fmt: skip
+)
 
 H = 0.1
 TRANSIT = 1.0 / 64.7
@@ -42,7 +50,7 @@ def test_a_step_within_it_is_not() -> None:
 
 
 def test_damping_makes_the_difference_between_ringing_and_rest() -> None:
-    """A sine of compression across the block: local damping stops it within a few transits, without it it rings on."""
+    """A compression wave across the block: local damping stops it within a few transits, else it rings on."""
     left = {}
     for alpha_d in (0.0, 0.5):
         solver = ringing_block(WEIGHTLESS._replace(alpha_d=alpha_d))
@@ -55,7 +63,9 @@ def test_damping_makes_the_difference_between_ringing_and_rest() -> None:
     assert left[0.5] < 0.01
 
 
-@pytest.mark.parametrize("lane", [VX, LXX, SXX, J, X], ids=["velocity", "gradient", "stress", "J", "position"])
+@pytest.mark.parametrize(
+    "lane", [VX, LXX, SXX, J, X], ids=["velocity", "gradient", "stress", "J", "position"]
+)
 def test_a_number_that_is_none_is_found_within_one_step(lane: int) -> None:
     solver = ringing_block(WEIGHTLESS)
     assert solver.advance(np.inf, max_steps=3) == -1

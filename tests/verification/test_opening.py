@@ -1,4 +1,5 @@
-"""Opening strain: cohesionless sand that falls apart carries no tension and does not grow when it comes together."""
+"""Opening strain: cohesionless sand that falls apart carries no tension and does not grow when it comes
+together."""
 
 from __future__ import annotations
 
@@ -10,8 +11,18 @@ import pytest
 from mpmcol.solver import Solver
 from mpmcol.state import COLUMN, Points, node_coordinates, set_fixed
 from tests.verification.blocks import (
-    PLAIN, WEIGHTLESS, advance_steps, advance_to, by_id, joined, kinetic_energy, lattice, make_solver, points_at, walled_grid,
-)  # fmt: skip
+    PLAIN,
+    WEIGHTLESS,
+    advance_steps,
+    advance_to,
+    by_id,
+    joined,
+    kinetic_energy,
+    lattice,
+    make_solver,
+    points_at,
+    walled_grid,
+)
 
 H = 0.02
 
@@ -43,14 +54,17 @@ def stacked_layers(opening_strain: bool, layers: int = 16, width: int = 4) -> De
         was_open = max(was_open, solver.points.opening.max())
     last, start = by_id(solver), points.V0.sum()
     height = np.ptp(last.x[:, 1]) / np.ptp(x[:, 1])
-    return Deposit(height, last.V.sum() / start, last.V @ (1.0 + last.opening) / start, last.J.max(), was_open)
+    return Deposit(
+        height, last.V.sum() / start, last.V @ (1.0 + last.opening) / start, last.J.max(), was_open
+    )
 
 
 def test_layers_that_come_together_keep_their_area() -> None:
-    """The area of the sand comes back to 0.1 %. The stack, from its lowest to its highest layer of points, stays 3.4 %
+    """The area of the sand comes back to 0.1 %, the height of the stack to 3.4 % only.
 
-    higher: half of the points keep an opening of some per cent, since their closed neighbours in the same cell
-    carry the weight. (The gap to the floor, three quarters of a cell, is that of any contact in MPM.)
+    Half of the points keep an opening of some per cent, since their closed neighbours in the same cell carry the
+    weight. Height is from the lowest to the highest layer of points: the gap to the floor, three quarters of a
+    cell, is that of any contact in MPM.
     """
     with_opening = stacked_layers(True)
     assert with_opening.was_open > 0.3
@@ -89,7 +103,7 @@ def test_without_opening_strain_the_clump_more_than_doubles() -> None:
 
 
 def parting_blocks(speed: float, **change: float) -> tuple[Solver, Points]:
-    """Two touching blocks that fly apart without weight, stress-free all the way; and their points at the start."""
+    """Two touching blocks that flew apart without weight or tension, and their points at the start."""
     left = points_at(lattice((0.2, 0.2), (0.3, 0.3), H / 2), H / 2, kind=COLUMN)
     right = points_at(lattice((0.3, 0.2), (0.4, 0.3), H / 2), H / 2, kind=COLUMN)
     left.v[:, 0], right.v[:, 0] = -speed, speed
@@ -110,7 +124,7 @@ def test_blocks_pulled_apart_feel_nothing_with_flip() -> None:
 
 @pytest.mark.parametrize("opening_strain", [True, False])
 def test_blocks_pulled_apart_are_not_held_with_taylor(opening_strain: bool) -> None:
-    """The Taylor term of the points between them stirs the blocks, but they part no slower, and gain 1.4 % of energy."""
+    """The Taylor term stirs the blocks where they part: they fly apart no slower and gain 1.4 % of energy."""
     solver, start = parting_blocks(0.5, opening_strain=opening_strain)
     left = start.x[:, 0] < 0.3
     assert -0.505 < by_id(solver).v[left, 0].mean() < -0.5

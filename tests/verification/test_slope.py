@@ -1,10 +1,10 @@
 """An infinite slope of Mohr-Coulomb sand (phi = 33, psi = 0) on a no-slip floor.
 
 At constant volume the sand mobilises tau / sigma_n = sin(phi): it rests below atan(sin 33) = 28.6 degrees and
-accelerates with g (sin th - sin(phi) cos th) above. The slope is endless because the address table of x repeats
-itself every PERIOD nodes: a point that leaves a period acts on the nodes of the first. Tiles that coincide have
-the same colour, so this holds for one thread only. The stress at the start is hydrostatic (K = 1), since between
-28.6 and 33 degrees the outcome depends on it.
+accelerates with g (sin th - sin(phi) cos th) above. The slope is endless because the address table of x
+repeats itself every PERIOD nodes: a point that leaves a period acts on the nodes of the first. Tiles that
+coincide have the same colour, so this holds for one thread only. The stress at the start is hydrostatic (K =
+1), since between 28.6 and 33 degrees the outcome depends on it.
 """
 
 from __future__ import annotations
@@ -15,8 +15,17 @@ import pytest
 from mpmcol.solver import Solver
 from mpmcol.state import COLUMN, Grid, allocate_grid, node_coordinates, node_records, set_fixed
 from tests.verification.blocks import (
-    DENSITY, PHI, PLAIN, G, advance_steps, advance_to, by_id, lattice, make_solver, points_at,
-)  # fmt: skip
+    DENSITY,
+    PHI,
+    PLAIN,
+    G,
+    advance_steps,
+    advance_to,
+    by_id,
+    lattice,
+    make_solver,
+    points_at,
+)
 
 PERIOD, LAYER, H = 8, 8, 0.05
 DEPTH = LAYER * H
@@ -44,7 +53,7 @@ def layer(degrees: float, mobilised: float) -> tuple[Solver, np.ndarray]:
 
 
 def test_the_grid_is_endless() -> None:
-    """Points near the seam give the same sums as in the middle of a period: the layer stays uniform along x."""
+    """Nodes at the seam receive what those in the middle of a period do: the layer stays uniform along x."""
     solver, y = layer(36.0, SINE)
     advance_steps(solver, 200)
     assert node_records(solver.grid)[:PERIOD, :, 0].sum() == pytest.approx(solver.points.m.sum(), rel=1e-12)

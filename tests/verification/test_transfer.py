@@ -7,15 +7,20 @@ import pytest
 
 from mpmcol.state import node_coordinates, node_records
 from tests.verification.blocks import (
-    WEIGHTLESS, advance_steps, lattice, make_solver, points_at, walled_grid,
-)  # fmt: skip
+    WEIGHTLESS,
+    advance_steps,
+    lattice,
+    make_solver,
+    points_at,
+    walled_grid,
+)
 
 CELLS = 8
 V0, L = np.array([0.4, -0.3]), np.array([[0.5, -1.1], [0.8, 0.2]])
 
 
 def nodal_velocity(x, v, grad_v, h, taylor):
-    """Mass (n, n), velocity (n, n, 2) and coordinates (n, n, 2) of the nodes after P2G of stress-free points."""
+    """Mass (n, n), velocity and coordinates (n, n, 2) of the nodes after P2G of stress-free points."""
     points = points_at(x, h / 2)
     points.v[:] = v
     points.grad_v = np.pad(np.broadcast_to(grad_v, (len(x), 2, 2)), ((0, 0), (0, 1), (0, 1)))

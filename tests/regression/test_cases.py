@@ -1,0 +1,38 @@
+"""Every shipped case, coarse and cut short, against its own numbers of before; and all at once by a second reading.
+
+A change of these numbers is a change of results: say why in the commit that changes them.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import mpmcol
+from mpmcol.case import shipped_cases
+from mpmcol.measure import FRONTS
+
+SHORT = ("stages.collapse.max_time_factor=2.5", "output.snapshots=2")
+COARSE = {
+    "quickstart": ("grid.spacing=0.01",),
+    "lube-channel": ("grid.spacing=0.01", "geometry.aspect=2"),
+    "lube-channel-loose": ("grid.spacing=0.01", "geometry.aspect=1"),
+    "lube-channel-dense": ("grid.spacing=0.01", "geometry.aspect=1"),
+    "lube-cylinder": ("grid.spacing=0.01",),
+    "bui-rods": ("grid.spacing=0.01",),
+}
+# steps, zeta by front_max, front_connected, front_height, beta
+EXPECTED: dict[str, tuple[int, float, float, float, float]] = {}
+
+
+def test_every_case_has_its_numbers() -> None:
+    assert set(shipped_cases()) == set(COARSE) == set(EXPECTED)
+
+
+@pytest.mark.parametrize("name", list(COARSE))
+def test_case_gives_its_numbers(name: str, tmp_path: Path) -> None:
+    summary = mpmcol.run(mpmcol.load_case(name, [*SHORT, *COARSE[name]]), tmp_path / name).summary
+    got = (summary["steps"], *(summary["zeta"][front] for front in FRONTS), summary["beta"])
+    assert got == pytest.approx(EXPECTED[name], rel=1e-6), f'"{name}": {tuple(round(v, 9) for v in got)},'
+    assert abs(summary["ledger"]["residual"]) < 1e-9 * summary["ledger"]["potential"]
