@@ -46,6 +46,7 @@ class Run:
         self.wall_s = dict.fromkeys(("compile", "equilibrate", "collapse", "output"), 0.0)
         self.tau = sqrt(self.scene.layout.h_i / case.geometry.gravity)
         self.collapse_steps = 0
+        self.at_rest = False
 
     def equilibrate(self) -> None:
         """Damped rest under gravity behind the closed gate, judged by the unbalanced force at the nodes."""
@@ -92,7 +93,8 @@ class Run:
                 self._lift_gate()
                 self.recorder.record("collapse")
                 self.progress("collapse", solver.time / limit)
-                if words.end == "rest" and self._is_at_rest():
+                self.at_rest = self._is_at_rest()
+                if words.end == "rest" and self.at_rest:
                     break
                 if snapshots and solver.time >= snapshots[0]:
                     snapshots.pop(0)
@@ -103,7 +105,7 @@ class Run:
             self.wall_s["collapse"] = time.perf_counter() - started - (self.recorder.seconds - output)
         self._say_stage(
             "collapse",
-            f"{'at rest' if solver.time < limit else 'ended'} after {solver.time / self.tau:.2f} tau",
+            f"{'at rest' if self.at_rest else 'ended'} after {solver.time / self.tau:.2f} sqrt(h_i/g)",
         )
         self.recorder.snapshot("rest")
 
@@ -120,6 +122,7 @@ class Run:
             "case_hash": case_hash(self.case),
             **measured.scalars(),
             "errors": [entry.as_dict() for entry in scores],
+            "at_rest": self.at_rest,
             "time": solver.time,
             "time_over_tau": solver.time / self.tau,
             "points": len(self.scene.points),

@@ -26,12 +26,12 @@ def _measured(results: Results) -> Iterator[str]:
     errors = {
         (s["quantity"], s["front_definition"]): s for s in summary["errors"] if s["experiment"] == experiment.name
     }
-    yield f"{'':40s}{'m':>8s}{'':>8s}   against {experiment.name}"
+    yield f"{'':48s}{'m':>8s}{'':>8s}   against {experiment.name}"
     for name, front in summary["front"].items():
-        label = f"runout zeta, {name} ({FRONT_TEXT[name]})"
-        yield f"{label:40.60s}{front:8.4f}{summary['zeta'][name]:8.3f}   {_against(errors.get(('zeta', name)))}"
-    yield f"{'  spread of zeta, its uncertainty':40s}{'':8s}{summary['spread']:8.3f}"
-    yield f"{'height beta':40s}{summary['height']:8.4f}{summary['beta']:8.3f}   {_against(errors.get(('beta', '')))}"
+        label = f"zeta, {name} ({FRONT_TEXT[name]})"
+        yield f"{label:48s}{front:8.4f}{summary['zeta'][name]:8.3f}   {_against(errors.get(('zeta', name)))}"
+    yield f"{'spread of zeta, the uncertainty of the front':48s}{'':8s}{summary['spread']:8.3f}"
+    yield f"{'beta, height at the wall or axis':48s}{summary['height']:8.4f}{summary['beta']:8.3f}   {_against(errors.get(('beta', '')))}"
 
 
 def _against(score: dict[str, Any] | None) -> str:
@@ -45,12 +45,13 @@ def _against(score: dict[str, Any] | None) -> str:
 def _cost(summary: dict[str, Any]) -> Iterator[str]:
     wall, total = summary["wall_s"], sum(summary["wall_s"].values())
     ledger = summary["ledger"]
+    ended = "at rest" if summary["at_rest"] else "stopped, still moving,"
     rate = 1e3 / summary["ns_per_point_step"] if summary["ns_per_point_step"] else 0.0
     yield f"{summary['points']:,} material points, {summary['steps']:,} steps of {summary['dt']:.3g} s"
     parts = ", ".join(f"{name} {seconds:.1f} s" for name, seconds in wall.items())
     yield f"{total:.1f} s: {parts}"
     yield f"{rate:.1f} million particle-steps per second with {summary['threads']} threads"
     yield (
-        f"at rest after {summary['time_over_tau']:.2f} sqrt(h_i/g); worst J {summary['worst_J'][0]:.3f} ... "
+        f"{ended} after {summary['time_over_tau']:.2f} sqrt(h_i/g); worst J {summary['worst_J'][0]:.3f} ... "
         f"{summary['worst_J'][1]:.3f}; energy residual {ledger['residual']:+.2e} J"
     )

@@ -1,7 +1,7 @@
-"""Scenes of the verification problems: lattices of points, grids with rollers, a solver of sand and elastic body.
+"""Scenes of the verification problems: lattices of points, grids with rollers, solvers of sand and elastic.
 
-The elastic body of every problem is made of points of kind BASE and the sand of points of kind COLUMN, so that
-all problems share one compiled cycle.
+The elastic body of every problem is made of points of kind BASE and the sand of points of kind COLUMN, so
+that all problems share one compiled cycle.
 """
 
 from __future__ import annotations

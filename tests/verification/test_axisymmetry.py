@@ -45,7 +45,7 @@ def test_uniform_expansion_is_exact_next_to_the_axis() -> None:
 
 
 def radial_acceleration(points_per_axis: int) -> np.ndarray:
-    """Over sigma / rho h, of one row of nodes (r = 0, h, 2h...) in a cylinder under uniform hydrostatic stress."""
+    """Over sigma / rho h, of a row of nodes (r = 0, h, 2h...) in a cylinder under uniform pressure."""
     sigma, spacing = 1e4, H / points_per_axis
     points = points_at(lattice((0.0, 0.0), (8 * H, 6 * H), spacing), spacing, axisymmetric=True)
     points.sigma = np.broadcast_to([sigma, sigma, sigma, 0.0], (len(points), 4))

@@ -67,7 +67,7 @@ def test_settlement_and_lateral_stress() -> None:
 def sand_behind_a_gate(cells: int, width: int = 4) -> Solver:
     """Sand at rest between the wall and a smooth gate `width` cells away, its weight brought up in stages.
 
-    Weight that comes at once makes the stress overshoot; the way back leaves a thrust of 1.10 times the active one.
+    Weight that comes at once makes the stress overshoot; that leaves a thrust of 1.10 times the active one.
     """
     h = HEIGHT / cells
     points = points_at(lattice((0.0, 0.0), (width * h, HEIGHT), h / 2), h / 2, kind=COLUMN)

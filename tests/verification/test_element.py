@@ -15,7 +15,7 @@ BULK = E / (3.0 * (1.0 - 2.0 * NU))
 
 
 def driven(body: Body, strain: np.ndarray, steps: int, sigma: tuple[float, ...] = (0.0,) * 4) -> Points:
-    """A point that starts with stress xx yy zz xy, after equal steps that add up to dt L = `strain` (2, 2)."""
+    """A point that starts with stress xx yy zz xy, after steps that add up to dt L = `strain` (2, 2)."""
     update = make_update_stress(body.law)
     point = Points(1)
     point.V0[:] = 1.0

@@ -1,24 +1,22 @@
 """The energy ledger of a collapse closes.
 
 In one step the nodes turn the kinetic energy K of P2G into K~. With f = f_int + m g and the mean nodal
-velocity (v + v~) / 2,
+velocity u = (v + v~) / 2 (half of v where a wall stops the node),
 
-    K~ - K = dt f_int . mean  +  dt m g . mean  -  damping  -  walls,
+    K~ - K = dt f_int . u  +  dt m g . u  -  damping  -  walls.
 
-where dt f_int . mean is minus the work of the stress (L_WORK, stored or dissipated in the material), dt m g .
-mean is minus the change of the potential energy of the points (their trapezoid rule moves them by dt S mean),
-`damping` is the work of -alpha_d |f| sign(v) (L_DAMPING, >= 0), and `walls` the kinetic energy of the nodal
-components that the walls stop (L_WALLS, >= 0). Summed over all steps K~ - K is L_GRID. The points do not hold
-the same kinetic energy as the nodes; what P2G and G2P lose is
+dt f_int . u is minus the work of the stress on the motion of the nodes (L_NODE_WORK), dt m g . u minus the
+change of the potential energy of the points (their trapezoid rule moves them by dt S u), `damping` the work
+of -alpha_d |f| sign(v) (L_DAMPING, >= 0), and `walls` the kinetic energy of the nodal components that walls
+stop, less the work that forces would have done on them (L_WALLS). Summed over all steps K~ - K is L_GRID.
 
-    transfer = KE at the start - KE now + L_GRID,
+The material takes L_WORK: the mean stress of each step on the velocity gradient after it, stored or
+dissipated. It differs from L_NODE_WORK by the stress times the jump that the transfer makes in the gradient,
+and points hold another kinetic energy than nodes. Both are what P2G and G2P lose:
 
-so that residual = dPE + dKE + L_WORK + L_DAMPING + L_WALLS + transfer = 0. With the work of the nodal forces
-in place of L_WORK this holds to 1e-5, the weight that walls carry while they stop a node. L_WORK is taken at
-the points, with the velocity gradient after the step and the mean stress, while the force acted with the
-gradient before and after: the difference is the stress times the jump that the transfer makes in the
-gradient, summed over the steps. It does not fall with dt, but with h: residual -0.87 % of the initial
-potential energy with 8 cells across the column, -0.42 % with 16.
+    transfer = KE at the start - KE now + L_GRID + L_NODE_WORK - L_WORK,
+
+so that residual = dPE + dKE + L_WORK + L_DAMPING + L_WALLS + transfer = 0.
 """
 
 from __future__ import annotations
@@ -29,13 +27,13 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from mpmcol.kernels.cycle_2d import L_DAMPING, L_GRID, L_WALLS, L_WORK
+from mpmcol.kernels.cycle_2d import L_DAMPING, L_GRID, L_NODE_WORK, L_WALLS, L_WORK
 from mpmcol.solver import Solver
-from mpmcol.state import COLUMN, Points, Settings, node_addresses, node_records
+from mpmcol.state import COLUMN, Settings
 from tests.verification.blocks import (
     PLAIN,
+    WEIGHTLESS,
     G,
-    advance_steps,
     advance_to,
     elastic_body,
     elastic_energy,
@@ -77,78 +75,72 @@ class Ledger(NamedTuple):
     walls: float
     transfer: float
     stored: float
+    jump: float  # the share of `transfer` that is work of the stress
 
     @property
     def residual(self) -> float:
         return self.potential + self.kinetic + self.work + self.damping + self.walls + self.transfer
 
 
-def scale_of(points: Points) -> float:
-    """Potential energy of the column above the base, J."""
-    column = points.kind == COLUMN
-    return float(G * points.m[column] @ points.x[column, 1])
-
-
 @cache
-def ledger_of(settings: Settings, h: float, duration: float = 0.5) -> Ledger:
+def ledger_of(settings: Settings, h: float = COARSE, duration: float = 0.5) -> Ledger:
     solver = collapse(settings, h)
-    points = solver.points
-    scale, potential, kinetic = scale_of(points), potential_energy(points), kinetic_energy(points)
+    points, column = solver.points, solver.points.kind == COLUMN
+    scale = G * points.m[column] @ points.x[column, 1]
+    potential, kinetic = potential_energy(points), kinetic_energy(points)
     advance_to(solver, duration)
-    change = kinetic_energy(solver.points) - kinetic
+    sums, change = solver.ledger, kinetic_energy(solver.points) - kinetic
+    jump = sums[L_NODE_WORK] - sums[L_WORK]
     parts = (
         potential_energy(solver.points) - potential,
         change,
-        solver.ledger[L_WORK],
-        solver.ledger[L_DAMPING],
-        solver.ledger[L_WALLS],
-        solver.ledger[L_GRID] - change,
+        sums[L_WORK],
+        sums[L_DAMPING],
+        sums[L_WALLS],
+        sums[L_GRID] - change + jump,
         elastic_energy(solver.points, YOUNG),
+        jump,
     )
     return Ledger(*(np.array(parts) / scale))
 
 
+@pytest.mark.parametrize("wall_impulse", [True, False], ids=["impulse", "no impulse"])
 @pytest.mark.parametrize("axisymmetric", [False, True], ids=["plane", "axisymmetric"])
-def test_the_ledger_of_a_collapse_closes(axisymmetric: bool) -> None:
-    ledger = ledger_of(DAMPED._replace(axisymmetric=axisymmetric), FINE)
+def test_the_ledger_of_a_collapse_closes(axisymmetric: bool, wall_impulse: bool) -> None:
+    """To 1e-6 of the initial potential energy (0.5 % is asked for): points held off the walls are lifted."""
+    ledger = ledger_of(DAMPED._replace(axisymmetric=axisymmetric, wall_impulse=wall_impulse))
     assert ledger.potential < -0.4
     assert 0.7 < ledger.work / -ledger.potential < 1.0
     assert 0.02 < ledger.damping < 0.05
-    assert 0.0 <= ledger.walls < 1e-3
-    assert 0.005 < ledger.transfer < 0.03
+    assert abs(ledger.walls) < (1e-3 if wall_impulse else 0.05)
+    assert -0.01 < ledger.transfer < 0.06
     assert 0.0 < ledger.stored < 0.01
-    assert abs(ledger.residual) <= 0.005
+    assert abs(ledger.residual) <= 1e-6
 
 
-def test_the_residual_falls_with_the_grid_spacing() -> None:
-    coarse, fine = (abs(ledger_of(DAMPED, h).residual) for h in (COARSE, FINE))
-    assert fine < 0.7 * coarse < 0.7 * 0.01
-
-
-@pytest.mark.parametrize("part", ["kinetic", "potential", "work", "damping", "transfer"])
+@pytest.mark.parametrize("part", ["kinetic", "potential", "work", "damping", "walls", "transfer"])
 def test_every_part_of_the_ledger_is_needed(part: str) -> None:
-    ledger = ledger_of(DAMPED, COARSE, 0.15)
-    assert abs(ledger.residual) < 0.002
-    assert abs(ledger.residual - getattr(ledger, part)) > 0.002
+    ledger = ledger_of(DAMPED)
+    assert abs(ledger.residual - getattr(ledger, part)) > 1e-5
 
 
-def test_with_the_work_of_the_nodal_forces_the_ledger_closes_at_once() -> None:
-    """Undamped, so that the forces on the nodes follow from their accelerations."""
-    solver = collapse(PLAIN)
-    points = solver.points
-    scale, potential, kinetic = scale_of(points), potential_energy(points), kinetic_energy(points)
-    masks = solver.grid.fixed[node_addresses(solver.grid)]
-    free = np.stack([(masks & 1) == 0, (masks & 2) == 0], axis=-1)
-    work = 0.0
-    while solver.time < 0.2:
-        dt = solver.dt
-        advance_steps(solver, 1)
-        nodes = node_records(solver.grid)
-        m, v, a = nodes[:, :, :1], nodes[:, :, 1:3], nodes[:, :, 4:6]
-        internal = m * (a - np.array([0.0, -G]))
-        work -= dt * np.sum(internal * (v - 0.5 * dt * a), where=free)
-    change = kinetic_energy(solver.points) - kinetic
-    transfer = solver.ledger[L_GRID] - change
-    residual = potential_energy(solver.points) - potential + change + work + solver.ledger[L_WALLS] + transfer
-    assert abs(residual) < 1e-5 * scale
-    assert abs(solver.ledger[L_WORK] - work) > 1e-3 * scale
+def test_the_jump_in_work_falls_with_the_grid_spacing() -> None:
+    """0.9 % of the initial potential energy with 8 cells across the column, 0.4 % with 16."""
+    coarse, fine = (ledger_of(DAMPED, h).jump for h in (COARSE, FINE))
+    assert 0.0 < fine < 0.7 * coarse < 0.7 * 0.01
+
+
+def test_the_work_of_an_elastic_body_is_its_stored_energy() -> None:
+    """A block that rings: half of its energy goes to and fro, measured against stress and strain alone."""
+    h, body = 0.1, elastic_body()
+    points = points_at(lattice((0.5, 0.5), (1.5, 1.5), h / 2), h / 2)
+    points.v[:, 0] = 0.1 * np.sin(np.pi * (points.x[:, 0] - 1.0))
+    scale = kinetic_energy(points)
+    solver = make_solver(points, walled_grid((0.0, 0.0), h, (20, 20)), WEIGHTLESS, body=body)
+    shares = []
+    for k in range(1, 21):
+        advance_to(solver, 0.1 * k / np.sqrt(body.wave_speed2))
+        shares.append([solver.ledger[L_WORK], elastic_energy(solver.points)])
+    work, stored = np.array(shares).T / scale
+    assert stored.max() > 0.8
+    np.testing.assert_allclose(work, stored, atol=2e-3)

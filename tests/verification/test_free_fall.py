@@ -62,7 +62,7 @@ def test_mass_and_momentum_are_kept_to_round_off() -> None:
     ("factor", "share"), [(1.0, -0.5), (0.5, 0.0), (0.0, 0.5)], ids=["paper", "trapezoid", "end"]
 )
 def test_error_of_the_position_rules(factor: float, share: float) -> None:
-    """Error `share` a dt t, a the acceleration: Eq. 27 as printed lags behind, the end velocity runs ahead."""
+    """Error `share` a dt t, a the acceleration: Eq. 27 as printed lags, the end velocity runs ahead."""
     solver, start = thrown_block((0.0, 0.0), PLAIN._replace(position_factor=factor))
     sum_dt2 = 0.0
     for _ in range(200):

@@ -62,9 +62,9 @@ def stacked_layers(opening_strain: bool, layers: int = 16, width: int = 4) -> De
 def test_layers_that_come_together_keep_their_area() -> None:
     """The area of the sand comes back to 0.1 %, the height of the stack to 3.4 % only.
 
-    Half of the points keep an opening of some per cent, since their closed neighbours in the same cell carry the
-    weight. Height is from the lowest to the highest layer of points: the gap to the floor, three quarters of a
-    cell, is that of any contact in MPM.
+    Half of the points keep an opening of some per cent, since their closed neighbours in the same cell carry
+    the weight. Height is from the lowest to the highest layer of points: the gap to the floor, three quarters
+    of a cell, is that of any contact in MPM.
     """
     with_opening = stacked_layers(True)
     assert with_opening.was_open > 0.3
