@@ -9,7 +9,9 @@ from mpmcol.state import NODE, TILE_NODES, Grid, Settings, Tiles
 
 # what a tile of nodes reports, summed later in a fixed order
 KINETIC_BEFORE, KINETIC_AFTER, DAMPING, WALLS, UNBALANCED, WEIGHT, NODE_REPORT = range(7)
-MASS_FLOOR = 1e-12  # share of the smallest point mass under which a node is left alone
+# Share of the smallest point mass under which a node is left alone. It only guards 0 / 0: a spline's force and mass
+# vanish together, and a node cut off by a larger floor would kick the points that just reach it.
+MASS_FLOOR = 1e-20
 
 
 @phase
@@ -27,10 +29,10 @@ def update_grid(
             report[k, quantity] = 0.0
         for node in range(TILE_NODES):
             o = active[k] + node * NODE
-            if nodes[o] > floor:
-                _update_node(nodes, o, fixed[o // NODE], settings, dt, report, k)
-            else:
+            if nodes[o] <= floor:
                 nodes[o + 1 : o + NODE] = 0.0
+            else:  # a mass that is not a number goes on to the points, where it is found
+                _update_node(nodes, o, fixed[o // NODE], settings, dt, report, k)
 
 
 @device

@@ -8,7 +8,7 @@ velocity u = (v + v~) / 2 (half of v where a wall stops the node),
 dt f_int . u is minus the work of the stress on the motion of the nodes (L_NODE_WORK), dt m g . u minus the
 change of the potential energy of the points (their trapezoid rule moves them by dt S u), `damping` the work
 of -alpha_d |f| sign(v) (L_DAMPING, >= 0), and `walls` the kinetic energy of the nodal components that walls
-stop, less the work that forces would have done on them (L_WALLS). Summed over all steps K~ - K is L_GRID.
+stop and the work of the forces on them (L_WALLS). Summed over all steps K~ - K is L_GRID.
 
 The material takes L_WORK: the mean stress of each step on the velocity gradient after it, stored or
 dissipated. It differs from L_NODE_WORK by the stress times the jump that the transfer makes in the gradient,

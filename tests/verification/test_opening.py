@@ -1,5 +1,4 @@
-"""Opening strain: cohesionless sand that falls apart carries no tension and does not grow when it comes
-together."""
+"""Opening strain: sand that falls apart carries no tension and does not grow when it comes together."""
 
 from __future__ import annotations
 
