@@ -81,7 +81,7 @@ JIT_DISABLED = bool(_config.DISABLE_JIT)
 
 def device(function: F) -> F:
     """A formula: plain Python when called from Python, compiled into its caller when called from a kernel."""
-    return register_jitable(**_FLAGS)(function)
+    return register_jitable(forceinline=True, **_FLAGS)(function)
 
 
 def phase(function: F) -> F:

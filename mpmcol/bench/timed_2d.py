@@ -98,7 +98,8 @@ def _gather_all(rows, grid, tiles, settings, dt, report):
     for t in prange(len(start) - 1):
         travel = 0.0
         for p in range(start[t], start[t + 1]):
-            travel = max(travel, gather(rows, p * ROW, nodes, grid, settings, dt))
+            moved, _ = gather(rows, p * ROW, nodes, grid, settings, dt)
+            travel = max(travel, moved)
             keep_off_walls(rows, p * ROW, grid)
         report[t, 0] = travel
 

@@ -45,34 +45,36 @@ def make_update_points(column_law: ModuleType, base_law: ModuleType) -> Callable
         """
         nodes, start, split = grid.nodes, tiles.start, tiles.split
         for t in prange(len(split)):
-            report[t, SPEED], report[t, TRAVEL], report[t, WORK], report[t, NODE_WORK] = 0.0, 0.0, 0.0, 0.0
-            report[t, FAULT] = NO_FAULT
+            speed, travel, work, node_work, fault = 0.0, 0.0, 0.0, 0.0, NO_FAULT
             for p in range(start[t], start[t + 1]):
-                travel, work = gather(rows, p * ROW, nodes, grid, settings, dt)
-                report[t, NODE_WORK] += work
-                report[t, TRAVEL] = max(report[t, TRAVEL], travel)
+                moved, taken = gather(rows, p * ROW, nodes, grid, settings, dt)
+                travel = max(travel, moved)
+                node_work += taken
                 keep_off_walls(rows, p * ROW, grid)
             for p in range(start[t], split[t]):
-                report[t, WORK] += column_stress(rows, p * ROW, column, settings, dt)
-                _inspect(rows, p, c2_column, report, t)
-                if not _is_inside(rows, p * ROW, grid):
-                    report[t, FAULT] = p
+                work += column_stress(rows, p * ROW, column, settings, dt)
+                fastest, is_sound = _inspect(rows, p * ROW, c2_column)
+                speed = max(speed, fastest)
+                if not (is_sound and _is_inside(rows, p * ROW, grid)):
+                    fault = p
             for p in range(split[t], start[t + 1]):
-                report[t, WORK] += base_stress(rows, p * ROW, base, settings, dt)
-                _inspect(rows, p, c2_base, report, t)
+                work += base_stress(rows, p * ROW, base, settings, dt)
+                fastest, is_sound = _inspect(rows, p * ROW, c2_base)
+                speed = max(speed, fastest)
+                if not is_sound:
+                    fault = p
+            report[t, SPEED], report[t, TRAVEL], report[t, FAULT] = speed, travel, fault
+            report[t, WORK], report[t, NODE_WORK] = work, node_work
 
     return update_points
 
 
 @device
-def _inspect(rows, p, c2, report, t):
-    """Note the point's wave speed plus speed, and the point itself if it is faster than its waves or not finite."""
-    o = p * ROW
+def _inspect(rows, o, c2):
+    """Wave speed plus speed of a point, and whether it is finite and slower than its waves."""
     c2_p = c2 * rows[o + J]  # Eq. 36 at the current density
     v2 = rows[o + VX] * rows[o + VX] + rows[o + VY] * rows[o + VY]
-    report[t, SPEED] = max(report[t, SPEED], sqrt(c2_p) + sqrt(v2))
-    if not (v2 <= c2_p and rows[o + J] >= J_MIN and rows[o + J] <= J_MAX):
-        report[t, FAULT] = p
+    return sqrt(c2_p) + sqrt(v2), v2 <= c2_p and rows[o + J] >= J_MIN and rows[o + J] <= J_MAX
 
 
 @device

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from mpmcol.jit import device, phase, prange
-from mpmcol.state import NODE, TILE_NODES, Grid, Settings, Tiles
+from mpmcol.state import NODE, TILE_DOUBLES, Grid, Settings, Tiles
 
 # what a tile of nodes reports, summed later in a fixed order
 KINETIC_BEFORE, KINETIC_AFTER, DAMPING, WALLS, UNBALANCED, WEIGHT, NODE_REPORT = range(7)
@@ -24,49 +24,46 @@ def update_grid(
     """
     nodes, fixed, active = grid.nodes, grid.fixed, tiles.active
     floor = MASS_FLOOR * smallest_mass
+    weight = abs(settings.gravity_x) + abs(settings.gravity_y)
     for k in prange(len(active)):
-        for quantity in range(NODE_REPORT):
-            report[k, quantity] = 0.0
-        for node in range(TILE_NODES):
-            o = active[k] + node * NODE
-            if nodes[o] <= floor:
+        before, after, damping, walls, unbalanced, mass = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        for o in range(active[k], active[k] + TILE_DOUBLES, NODE):
+            m, mask = nodes[o], fixed[o // NODE]
+            if m <= floor:  # a mass that is not a number goes on to the points, where it is found
                 nodes[o + 1 : o + NODE] = 0.0
-            else:  # a mass that is not a number goes on to the points, where it is found
-                _update_node(nodes, o, fixed[o // NODE], settings, dt, report, k)
+                continue
+            mass += m
+            inv_m = 1.0 / m
+            for axis in range(2):
+                raw, f = nodes[o + 1 + axis] * inv_m, nodes[o + 4 + axis]  # Eq. 21
+                if (mask >> axis) & 1:
+                    v, a, drag, wall = _hold(m, raw, f, settings, dt)
+                else:
+                    v, a, drag, wall = _step(m, inv_m, raw, f, settings, dt)
+                    unbalanced += abs(f)
+                nodes[o + 1 + axis], nodes[o + 4 + axis] = v, a
+                before += 0.5 * m * raw * raw
+                after += 0.5 * m * v * v
+                damping += drag
+                walls += wall
+        report[k, KINETIC_BEFORE], report[k, KINETIC_AFTER] = before, after
+        report[k, DAMPING], report[k, WALLS] = damping, walls
+        report[k, UNBALANCED], report[k, WEIGHT] = unbalanced, mass * weight
 
 
 @device
-def _update_node(nodes, o, mask, settings, dt, report, k):
-    """One node with mass; adds its energies to row `k` of the report."""
-    m = nodes[o]
-    inv_m = 1.0 / m
-    _update_component(nodes, o + 1, mask & 1, m, inv_m, settings, dt, report, k)
-    _update_component(nodes, o + 2, mask & 2, m, inv_m, settings, dt, report, k)
-    report[k, WEIGHT] += m * (abs(settings.gravity_x) + abs(settings.gravity_y))
-    nodes[o + 3] = 0.0
-    nodes[o + 6] = 0.0
-
-
-@device
-def _update_component(nodes, at, is_fixed, m, inv_m, settings, dt, report, k):
-    """One velocity component (`at`) and the force three lanes on."""
-    raw = nodes[at] * inv_m  # Eq. 21
-    kinetic = 0.5 * m * raw * raw
-    report[k, KINETIC_BEFORE] += kinetic
-    f = nodes[at + 3]
-    if is_fixed:
-        report[k, WALLS] += kinetic
-        nodes[at] = 0.0
-        nodes[at + 3] = 0.0
-        if settings.wall_impulse:
-            report[k, WALLS] += 0.5 * dt * f * raw  # points move as if the wall had stopped the node in this step
-            nodes[at + 3] = -raw / dt
-        return
+def _step(m, inv_m, raw, f, settings, dt):
+    """New velocity and acceleration of a free component, and the work of damping on it."""
     drag = settings.alpha_d * abs(f) if raw > 0.0 else (-settings.alpha_d * abs(f) if raw < 0.0 else 0.0)
     a = (f - drag) * inv_m  # Eq. 22, 23
     v = raw + dt * a  # Eq. 24
-    report[k, KINETIC_AFTER] += 0.5 * m * v * v
-    report[k, DAMPING] += 0.5 * dt * drag * (raw + v)
-    report[k, UNBALANCED] += abs(f)
-    nodes[at] = v
-    nodes[at + 3] = a
+    return v, a, 0.5 * dt * drag * (raw + v), 0.0
+
+
+@device
+def _hold(m, raw, f, settings, dt):
+    """Velocity and acceleration of a component that a wall holds, and the energy that goes into the wall."""
+    kinetic = 0.5 * m * raw * raw
+    if settings.wall_impulse:
+        return 0.0, -raw / dt, 0.0, kinetic + 0.5 * dt * f * raw  # points move as if the node stopped in this step
+    return 0.0, 0.0, 0.0, kinetic
