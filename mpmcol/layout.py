@@ -11,6 +11,7 @@ from mpmcol.experiments import expected_runout
 from mpmcol.measure import ColumnShape
 
 RUNOUT_MARGIN = 0.5  # r_i beyond the farthest-running experiment
+EMPTY_FACTOR = 2.0  # on the runout over a rigid base, where the empty part of the domain costs nothing
 HEADROOM_CELLS = 6
 EDGE_CELLS = 3  # material this close to an open end stops the run
 ROUNDING_WORTH_A_WARNING = 1e-9
@@ -78,7 +79,7 @@ def make_layout(case: Case) -> Layout:
 def _domain(case: Case, h: float) -> tuple[float, float]:
     """Length and height of the domain above the base, m: as asked for, or from the expected runout."""
     geometry = case.geometry
-    runout = expected_runout(geometry.model, geometry.a)
+    runout = expected_runout(geometry.model, geometry.a) * (EMPTY_FACTOR if geometry.base == "rigid" else 1.0)
     length = geometry.domain_length or geometry.r_i * (1.0 + runout + RUNOUT_MARGIN) + EDGE_CELLS * h
     height = geometry.domain_height or geometry.h_i + HEADROOM_CELLS * h
     for key, given, least in (

@@ -1,4 +1,4 @@
-"""Every shipped case, coarse and cut short, against its own numbers of before; and all at once by a second reading.
+"""Every shipped case, coarse and cut short, against its own numbers of before.
 
 A change of these numbers is a change of results: say why in the commit that changes them.
 """
@@ -23,7 +23,14 @@ COARSE = {
     "bui-rods": ("grid.spacing=0.01",),
 }
 # steps, zeta by front_max, front_connected, front_height, beta
-EXPECTED: dict[str, tuple[int, float, float, float, float]] = {}
+EXPECTED: dict[str, tuple[int, float, float, float, float]] = {
+    "quickstart": (3769, 0.862305098, 0.862305098, 0.778223627, 0.978868481),
+    "lube-channel": (5714, 2.010954486, 2.010954486, 1.958309396, 0.618870859),
+    "lube-channel-loose": (3815, 0.876887706, 0.876887706, 0.709042199, 0.992660996),
+    "lube-channel-dense": (3908, 0.677985847, 0.677985847, 0.638468764, 0.992052284),
+    "lube-cylinder": (3678, 0.649022102, 0.649022102, 0.596466827, 0.9721218),
+    "bui-rods": (1532, 0.668632489, 0.668632489, 0.650019636, 0.998548517),
+}
 
 
 def test_every_case_has_its_numbers() -> None:
@@ -35,4 +42,4 @@ def test_case_gives_its_numbers(name: str, tmp_path: Path) -> None:
     summary = mpmcol.run(mpmcol.load_case(name, [*SHORT, *COARSE[name]]), tmp_path / name).summary
     got = (summary["steps"], *(summary["zeta"][front] for front in FRONTS), summary["beta"])
     assert got == pytest.approx(EXPECTED[name], rel=1e-6), f'"{name}": {tuple(round(v, 9) for v in got)},'
-    assert abs(summary["ledger"]["residual"]) < 1e-9 * summary["ledger"]["potential"]
+    assert abs(summary["ledger"]["residual"]) < 1e-9 * abs(summary["ledger"]["potential"])
