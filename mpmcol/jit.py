@@ -17,6 +17,9 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 os.environ.setdefault("NUMBA_THREADING_LAYER_PRIORITY", "omp tbb workqueue")
+# Threads that wait for one another soon give up their core: by default they spin for milliseconds, and where another
+# program wants a core a step then takes a hundred times longer.
+os.environ.setdefault("GOMP_SPINCOUNT", "1000")
 
 import llvmlite
 import numba

@@ -123,7 +123,8 @@ def describe(scene: Scene) -> dict[str, float]:
     layout = scene.layout
     return {
         "column_points": scene.column_points, "spacing_used": layout.h, "r_i": layout.r_i, "h_i": layout.h_i,
-        "base_used": layout.base, "domain_length": layout.length, "domain_height": layout.cells_y * layout.h - layout.base,
+        "base_used": layout.base, "domain_length": layout.length,
+        "domain_height": layout.cells_y * layout.h - layout.base,
     }  # fmt: skip
 
 

@@ -17,6 +17,7 @@ LANES = 8
 _DOUBLE = ir.DoubleType()
 _INT = ir.IntType(32)
 _VECTOR = ir.VectorType(_DOUBLE, LANES)
+_SWAPPED = [0, 4, 5, 6, 1, 2, 3, 7]
 
 
 class Vec8Type(types.Type):
@@ -89,6 +90,15 @@ def _lane(typingctx, value, index):
 
 
 @intrinsic
+def _swap_halves(typingctx, a):
+    def codegen(context, builder, signature, args):
+        order = ir.Constant(ir.VectorType(_INT, LANES), _SWAPPED)
+        return builder.shuffle_vector(args[0], args[0], order)
+
+    return vec8(vec8), codegen
+
+
+@intrinsic
 def _fma(typingctx, a, b, c):
     def codegen(context, builder, signature, args):
         signature_llvm = ir.FunctionType(_VECTOR, [_VECTOR] * 3)
@@ -138,6 +148,11 @@ def lane(value: np.ndarray, index: int) -> float:
     return value[index]
 
 
+def swap_halves(value: np.ndarray) -> np.ndarray:
+    """Lanes 1 to 3 (momentum, velocity) and 4 to 6 (force, acceleration) exchanged."""
+    return value[_SWAPPED]
+
+
 def fma(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
     """a * b + c, rounded once where it is compiled."""
     return a * b + c
@@ -168,6 +183,11 @@ def _vector_overload(x0, x1, x2, x3, x4, x5, x6, x7):
 @overload(lane)
 def _lane_overload(value, index):
     return lambda value, index: _lane(value, index)
+
+
+@overload(swap_halves)
+def _swap_halves_overload(value):
+    return lambda value: _swap_halves(value)
 
 
 @overload(fma)

@@ -1,9 +1,9 @@
-"""One step of the material point method, written literally from the equations: slow, and the measure of every kernel.
+"""One step of the material point method, literally from the equations: slow, and the measure of every kernel.
 
 Equation numbers are those of Coetzee & Purvance 2026 (doi:10.20944/preprints202605.0398.v1).  Nothing here is shared
 with `mpmcol`.  d = 2 is plane strain or axisymmetric, d = 3 is three-dimensional; tensors are always 3 x 3.
-SI units, angles in radians, tension > 0.  In axisymmetry the axes are (r, y), the third is the hoop direction, and masses
-and volumes are per radian.
+SI units, angles in radians, tension > 0.  In axisymmetry the axes are (r, y), the third is the hoop direction, and
+masses and volumes are per radian.
 """
 
 from __future__ import annotations
@@ -176,9 +176,7 @@ def grid_update(m: Array, p: Array, f: Array, fixed: Array, scheme: ReferenceSch
     return v_new, np.where(fixed, a_wall, a)
 
 
-def g2p(
-    points: ReferencePoints, v: Array, a: Array, grid: ReferenceGrid, scheme: ReferenceScheme
-) -> ReferencePoints:
+def g2p(points: ReferencePoints, v: Array, a: Array, grid: ReferenceGrid, scheme: ReferenceScheme) -> ReferencePoints:
     """Points with new v, x and grad_v; v and a (N..., d) are v~ and a of the nodes."""
     n, d = points.x.shape
     all_nodes, all_w, all_grad = weights(points.x, grid.origin, grid.h, grid.n_nodes, scheme.correct)
@@ -308,7 +306,7 @@ def step(
 def koiter_return(
     principal: Array, phi: float, psi: float, c: float, K: float, G: float, tolerance: float = 1e-9
 ) -> Array:
-    """Return of principal trial stresses (n, 3), in any order, to the six Mohr-Coulomb planes by trying every active set.
+    """Return of principal trial stresses (n, 3), in any order, to the six Mohr-Coulomb planes, every active set tried.
 
     Koiter 1953: sigma = trial - D sum lambda b, f = 0 and lambda >= 0 on the active planes, f <= 0 on all others.
     With psi = 0 tension beyond the apex has no solution: the apex is then a choice, the tension cut-off.

@@ -28,10 +28,15 @@ def _measured(results: Results) -> Iterator[str]:
     }
     yield f"{'':48s}{'m':>8s}{'':>8s}   against {experiment.name}"
     for name, front in summary["front"].items():
-        label = f"zeta, {name} ({FRONT_TEXT[name]})"
-        yield f"{label:48s}{front:8.4f}{summary['zeta'][name]:8.3f}   {_against(errors.get(('zeta', name)))}"
-    yield f"{'spread of zeta, the uncertainty of the front':48s}{'':8s}{summary['spread']:8.3f}"
-    yield f"{'beta, height at the wall or axis':48s}{summary['height']:8.4f}{summary['beta']:8.3f}   {_against(errors.get(('beta', '')))}"
+        against = _against(errors.get(("zeta", name)))
+        yield _line(f"zeta, {name} ({FRONT_TEXT[name]})", f"{front:.4f}", summary["zeta"][name], against)
+    yield _line("spread of zeta, the uncertainty of the front", "", summary["spread"], "")
+    against = _against(errors.get(("beta", "")))
+    yield _line("beta, height at the wall or axis", f"{summary['height']:.4f}", summary["beta"], against)
+
+
+def _line(label: str, metres: str, value: float, against: str) -> str:
+    return f"{label:48s}{metres:>8s}{value:8.3f}   {against}".rstrip()
 
 
 def _against(score: dict[str, Any] | None) -> str:

@@ -6,7 +6,7 @@ import numpy as np
 
 from mpmcol.basis import spline
 from mpmcol.jit import device, phase, prange
-from mpmcol.simd import fma, lane, load, splat, store, vector
+from mpmcol.simd import fma, lane, load, splat, store, swap_halves, vector
 from mpmcol.state import (
     LXX,
     LXY,
@@ -14,9 +14,6 @@ from mpmcol.state import (
     LYY,
     LZZ,
     ROW,
-    SXX,
-    SXY,
-    SYY,
     SZZ,
     TILE_DOUBLES,
     V0,
@@ -154,12 +151,11 @@ def _along_y(n0, n1, n2, wy0, wy1, wy2, gy0, gy1, gy2):
 @device
 def _work_on_nodes(rows, o, mean, grad_x, grad_y, settings, dt):
     """V sigma : grad(v + v~) / 2 dt, what the internal force of this step takes from the nodes."""
-    half = 0.5 * dt
-    l_xx, l_yx = lane(grad_x, 1) - half * lane(grad_x, 4), lane(grad_x, 2) - half * lane(grad_x, 5)
-    l_xy, l_yy = lane(grad_y, 1) - half * lane(grad_y, 4), lane(grad_y, 2) - half * lane(grad_y, 5)
-    hoop = (lane(mean, 1) - half * lane(mean, 4)) / rows[o + X] if settings.axisymmetric else 0.0
-    power = rows[o + SXX] * l_xx + rows[o + SYY] * l_yy + rows[o + SXY] * (l_xy + l_yx) + rows[o + SZZ] * hoop
-    return dt * rows[o + J] * rows[o + V0] * power
+    half = splat(-0.5 * dt)  # v~ and a stand in lanes 1, 2 and 4, 5, the columns of sigma in 4, 5
+    l_x, l_y = fma(half, grad_x, swap_halves(grad_x)), fma(half, grad_y, swap_halves(grad_y))
+    power = fma(load(rows, o + 8), l_x, load(rows, o + 16) * l_y)
+    hoop = (lane(mean, 1) - 0.5 * dt * lane(mean, 4)) / rows[o + X] * rows[o + SZZ] if settings.axisymmetric else 0.0
+    return dt * rows[o + J] * rows[o + V0] * (lane(power, 4) + lane(power, 5) + hoop)
 
 
 @device

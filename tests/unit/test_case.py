@@ -110,9 +110,7 @@ def test_defaults_are_those_of_the_design(write: Write) -> None:
 def test_defaults_that_follow_from_the_material(write: Write) -> None:
     case = load_case(write(GOOD), ["material.youngs_modulus=2 MPa"])
     assert case.stages.equilibrate.law == "mohr-coulomb"
-    assert case.stages.k0 == pytest.approx(
-        (1 - math.sin(math.radians(33))) / (1 + math.sin(math.radians(33)))
-    )
+    assert case.stages.k0 == pytest.approx((1 - math.sin(math.radians(33))) / (1 + math.sin(math.radians(33))))
     base = case.base_material
     assert (base.law, base.density, base.youngs_modulus, base.poissons_ratio) == ("elastic", 2650.0, 2e6, 0.2)
 
@@ -267,10 +265,7 @@ def test_nearest_key_and_no_second_complaint(write: Write, old: str, new: str, m
 
 def test_nearest_word(write: Write) -> None:
     assert only_problem(write(GOOD.replace('"plane"', '"plain"'))).hint == 'did you mean "plane"?'
-    assert (
-        only_problem(write(GOOD.replace('"mohr-coulomb"', '"mohr-coulom"'))).hint
-        == 'did you mean "mohr-coulomb"?'
-    )
+    assert only_problem(write(GOOD.replace('"mohr-coulomb"', '"mohr-coulom"'))).hint == 'did you mean "mohr-coulomb"?'
 
 
 def test_key_in_the_wrong_place(write: Write) -> None:
@@ -376,9 +371,7 @@ def test_neither_height_nor_aspect(write: Write) -> None:
 
 def test_an_experiment_must_be_about_the_model() -> None:
     problem = only_problem("bui-rods", "geometry.model=axisymmetric")
-    assert problem.message == (
-        '[score] experiment = "bui-2008": is no experiment for geometry.model = "axisymmetric"'
-    )
+    assert problem.message == ('[score] experiment = "bui-2008": is no experiment for geometry.model = "axisymmetric"')
 
 
 def test_law_of_equilibration_is_elastic_or_the_columns_own() -> None:
@@ -397,9 +390,7 @@ def test_rules_hold_for_a_case_built_in_python() -> None:
 
 
 def test_overrides_win_over_the_file(write: Write) -> None:
-    case = load_case(
-        write(GOOD), ["geometry.aspect=5", "title=a b", "stages.collapse.damping=0", "grid.spacing=1 mm"]
-    )
+    case = load_case(write(GOOD), ["geometry.aspect=5", "title=a b", "stages.collapse.damping=0", "grid.spacing=1 mm"])
     assert (case.geometry.a, case.title, case.stages.collapse.damping, case.grid.spacing) == (
         5.0,
         "a b",
@@ -526,9 +517,7 @@ def test_a_flood_of_problems_is_cut(write: Write) -> None:
     error = error_of(write(GOOD + "".join(f"x{i} = 1\n" for i in range(3000))))
     assert len(error.problems) == 3000
     assert len(str(error)) < 10_000
-    assert str(error).endswith(
-        "... and 2950 more\n3000 problems; nothing was run.   (mpmcol explain material)"
-    )
+    assert str(error).endswith("... and 2950 more\n3000 problems; nothing was run.   (mpmcol explain material)")
 
 
 def test_unquoted_text_is_told_to_need_quotes(write: Write) -> None:
@@ -650,9 +639,7 @@ def test_every_key_is_explained(key: str) -> None:
 
 
 def test_explain_names_unit_bounds_default_and_law() -> None:
-    assert (
-        explain("grid.spacing") == "grid.spacing\n    grid node spacing h\n    a number > 0, in m; required"
-    )
+    assert explain("grid.spacing") == "grid.spacing\n    grid node spacing h\n    a number > 0, in m; required"
     assert '"gravity" or "k0"; default "gravity"' in explain("stages")
     assert "laws: mohr-coulomb-softening" in explain("material.softening_rate")
     assert all(key in explain() for key in key_names())

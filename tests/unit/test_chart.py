@@ -118,13 +118,9 @@ def test_a_run_gives_three_charts_with_units_on_every_axis(run: SyntheticRun, fi
     assert all(any(unit in label for unit in ("(mm)", "(-)", "%")) for label in labels)
 
 
-def test_profile_chart_has_equal_axes_and_the_fronts_where_they_are(
-    tmp_path: Path, figures: list[Figure]
-) -> None:
+def test_profile_chart_has_equal_axes_and_the_fronts_where_they_are(tmp_path: Path, figures: list[Figure]) -> None:
     final = deposit(1.5)
-    chart.profile_chart(
-        tmp_path / "p.png", SHAPE, [(0.1, deposit(0.5)), (0.3, final)], EXPERIMENTS["paper-plane"]
-    )
+    chart.profile_chart(tmp_path / "p.png", SHAPE, [(0.1, deposit(0.5)), (0.3, final)], EXPERIMENTS["paper-plane"])
     axes = figures[0].axes[0]
     assert axes.get_aspect() == 1.0
     for name, front in final.front.items():
@@ -146,9 +142,7 @@ def test_experiment_is_drawn_at_its_front_height_and_surface(tmp_path: Path, fig
     assert bars["experiment, height and scatter"] == pytest.approx([0.0, 99.2])
 
 
-def test_no_experiment_marks_in_a_gap_and_no_rods_on_another_column(
-    tmp_path: Path, figures: list[Figure]
-) -> None:
+def test_no_experiment_marks_in_a_gap_and_no_rods_on_another_column(tmp_path: Path, figures: list[Figure]) -> None:
     gap = replace(SHAPE, h_i=0.18)
     chart.profile_chart(tmp_path / "p.png", gap, [(0.3, deposit(1.5, gap))], EXPERIMENTS["paper-plane"])
     chart.profile_chart(tmp_path / "q.png", SHAPE, [(0.3, deposit(1.5))], EXPERIMENTS["bui-2008"])
@@ -180,21 +174,15 @@ def test_lines_differ_without_colour() -> None:
         assert len({str(style["linestyle"]) for style in styles.values()}) == len(styles)
 
 
-def test_a_run_that_never_released_its_column_is_refused(
-    run: SyntheticRun, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(
-        SyntheticRun, "history", {"stage": np.array(["equilibrate"]), "time": np.array([0.1])}
-    )
+def test_a_run_that_never_released_its_column_is_refused(run: SyntheticRun, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(SyntheticRun, "history", {"stage": np.array(["equilibrate"]), "time": np.array([0.1])})
     with pytest.raises(UsageError, match="before the column was released"):
         chart.chart_run(run)  # type: ignore[arg-type]
 
 
 def test_a_folder_that_is_gone_is_an_output_error(tmp_path: Path) -> None:
     with pytest.raises(OutputError):
-        chart.profile_chart(
-            tmp_path / "gone" / "p.png", SHAPE, [(0.3, deposit(1.5))], EXPERIMENTS["paper-plane"]
-        )
+        chart.profile_chart(tmp_path / "gone" / "p.png", SHAPE, [(0.3, deposit(1.5))], EXPERIMENTS["paper-plane"])
 
 
 def test_plot_command_prints_the_paths(run: SyntheticRun, figures: list[Figure]) -> None:
@@ -202,9 +190,7 @@ def test_plot_command_prints_the_paths(run: SyntheticRun, figures: list[Figure])
     paths = [Path(text) for text in result.output.split()]
     assert {path.suffix for path in paths} == {".png", ".svg"} and len(paths) == 6
     assert all(path.is_file() for path in paths)
-    times = [
-        label for entry in figures[0].axes[0].lines if (label := str(entry.get_label())).startswith("$t$")
-    ]
+    times = [label for entry in figures[0].axes[0].lines if (label := str(entry.get_label())).startswith("$t$")]
     assert [label.split()[2] for label in times] == ["0.1", "0.3"]  # of the nearest snapshots
     assert CliRunner().invoke(plot_command, [str(run.folder), "--times", "soon"]).exit_code == 2
 
@@ -242,8 +228,6 @@ def test_csv_columns_do_not_depend_on_the_aspect_ratio(run: SyntheticRun) -> Non
 
 
 def test_measure_command_takes_an_earlier_snapshot(run: SyntheticRun) -> None:
-    record = json.loads(
-        CliRunner().invoke(measure_command, [str(run.folder), "--json", "--snapshot", "0"]).output
-    )
+    record = json.loads(CliRunner().invoke(measure_command, [str(run.folder), "--json", "--snapshot", "0"]).output)
     assert record["zeta"]["front_max"] == pytest.approx(0.0, abs=0.02)
     assert record["stop_time"] is None

@@ -116,9 +116,7 @@ def test_a_bug_writes_a_crash_report(monkeypatch: pytest.MonkeyPatch) -> None:
         assert part in report.read_text()
 
 
-def test_crash_report_goes_to_the_temporary_folder_if_it_must(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_crash_report_goes_to_the_temporary_folder_if_it_must(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     break_case_loading(monkeypatch)
     Path("crash-report.txt").mkdir()
     other = tmp_path / "elsewhere"

@@ -77,9 +77,7 @@ def test_runout_distances_that_the_paper_gives() -> None:
         ("bui-2008", "zeta", 1.0, "no law for a >= 0.505"),
     ],
 )
-def test_outside_its_ranges_a_law_has_no_value_and_says_so(
-    name: str, quantity: str, a: float, comment: str
-) -> None:
+def test_outside_its_ranges_a_law_has_no_value_and_says_so(name: str, quantity: str, a: float, comment: str) -> None:
     law = EXPERIMENTS[name].law(quantity)
     assert law is not None
     assert law(a) is None

@@ -27,9 +27,7 @@ def copied_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return package
 
 
-@pytest.mark.parametrize(
-    "name", ["basis.py", "simd.py", "laws/mohr_coulomb.py", "kernels/stress_2d.py", "jit.py"]
-)
+@pytest.mark.parametrize("name", ["basis.py", "simd.py", "laws/mohr_coulomb.py", "kernels/stress_2d.py", "jit.py"])
 def test_an_edited_helper_gets_a_cache_folder_of_its_own(copied_package: Path, name: str) -> None:
     before = jit.source_digest()
     assert before == jit.source_digest()
@@ -122,25 +120,19 @@ def test_a_planted_store_is_found(line: str) -> None:
 
 
 def test_a_store_to_a_plain_name_is_allowed() -> None:
-    source = (
-        "def f(grid, o):\n    nodes = grid.nodes\n    nodes[o + grid.n_x] = grid.h\n    nodes[o] += 1.0\n"
-    )
+    source = "def f(grid, o):\n    nodes = grid.nodes\n    nodes[o + grid.n_x] = grid.h\n    nodes[o] += 1.0\n"
     assert attribute_stores(ast.parse(source)) == []
 
 
 def test_numba_is_known_to_jit_simd_and_the_clock_only() -> None:
-    assert imports_numba(ast.parse("from numba.core import types")) and imports_numba(
-        ast.parse("import numba")
-    )
+    assert imports_numba(ast.parse("from numba.core import types")) and imports_numba(ast.parse("import numba"))
     users = {path.relative_to(PACKAGE) for path, tree in parsed(PACKAGE.rglob("*.py")) if imports_numba(tree)}
     assert {user.as_posix() for user in users} == {"jit.py", "simd.py", "bench/clock.py"}
 
 
 def test_kernels_say_what_they_read_write_and_which_equations_they_are() -> None:
     functions = [
-        (path, function)
-        for path, tree in parsed(KERNELS)
-        for function in decorated(tree, DECORATORS - {"device"})
+        (path, function) for path, tree in parsed(KERNELS) for function in decorated(tree, DECORATORS - {"device"})
     ]
     assert len(functions) >= 5
     for path, function in functions:

@@ -16,9 +16,7 @@ PLANE = ColumnShape("plane", "one-sided", r_i=0.09, h_i=0.09, spacing=H, density
 ROUND = replace(PLANE, model="axisymmetric")
 
 
-def lattice(
-    length: float, height: float, inside: Callable[..., np.ndarray], shape: ColumnShape
-) -> np.ndarray:
+def lattice(length: float, height: float, inside: Callable[..., np.ndarray], shape: ColumnShape) -> np.ndarray:
     size = shape.point_size
     x, y = np.meshgrid(np.arange(size / 2, length, size), np.arange(size / 2, height, size), indexing="ij")
     points = np.column_stack([x.ravel(), y.ravel()])

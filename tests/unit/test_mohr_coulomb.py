@@ -72,9 +72,7 @@ def test_return_is_the_koiter_return_in_every_region(phi, psi, cohesion):
     np.testing.assert_array_equal(stress[elastic], trial[elastic])
     region = regions(stress, elastic, params.apex)
     assert np.all(np.bincount(region, minlength=5) > 50)
-    np.testing.assert_allclose(
-        freed[region == 4], (trial[region == 4].mean(axis=1) - params.apex) / K, atol=1e-15
-    )
+    np.testing.assert_allclose(freed[region == 4], (trial[region == 4].mean(axis=1) - params.apex) / K, atol=1e-15)
     assert np.all(freed[region != 4] == 0.0)
 
 
@@ -206,9 +204,7 @@ def softening(cohesion=0.0):
 
 
 @pytest.mark.parametrize("cohesion", [0.0, 1e3])
-@pytest.mark.parametrize(
-    ("eps", "phi", "psi"), [(0.0, 50.0, 25.0), (log(2.0) / 5.0, 41.5, 12.5), (20.0, 33.0, 0.0)]
-)
+@pytest.mark.parametrize(("eps", "phi", "psi"), [(0.0, 50.0, 25.0), (log(2.0) / 5.0, 41.5, 12.5), (20.0, 33.0, 0.0)])
 def test_softening_returns_with_the_angles_of_the_strain_so_far(eps, phi, psi, cohesion):
     trial = random_trials(500, seed=6)
     results = [mohr_coulomb_softening.return_map(*s, (eps, 0.0), softening(cohesion)) for s in trial.tolist()]

@@ -73,9 +73,7 @@ def driven(points, material, L, steps, dt=1e-4, **choices):
 
 
 def one_point(sigma=None, **state):
-    return replace(
-        points_at(np.zeros((1, 2)), sigma=None if sigma is None else np.array([sigma], float)), **state
-    )
+    return replace(points_at(np.zeros((1, 2)), sigma=None if sigma is None else np.array([sigma], float)), **state)
 
 
 # ---------------------------------------------------------------------------------------------- basis
@@ -266,9 +264,7 @@ def test_simple_shear_mobilises_sin_phi():
     np.testing.assert_allclose(np.trace(s), -3e3)
 
 
-@pytest.mark.parametrize(
-    ("phi", "psi", "c"), [(33, 0, 0), (33, 0, 2e3), (39, 6, 0), (50, 25, 1e3), (30, 30, 0)]
-)
+@pytest.mark.parametrize(("phi", "psi", "c"), [(33, 0, 0), (33, 0, 2e3), (39, 6, 0), (50, 25, 1e3), (30, 30, 0)])
 def test_closed_form_return_is_the_koiter_return(phi, psi, c):
     phi, psi = np.radians([phi, psi])
     rng = np.random.default_rng(8)

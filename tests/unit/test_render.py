@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-import os
+import subprocess
 import sys
 from pathlib import Path
 
@@ -195,7 +195,8 @@ def test_command(folder: Path, tmp_path: Path, without_egl: None):
     assert result.exit_code == 0
     assert result.stdout.split() == [str(target), str(target.with_suffix(".gif"))]
     assert "libegl1" in result.stderr
-    assert Image.open(target).size == (400, 300)
+    with Image.open(target) as picture:
+        assert picture.size == (400, 300)
 
 
 @pytest.mark.parametrize("size", ["1280", "0x0", "ax3", "1280x-3", "99999x300", ""])
@@ -206,4 +207,5 @@ def test_command_refuses_a_wrong_size(folder: Path, size: str):
 
 def test_help_does_not_load_the_drawing_libraries():
     program = "import sys, mpmcol.cli.render; print([m for m in ('matplotlib', 'h5py', 'numpy') if m in sys.modules])"
-    assert os.popen(f'{sys.executable} -c "{program}"').read().strip() == "[]"
+    child = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert child.stdout.strip() == "[]"

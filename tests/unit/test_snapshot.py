@@ -173,9 +173,7 @@ def test_units_follow_the_model(tmp_path: Path):
 
 def test_gzip_is_smaller_and_none_is_the_default(tmp_path: Path):
     snapshot = make(0, n=5000)
-    sizes = {
-        kind: write_snapshot(tmp_path, 0, snapshot, META, kind).stat().st_size for kind in ("none", "gzip")
-    }
+    sizes = {kind: write_snapshot(tmp_path, 0, snapshot, META, kind).stat().st_size for kind in ("none", "gzip")}
     plain = sum(single(values).nbytes for values in snapshot.arrays.values())
     assert sizes["gzip"] < sizes["none"] and sizes["none"] > plain
     assert write_snapshot(tmp_path, 0, snapshot, META).stat().st_size == sizes["none"]

@@ -55,8 +55,7 @@ def sand_body(
 def lattice(lower: tuple[float, float], upper: tuple[float, float], spacing: float) -> np.ndarray:
     """Centres (n, 2) of squares of side `spacing` that tile the rectangle."""
     axes = [
-        low + spacing * (np.arange(round((high - low) / spacing)) + 0.5)
-        for low, high in zip(lower, upper, strict=True)
+        low + spacing * (np.arange(round((high - low) / spacing)) + 0.5) for low, high in zip(lower, upper, strict=True)
     ]
     return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2)
 

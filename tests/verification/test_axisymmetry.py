@@ -39,9 +39,7 @@ def test_uniform_expansion_is_exact_next_to_the_axis() -> None:
     points.grad_v = gradient
     solver = make_solver(points, walled_grid((0.0, 0.0), H, (10, 8), rollers="left"), FREE)
     advance_steps(solver, 1)
-    np.testing.assert_allclose(
-        solver.points.grad_v, np.broadcast_to(np.diag([a, 0.0, a]), (len(r), 3, 3)), atol=1e-12
-    )
+    np.testing.assert_allclose(solver.points.grad_v, np.broadcast_to(np.diag([a, 0.0, a]), (len(r), 3, 3)), atol=1e-12)
 
 
 def radial_acceleration(points_per_axis: int) -> np.ndarray:
@@ -135,9 +133,7 @@ def breathing_period(cells: int) -> float:
     shape = bessel(1, z * x[:, 0])
     points = points_at(x, h / 2, axisymmetric=True)
     points.v[:, 0] = 1e-3 * shape
-    solver = make_solver(
-        points, walled_grid((0.0, 0.0), h, (cells + 4, 2), rollers="left bottom top"), FREE, body=body
-    )
+    solver = make_solver(points, walled_grid((0.0, 0.0), h, (cells + 4, 2), rollers="left bottom top"), FREE, body=body)
     exact = 2.0 * np.pi / (z * np.sqrt(body.wave_speed2))
     times, amplitudes = [], []
     while solver.time < 5.0 * exact:

@@ -62,9 +62,7 @@ def vibration(transfer: str, cfl: float) -> Vibration:
         times.append(solver.time)
         speeds.append(solver.points.m @ solver.points.v[:, 0])
     end = kinetic_energy(solver.points) + elastic_energy(solver.points, YOUNG, 0.0)
-    return Vibration(
-        end / start, _period(np.array(times), np.array(speeds)), np.abs(by_id(solver).v[:, 1]).max()
-    )
+    return Vibration(end / start, _period(np.array(times), np.array(speeds)), np.abs(by_id(solver).v[:, 1]).max())
 
 
 def _period(t: np.ndarray, v: np.ndarray) -> float:

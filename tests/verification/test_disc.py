@@ -75,9 +75,7 @@ def spin(transfer: str) -> Spin:
     points = solver.points
     left = points.m @ np.sum(points.v * rotation(points.x), axis=1)
     rms = [float(np.sqrt(np.mean(np.square(each)))) for each in (residuals, noises)]
-    return Spin(
-        rms[0], min(residuals), max(residuals), rms[1], kinetic_energy(points) / energy, left / momentum
-    )
+    return Spin(rms[0], min(residuals), max(residuals), rms[1], kinetic_energy(points) / energy, left / momentum)
 
 
 def deviations(points: Points) -> tuple[float, float]:

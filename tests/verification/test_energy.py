@@ -58,9 +58,7 @@ def collapse(settings: Settings, h: float = COARSE) -> Solver:
     axisymmetric = settings.axisymmetric
     base = points_at(lattice((0.0, -BASE), (0.5, 0.0), h / 2), h / 2, axisymmetric=axisymmetric)
     column = points_at(lattice((0.0, 0.0), (WIDTH, HEIGHT), h / 2), h / 2, COLUMN, axisymmetric=axisymmetric)
-    grid = walled_grid(
-        (0.0, -BASE), h, (round(0.5 / h), round(0.24 / h)), rollers="left right", no_slip="bottom"
-    )
+    grid = walled_grid((0.0, -BASE), h, (round(0.5 / h), round(0.24 / h)), rollers="left right", no_slip="bottom")
     soft = {"youngs_modulus": YOUNG}
     return make_solver(joined(base, column), grid, settings, sand_body(**soft), elastic_body(**soft))
 

@@ -58,9 +58,7 @@ def test_mass_and_momentum_are_kept_to_round_off() -> None:
     np.testing.assert_allclose(np.einsum("ij,ijk->k", nodes[:, :, 0], nodes[:, :, 1:3]), expected, rtol=1e-11)
 
 
-@pytest.mark.parametrize(
-    ("factor", "share"), [(1.0, -0.5), (0.5, 0.0), (0.0, 0.5)], ids=["paper", "trapezoid", "end"]
-)
+@pytest.mark.parametrize(("factor", "share"), [(1.0, -0.5), (0.5, 0.0), (0.0, 0.5)], ids=["paper", "trapezoid", "end"])
 def test_error_of_the_position_rules(factor: float, share: float) -> None:
     """Error `share` a dt t, a the acceleration: Eq. 27 as printed lags, the end velocity runs ahead."""
     solver, start = thrown_block((0.0, 0.0), PLAIN._replace(position_factor=factor))

@@ -63,9 +63,7 @@ def test_damping_makes_the_difference_between_ringing_and_rest() -> None:
     assert left[0.5] < 0.01
 
 
-@pytest.mark.parametrize(
-    "lane", [VX, LXX, SXX, J, X], ids=["velocity", "gradient", "stress", "J", "position"]
-)
+@pytest.mark.parametrize("lane", [VX, LXX, SXX, J, X], ids=["velocity", "gradient", "stress", "J", "position"])
 def test_a_number_that_is_none_is_found_within_one_step(lane: int) -> None:
     solver = ringing_block(WEIGHTLESS)
     assert solver.advance(np.inf, max_steps=3) == -1

@@ -53,9 +53,7 @@ def stacked_layers(opening_strain: bool, layers: int = 16, width: int = 4) -> De
         was_open = max(was_open, solver.points.opening.max())
     last, start = by_id(solver), points.V0.sum()
     height = np.ptp(last.x[:, 1]) / np.ptp(x[:, 1])
-    return Deposit(
-        height, last.V.sum() / start, last.V @ (1.0 + last.opening) / start, last.J.max(), was_open
-    )
+    return Deposit(height, last.V.sum() / start, last.V @ (1.0 + last.opening) / start, last.J.max(), was_open)
 
 
 def test_layers_that_come_together_keep_their_area() -> None:

@@ -24,9 +24,7 @@ def nodal_velocity(x, v, grad_v, h, taylor):
     points = points_at(x, h / 2)
     points.v[:] = v
     points.grad_v = np.pad(np.broadcast_to(grad_v, (len(x), 2, 2)), ((0, 0), (0, 1), (0, 1)))
-    solver = make_solver(
-        points, walled_grid((0.0, 0.0), h, (round(1.0 / h),) * 2), WEIGHTLESS._replace(taylor=taylor)
-    )
+    solver = make_solver(points, walled_grid((0.0, 0.0), h, (round(1.0 / h),) * 2), WEIGHTLESS._replace(taylor=taylor))
     advance_steps(solver, 1)
     nodes = node_records(solver.grid)
     return nodes[:, :, 0], nodes[:, :, 1:3], np.stack(node_coordinates(solver.grid), axis=-1)
