@@ -137,7 +137,7 @@ def test_height_threshold_is_a_hundredth_of_the_radius_on_fine_grids() -> None:
 
 
 def test_front_by_height_is_contiguous_from_the_pile() -> None:
-    heap = lattice(0.01, 0.01, lambda x, y: x < np.inf, PLANE) + [0.30, 0.0]
+    heap = lattice(0.01, 0.01, lambda x, y: x < np.inf, PLANE) + np.array([0.30, 0.0])
     assert measured(heap).front["front_height"] == pytest.approx(0.31)
     assert measured(np.vstack([wedge(), heap])).front["front_height"] == pytest.approx(0.236, abs=H / 2)
 
