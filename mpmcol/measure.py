@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 FRONTS = ("front_max", "front_connected", "front_height")
+WALL_CELLS = 4  # width of the strip in which the height at the wall or axis is taken
 UNDISTURBED = 1e-3  # m: a point that moved less since release is undisturbed (the paper's Figure 9)
 
 
@@ -80,10 +81,10 @@ def measure(x: Array, mass: Array, displacement: Array | None, shape: ColumnShap
     finite = np.isfinite(x).all(axis=1)
     x, mass = x[finite], mass[finite]
     profile_x, profile_y = deposit_profile(x, mass, shape)
-    grounded = _grounded(x, shape)
+    grounded = _grounded(x, shape, shape.spacing)
     front = _fronts(x, grounded, profile_x, profile_y, shape)
     zeta = {name: value / shape.r_i - 1.0 for name, value in front.items()}
-    height = _height_at_wall(x[grounded], shape)
+    height = _height_at_wall(x, shape)
     still = None if displacement is None else undisturbed_radius(x, displacement[finite], shape)
     return Measurement(
         front=front,
@@ -160,14 +161,14 @@ def _column(x: Array, width: float) -> NDArray[np.intp]:
     return np.maximum(np.floor(x[:, 0] / width), 0.0).astype(np.intp)
 
 
-def _grounded(x: Array, shape: ColumnShape) -> NDArray[np.bool_]:
-    """Points reached from the base upward, within their column of width h, without a gap wider than one cell.
+def _grounded(x: Array, shape: ColumnShape, width: float) -> NDArray[np.bool_]:
+    """Points reached from the base upward, within their column of the given width, without a gap over one cell.
 
     What is left out is in flight: it is neither the top of the pile nor its front. The gap to the base itself
     may be two cells: the kernels of points that flow over the base meet its own, and hold them 1.2 to 1.6 h
     above it.
     """
-    column = _column(x, shape.spacing)
+    column = _column(x, width)
     order = np.lexsort((x[:, 1], column))
     first = np.diff(column[order], prepend=-1) != 0
     bottom = x[order, 1] - shape.point_size / 2.0
@@ -209,9 +210,11 @@ def _front_by_height(profile_x: Array, profile_y: Array, threshold: float) -> fl
     return float(np.interp(-threshold, -profile_y[pair], profile_x[pair]))
 
 
-def _height_at_wall(grounded: Array, shape: ColumnShape) -> float:
-    first_cell = grounded[grounded[:, 0] < shape.spacing, 1]
-    return float(first_cell.max() + shape.point_size / 2.0) if first_cell.size else 0.0
+def _height_at_wall(x: Array, shape: ColumnShape) -> float:
+    """Top of the contiguous pile in the first WALL_CELLS cells: in one cell alone, a crack would cut it short."""
+    band = WALL_CELLS * shape.spacing
+    pile = x[(x[:, 0] < band) & _grounded(x, shape, band), 1]
+    return float(pile.max() + shape.point_size / 2.0) if pile.size else 0.0
 
 
 def _area_factor(mass: Array, front: float, height: float, shape: ColumnShape) -> float:

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from mpmcol.case import load_case
 from mpmcol.experiments import find_experiment
+from mpmcol.measure import FRONTS
 from mpmcol.results import Results
 from mpmcol.simulation import run
 
@@ -58,10 +59,11 @@ def row(folder: Path) -> str:
         expected = experiment.expected(quantity, case.geometry.a)
         return "no law" if expected is None else f"{expected[0]:.3f}"
 
-    zeta = [against("zeta", s["zeta"][name]) for name in ("front_max", "front_connected", "front_height")]
+    measured = results.measure()
+    zeta = [against("zeta", measured.zeta[name]) for name in FRONTS]
     cells = [
         folder.name.split("-a")[0], f"{case.geometry.a:g}", f"{s['spacing_used'] * 1e3:.3g}", f"{s['points']}", *zeta,
-        law("zeta"), against("beta", s["beta"]), law("beta"), f"{s['worst_J'][0]:.3f} ... {s['worst_J'][1]:.3f}",
+        law("zeta"), against("beta", measured.beta), law("beta"), f"{s['worst_J'][0]:.3f} ... {s['worst_J'][1]:.3f}",
         f"{sum(s['wall_s'].values()) / 60.0:.1f}",
     ]  # fmt: skip
     return "| " + " | ".join(cells) + " |"

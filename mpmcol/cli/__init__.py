@@ -73,6 +73,9 @@ class Commands(click.Group):
             ctx.exit(failure.exit_code)
         except (click.ClickException, click.exceptions.Exit, click.Abort):
             raise
+        except KeyboardInterrupt:
+            click.echo("stopped; what was written up to here is readable", err=True)
+            ctx.exit(130)
         except Exception as bug:
             if getattr(bug, "errno", None) == errno.EPIPE:
                 raise  # the reader of our output has gone; click ends quietly

@@ -115,6 +115,13 @@ def test_connected_front_stops_at_a_gap_wider_than_one_cell(gap: float, reached:
     assert front == pytest.approx(0.09 + gap + H / 2 if reached else 0.09)
 
 
+def test_a_crack_at_the_wall_does_not_cut_the_height_short() -> None:
+    pile = wedge()
+    cracked = pile[(pile[:, 0] > H) | (np.abs(pile[:, 1] - 0.03) > 1.2 * H)]
+    assert len(cracked) < len(pile)
+    assert measured(cracked).height == pytest.approx(measured(pile).height)
+
+
 def test_flying_points_are_neither_height_nor_connected_front() -> None:
     pile = rectangle()
     flying = np.array([[0.0005, 0.2], [0.091, 0.05]])  # over the wall, and high up beside the face
