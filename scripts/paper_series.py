@@ -1,15 +1,19 @@
-"""Run the paper's Mohr-Coulomb series at its grid spacing and at half of it, and write the table of the README.
+"""Run the paper's Mohr-Coulomb series at its grid spacing and at half of it, and keep the table of the README.
 
-    python scripts/paper_series.py OUT [--threads N] [--only channel|cylinder] [--halved] [--table]
+    python scripts/paper_series.py OUT [--threads N] [--only channel|cylinder] [--halved] [--aspect A,...]
 
-Finished runs are kept, so the script can be stopped and started again. --table only writes OUT/series.md.
+Finished runs in OUT and rows already in scripts/paper_series.csv are kept, so the script can be stopped, started
+again, and run beside another one that takes other members. Prints the table of all rows.
 """
 
 from __future__ import annotations
 
 import argparse
+import csv
 from pathlib import Path
+from typing import Any
 
+from mpmcol import __version__
 from mpmcol.case import load_case
 from mpmcol.experiments import find_experiment
 from mpmcol.measure import FRONTS
@@ -20,53 +24,84 @@ SERIES = {
     "channel": ("lube-channel", 0.002, (1.0, 2.0, 3.0, 5.0, 7.0, 10.0)),
     "cylinder": ("lube-cylinder", 0.005, (0.55, 0.9, 2.75, 5.0, 7.0)),
 }
-HEADER = (
-    "| case | a | h (mm) | points | zeta front_max | front_connected | front_height | experiment | beta | experiment | "
-    "worst J | minutes |\n" + "|---" * 12 + "|"
-)
+TABLE = Path(__file__).with_suffix(".csv")
+COLUMNS = (
+    "case", "a", "h_mm", "points", *FRONTS, "zeta_law", "beta", "beta_law", "J_min", "J_max", "end_over_tau", "steps",
+    "ns_per_point_step", "minutes", "version",
+)  # fmt: skip
+
+Member = tuple[str, float, float]  # case, aspect ratio, spacing (m)
 
 
-def members(only: str | None, halved: bool) -> list[tuple[str, float, float]]:
-    """(case, aspect, spacing), cheapest first."""
-    factor = 0.5 if halved else 1.0
+def members(only: str | None, halved: bool, aspects: list[float] | None) -> list[Member]:
+    """The members asked for, cheapest first."""
     return [
-        (case, a, spacing * factor)
-        for name, (case, spacing, aspects) in SERIES.items()
-        if only in (None, name)
-        for a in aspects
+        (case, a, spacing * (0.5 if halved else 1.0))
+        for name, (case, spacing, series) in SERIES.items()
+        for a in series
+        if only in (None, name) and (aspects is None or a in aspects)
     ]
 
 
-def folder_of(out: Path, case: str, a: float, spacing: float) -> Path:
-    return out / f"{case}-a{a:g}-h{spacing * 1e3:g}mm"
+def simulate(member: Member, out: Path, threads: int | None) -> Results:
+    """Run a member, or take the finished run."""
+    case, a, spacing = member
+    folder = out / f"{case}-a{a:g}-h{spacing * 1e3:g}mm"
+    if (folder / "result.json").exists() and Results(folder).summary["status"] == "done":
+        return Results(folder)
+    print(folder.name, flush=True)
+    overrides = [f"geometry.aspect={a}", f"grid.spacing={spacing}"]
+    return run(load_case(case, overrides), folder, threads=threads, fresh=True, say=lambda s: print(" ", s, flush=True))
 
 
-def is_done(folder: Path) -> bool:
-    return (folder / "result.json").exists() and Results(folder).summary["status"] == "done"
+def make_row(member: Member, results: Results) -> dict[str, Any]:
+    """What the table keeps of a run."""
+    summary, measured, (case, a, spacing) = results.summary, results.measure(), member
+    experiment = find_experiment("paper", results.case.geometry.model)
+    laws = {quantity: experiment.expected(quantity, a) for quantity in ("zeta", "beta")}
+    return {
+        "case": case, "a": f"{a:g}", "h_mm": f"{spacing * 1e3:g}", "points": summary["points"],
+        **{name: f"{measured.zeta[name]:.4f}" for name in FRONTS}, "beta": f"{measured.beta:.4f}",
+        **{f"{name}_law": "" if law is None else f"{law[0]:.4f}" for name, law in laws.items()},
+        "J_min": f"{summary['worst_J'][0]:.4f}", "J_max": f"{summary['worst_J'][1]:.4f}",
+        "end_over_tau": f"{summary['time_over_tau']:.2f}", "steps": summary["steps"],
+        "ns_per_point_step": f"{summary['ns_per_point_step']:.0f}",
+        "minutes": f"{sum(summary['wall_s'].values()) / 60.0:.1f}", "version": __version__,
+    }  # fmt: skip
 
 
-def row(folder: Path) -> str:
-    """One row of the table."""
-    results = Results(folder)
-    s, case = results.summary, results.case
-    experiment = find_experiment("paper", case.geometry.model)
+def read_table() -> dict[Member, dict[str, Any]]:
+    """Rows by member."""
+    if not TABLE.exists():
+        return {}
+    with TABLE.open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    return {(row["case"], float(row["a"]), float(row["h_mm"]) * 1e-3): row for row in rows}
 
-    def against(quantity: str, value: float) -> str:
-        expected = experiment.expected(quantity, case.geometry.a)
-        return f"{value:.3f}" if expected is None else f"{value:.3f} ({value / expected[0] - 1.0:+.1%})"
 
-    def law(quantity: str) -> str:
-        expected = experiment.expected(quantity, case.geometry.a)
-        return "no law" if expected is None else f"{expected[0]:.3f}"
+def keep(member: Member, row: dict[str, Any]) -> None:
+    """Add a row to the table on disk, which another script may have changed meanwhile."""
+    rows = read_table() | {member: row}
+    with TABLE.open("w", newline="") as file:
+        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows[key] for key in sorted(rows, key=lambda m: (m[0], -m[2], m[1])))
 
-    measured = results.measure()
-    zeta = [against("zeta", measured.zeta[name]) for name in FRONTS]
-    cells = [
-        folder.name.split("-a")[0], f"{case.geometry.a:g}", f"{s['spacing_used'] * 1e3:.3g}", f"{s['points']}", *zeta,
-        law("zeta"), against("beta", measured.beta), law("beta"), f"{s['worst_J'][0]:.3f} ... {s['worst_J'][1]:.3f}",
-        f"{sum(s['wall_s'].values()) / 60.0:.1f}",
-    ]  # fmt: skip
-    return "| " + " | ".join(cells) + " |"
+
+def markdown(rows: list[dict[str, Any]]) -> str:
+    """The table of the README."""
+
+    def against(value: str, law: str) -> str:
+        return f"{float(value):.3f} ({float(value) / float(law) - 1.0:+.0%})" if law else f"{float(value):.3f}"
+
+    lines = ["| case | a | h (mm) | zeta: front_max | front_connected | front_height | law | beta | law |"]
+    lines.append("|---" * 9 + "|")
+    for row in rows:
+        zeta = [against(row[name], row["zeta_law"]) for name in FRONTS]
+        laws = [f"{float(row[law]):.3f}" if row[law] else "none" for law in ("zeta_law", "beta_law")]
+        cells = [row["case"], row["a"], row["h_mm"], *zeta, laws[0], against(row["beta"], row["beta_law"]), laws[1]]
+        lines.append("| " + " | ".join(cells) + " |")
+    return "\n".join(lines)
 
 
 def main() -> None:
@@ -75,24 +110,12 @@ def main() -> None:
     parser.add_argument("--threads", type=int)
     parser.add_argument("--only", choices=list(SERIES))
     parser.add_argument("--halved", action="store_true", help="half the paper's spacing")
-    parser.add_argument("--table", action="store_true", help="only write the table of what is finished")
+    parser.add_argument("--aspect", type=lambda text: [float(a) for a in text.split(",")], help="only these")
     asked = parser.parse_args()
-    for case, a, spacing in [] if asked.table else members(asked.only, asked.halved):
-        folder = folder_of(asked.out, case, a, spacing)
-        if not is_done(folder):
-            print(folder.name, flush=True)
-            overrides = [f"geometry.aspect={a}", f"grid.spacing={spacing}"]
-            run(
-                load_case(case, overrides),
-                folder,
-                threads=asked.threads,
-                fresh=True,
-                say=lambda s: print(" ", s, flush=True),
-            )
-    finished = [folder_of(asked.out, *member) for halved in (False, True) for member in members(None, halved)]
-    table = [HEADER, *(row(folder) for folder in finished if is_done(folder))]
-    (asked.out / "series.md").write_text("\n".join(table) + "\n")
-    print("\n".join(table))
+    for member in members(asked.only, asked.halved, asked.aspect):
+        if not any(known[:2] == member[:2] and abs(known[2] / member[2] - 1.0) < 1e-6 for known in read_table()):
+            keep(member, make_row(member, simulate(member, asked.out, asked.threads)))
+    print(markdown(list(read_table().values())))
 
 
 if __name__ == "__main__":
