@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
-from math import sqrt
 
 from mpmcol.case import Case
 from mpmcol.jit import set_threads
@@ -50,10 +49,11 @@ def estimate(case: Case, threads: int | None = None) -> Estimate:
     pace = _seconds_per_step(solver)
     nodes = len(solver.tiles.active) * TILE_NODES if solver.tiles else 0
 
-    tau = sqrt(scene.layout.h_i / case.geometry.gravity)
-    transit = 4.0 * (scene.layout.h_i + scene.layout.base) / stage.column.wave_speed2**0.5
-    longest = case.stages.equilibrate.max_time_factor * transit, case.stages.collapse.max_time_factor * tau
-    usual = min(USUAL_TRANSITS * transit, longest[0]), min(USUAL_TAU * tau, longest[1])
+    tau = scene.layout.fall_time(case.geometry.gravity)
+    transit = scene.layout.wave_time(stage.column.wave_speed2)
+    lifting = scene.layout.h_i / case.stages.gate_speed
+    longest = case.stages.equilibrate.max_time_factor * transit, case.stages.collapse.max_time_factor * tau + lifting
+    usual = min(USUAL_TRANSITS * transit, longest[0]), min(USUAL_TAU * tau + lifting, longest[1])
     steps, most_steps = int(sum(usual) / dt), int(sum(longest) / dt)
     snapshots = 2 + (len(case.output.times) if case.output.times is not None else case.output.snapshots)
     return Estimate(

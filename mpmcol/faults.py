@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmcol.kernels.cycle_2d import J_MAX, J_MIN
+from mpmcol.kernels.cycle_2d import EDGE_CELLS, J_MAX, J_MIN
 from mpmcol.solver import Solver
 
 TIME_STEP = "lower time.cfl (0.5 is the default, about 0.7 the limit), or refine grid.spacing"
@@ -40,7 +40,7 @@ def _cause(solver: Solver, x: np.ndarray, v: np.ndarray, J: float, c2: float) ->
         return f"the volume ratio J left [{J_MIN:g}, {J_MAX:g}]", J, remedy
     if speed**2 > c2 * J:
         return f"the point is faster than waves in its material ({np.sqrt(c2 * J):.3g} m/s)", speed, TIME_STEP
-    if x[0] >= grid.origin_x + (grid.n_x - 3) * grid.h:
+    if x[0] >= grid.origin_x + (grid.n_x - 1 - EDGE_CELLS) * grid.h:
         return "material reached the end of the domain", float(x[0]), "set a larger geometry.domain_length"
     return "material reached the top of the domain", float(x[1]), "set a larger geometry.domain_height"
 

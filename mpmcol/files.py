@@ -4,10 +4,15 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import fcntl
 import os
+import shutil
+from collections.abc import Iterator
 from pathlib import Path
 
-from mpmcol.errors import OutputError
+from mpmcol.errors import OutputError, UsageError
+
+LOCK = ".lock"
 
 REMEDIES = {
     errno.ENOSPC: "free some space on this disk, or choose another folder",
@@ -46,6 +51,34 @@ def make_folder(path: Path) -> Path:
     except OSError as error:
         raise _cannot_write(path, error) from error
     return path
+
+
+@contextlib.contextmanager
+def locked(folder: Path) -> Iterator[None]:
+    """Keep every other process that asks for the same out of `folder`; UsageError if one is in there."""
+    path = make_folder(folder) / LOCK
+    try:
+        descriptor = os.open(path, os.O_WRONLY | os.O_CREAT, 0o666)
+    except OSError as error:
+        raise _cannot_write(path, error) from error
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        yield
+    except BlockingIOError:
+        raise UsageError(f"{folder}: another run is writing here; wait for it, or choose another folder") from None
+    finally:
+        os.close(descriptor)
+
+
+def remove(path: Path) -> None:
+    """Delete a file or a whole folder if it is there; raises OutputError."""
+    try:
+        if path.is_dir():
+            shutil.rmtree(path)
+        else:
+            path.unlink(missing_ok=True)
+    except OSError as error:
+        raise _cannot_write(path, error) from error
 
 
 def _write_synced(path: Path, data: bytes) -> None:

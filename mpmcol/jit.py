@@ -6,6 +6,7 @@ file that holds compiled code; it is chosen here, before any kernel is declared.
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import os
 import platform
@@ -13,6 +14,7 @@ import shutil
 import tempfile
 import time
 from collections.abc import Callable
+from importlib import metadata
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -21,9 +23,7 @@ os.environ.setdefault("NUMBA_THREADING_LAYER_PRIORITY", "omp tbb workqueue")
 # program wants a core a step then takes a hundred times longer.
 os.environ.setdefault("GOMP_SPINCOUNT", "1000")
 
-import llvmlite
 import numba
-import numpy as np
 from numba import prange as prange
 from numba.extending import register_jitable
 
@@ -37,7 +37,7 @@ _FLAGS: dict[str, Any] = {"error_model": "numpy", "nogil": True}
 def source_digest() -> str:
     """Hash of everything compiled code depends on: our sources, Numba, its LLVM binding, NumPy, Python."""
     digest = hashlib.sha256()
-    versions = (numba.__version__, llvmlite.__version__, np.__version__, platform.python_version())
+    versions = [metadata.version(package) for package in ("numba", "llvmlite", "numpy")] + [platform.python_version()]
     digest.update(repr(versions).encode())
     package = Path(__file__).parent
     for name in COMPILED_SOURCES:
@@ -48,35 +48,37 @@ def source_digest() -> str:
 
 
 def _cache_root() -> Path:
-    """The user's cache folder, or a temporary one where the home folder is missing or read-only."""
+    """The user's cache folder, or a private temporary one where the home folder is missing or read-only."""
     chosen = Path(os.environ.get("MPMCOL_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME") or "~/.cache")
-    try:
+    with contextlib.suppress(OSError, RuntimeError):
         folder = chosen.expanduser() / "mpmcol"
         folder.mkdir(parents=True, exist_ok=True)
         if os.access(folder, os.W_OK):
             return folder
-    except (OSError, RuntimeError):
-        pass
-    return Path(tempfile.gettempdir()) / "mpmcol-cache"
+    return Path(tempfile.mkdtemp(prefix="mpmcol-"))
 
 
 def _remove_stale(root: Path, keep: Path) -> None:
     """Delete cache folders of other versions that nobody used for a week."""
     for folder in root.iterdir():
-        if folder != keep and folder.is_dir() and time.time() - folder.stat().st_mtime > _STALE_AFTER_S:
-            shutil.rmtree(folder, ignore_errors=True)
+        with contextlib.suppress(OSError):  # another process may just have done it
+            if folder != keep and folder.is_dir() and time.time() - folder.stat().st_mtime > _STALE_AFTER_S:
+                shutil.rmtree(folder, ignore_errors=True)
 
 
 def _choose_cache_folder() -> Path:
     root = _cache_root()
     folder = root / source_digest()
-    folder.mkdir(parents=True, exist_ok=True)
-    os.utime(folder)
+    with contextlib.suppress(OSError):
+        folder.mkdir(parents=True, exist_ok=True)
+        os.utime(folder)
     _remove_stale(root, folder)
     return folder
 
 
+# Both are needed: Numba reads its environment anew whenever that changes, and may have been imported before us.
 CACHE_FOLDER = _choose_cache_folder()
+os.environ["NUMBA_CACHE_DIR"] = str(CACHE_FOLDER)
 _config: Any = numba.config
 _config.CACHE_DIR = str(CACHE_FOLDER)
 JIT_DISABLED = bool(_config.DISABLE_JIT)

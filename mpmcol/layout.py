@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from math import ceil, isqrt
 
@@ -13,7 +14,7 @@ from mpmcol.measure import ColumnShape
 RUNOUT_MARGIN = 0.5  # r_i beyond the farthest-running experiment
 EMPTY_FACTOR = 2.0  # on the runout over a rigid base, where the empty part of the domain costs nothing
 HEADROOM_CELLS = 6
-EDGE_CELLS = 3  # material this close to an open end stops the run
+END_CELLS = 3  # kept free before the open ends, where material stops the run
 ROUNDING_WORTH_A_WARNING = 1e-9
 
 
@@ -35,6 +36,14 @@ class Layout:
     def length(self) -> float:
         """Length of the domain, m."""
         return self.cells_x * self.h
+
+    def fall_time(self, gravity: float) -> float:
+        """tau = sqrt(h_i / g), s."""
+        return math.sqrt(self.h_i / gravity)
+
+    def wave_time(self, wave_speed2: float) -> float:
+        """Time that a wave takes twice up and down through column and base, s."""
+        return 4.0 * (self.h_i + self.base) / math.sqrt(wave_speed2)
 
     @property
     def point_size(self) -> float:
@@ -80,11 +89,11 @@ def _domain(case: Case, h: float) -> tuple[float, float]:
     """Length and height of the domain above the base, m: as asked for, or from the expected runout."""
     geometry = case.geometry
     runout = expected_runout(geometry.model, geometry.a) * (EMPTY_FACTOR if geometry.base == "rigid" else 1.0)
-    length = geometry.domain_length or geometry.r_i * (1.0 + runout + RUNOUT_MARGIN) + EDGE_CELLS * h
+    length = geometry.domain_length or geometry.r_i * (1.0 + runout + RUNOUT_MARGIN) + END_CELLS * h
     height = geometry.domain_height or geometry.h_i + HEADROOM_CELLS * h
     for key, given, least in (
-        ("domain_length", length, geometry.r_i + (EDGE_CELLS + 1) * h),
-        ("domain_height", height, geometry.h_i + (EDGE_CELLS + 1) * h),
+        ("domain_length", length, geometry.r_i + (END_CELLS + 1) * h),
+        ("domain_height", height, geometry.h_i + (END_CELLS + 1) * h),
     ):
         if given < least:
             raise UsageError(

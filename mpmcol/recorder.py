@@ -18,9 +18,10 @@ from mpmcol.layout import column_shape
 from mpmcol.measure import Measurement, measure
 from mpmcol.results import CASE_FILE, write_history
 from mpmcol.scene import Scene
-from mpmcol.snapshot import Snapshot, write_index, write_snapshot
+from mpmcol.snapshot import Snapshot, describe_snapshot, write_index, write_snapshot
 from mpmcol.solver import Solver
 from mpmcol.state import BASE, Points
+from mpmcol.vtkhdf import Step
 
 
 class Recorder:
@@ -33,7 +34,7 @@ class Recorder:
         self.rows: list[dict[str, Any]] = []
         self.seconds = 0.0
         self.worst_J = [1.0, 1.0]
-        self._snapshots = 0
+        self._written: list[Step] = []
         self._meta = self._make_meta(threads)
         derived: dict[str, Any] = {
             "points": len(scene.points),
@@ -91,9 +92,9 @@ class Recorder:
         """Write the present state as the next snapshot, and the index and the history with it."""
         started = time.perf_counter()
         taken = take_snapshot(self.case, self.solver, stage, self._released)
-        write_snapshot(self.folder, self._snapshots, taken, self._meta, self.case.output.compression)
-        self._snapshots += 1
-        write_index(self.folder)
+        path = write_snapshot(self.folder, len(self._written), taken, self._meta, self.case.output.compression)
+        self._written.append(describe_snapshot(path))
+        write_index(self.folder, self._written)
         write_history(self.folder, self.rows)
         self.seconds += time.perf_counter() - started
 

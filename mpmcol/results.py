@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
-import shutil
+import math
 from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
@@ -15,14 +15,18 @@ import numpy as np
 
 from mpmcol.case import Case, load_case
 from mpmcol.errors import OutputError, UsageError
-from mpmcol.files import atomic_write
+from mpmcol.files import LOCK, atomic_write, remove
 from mpmcol.layout import column_shape, make_layout
 from mpmcol.measure import ColumnShape, Measurement, measure
 from mpmcol.snapshot import Snapshot, list_snapshots, read_snapshot
 
 RESULT_SCHEMA = 1
 CASE_FILE, RESULT_FILE, HISTORY_FILE = "case.resolved.toml", "result.json", "history.csv"
-OWN_FILES = (CASE_FILE, RESULT_FILE, HISTORY_FILE, "run.vtkhdf", "run.vtkhdf.series")
+# the case last, so that a folder half emptied is still known for a run's
+OWN_FILES = (
+    RESULT_FILE, HISTORY_FILE, "run.vtkhdf", "run.vtkhdf.series", "snapshots", "profile.png", "front.png", "energy.png",
+    "collapse.gif", CASE_FILE,
+)  # fmt: skip
 HISTORY = (
     "stage", "step", "time", "dt", "kinetic", "potential", "elastic", "plastic", "damping", "walls", "transfer",
     "residual", "front_max", "front_connected", "front_height", "height", "J_min", "J_max", "open_points",
@@ -106,15 +110,15 @@ def measure_snapshot(snapshot: Snapshot, shape: ColumnShape) -> Measurement:
 def prepare_folder(folder: Path, fresh: bool) -> None:
     """Make room for a run: a finished one is kept unless `fresh`, an unfinished one is replaced.
 
-    Raises UsageError for a finished run or a folder that holds something else.
+    Raises UsageError for a finished run or a folder that holds something else, OutputError if it cannot be emptied.
     """
     if (folder / RESULT_FILE).exists() and not fresh and _is_finished(folder):
         raise UsageError(f"{folder} holds a finished run; use --fresh to replace it, or --out for another folder")
-    if folder.is_dir() and any(folder.iterdir()) and not (folder / CASE_FILE).exists():
+    found = [path for path in folder.iterdir() if path.name != LOCK] if folder.is_dir() else []
+    if found and not (folder / CASE_FILE).exists():
         raise UsageError(f"{folder} is not empty and holds no run; use --out for another folder")
     for name in OWN_FILES:
-        (folder / name).unlink(missing_ok=True)
-    shutil.rmtree(folder / "snapshots", ignore_errors=True)
+        remove(folder / name)
 
 
 def _is_finished(folder: Path) -> bool:
@@ -131,5 +135,13 @@ def write_history(folder: Path, rows: list[dict[str, Any]]) -> None:
 
 
 def write_result(folder: Path, result: Mapping[str, Any]) -> None:
-    """Write result.json."""
-    atomic_write(folder / RESULT_FILE, (json.dumps(result, indent=1) + "\n").encode())
+    """Write result.json; numbers that are not finite, which JSON cannot hold, become null."""
+    atomic_write(folder / RESULT_FILE, (json.dumps(_finite(result), indent=1, allow_nan=False) + "\n").encode())
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {name: _finite(entry) for name, entry in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_finite(entry) for entry in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

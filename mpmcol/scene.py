@@ -12,10 +12,11 @@ from mpmcol.geometries import GEOMETRIES
 from mpmcol.laws import LAWS, elastic
 from mpmcol.layout import Layout, make_layout
 from mpmcol.solver import Body
-from mpmcol.state import BASE, V0, Grid, Points, Settings, allocate_grid, node_coordinates, set_fixed
+from mpmcol.state import BASE, Grid, Points, Settings, allocate_grid, node_coordinates, set_fixed
 
 TRANSFERS = {"taylor-flip": (1.0, 1.0), "flip": (0.0, 1.0), "pic": (0.0, 0.0)}  # Taylor term, share of FLIP
 POSITION_FACTORS = {"trapezoid": 0.5, "paper": 1.0, "end": 0.0}
+AXIS_GAP = 0.2  # in h: points nearer to the axis would be too stiff for the default time step; the first start farther
 ON_NODE = 1e-6  # in h: how far a node may be from an edge and still stand on it
 
 
@@ -43,6 +44,11 @@ class Scene:
         """Number of material points of the column."""
         return int(np.sum(self.points.kind != BASE))
 
+    @property
+    def column_mass(self) -> float:
+        """Mass of the column, kg per metre or radian."""
+        return float(self.points.m[self.points.kind != BASE].sum())
+
 
 def build_scene(case: Case) -> Scene:
     """Allocate and fill all arrays of a case; the gate is closed."""
@@ -59,8 +65,8 @@ def build_scene(case: Case) -> Scene:
         points=points,
         grid=grid,
         base=make_body(elastic, case.base_material),
-        equilibrate=Stage(make_body(first_law, case.material), make_settings(case, stages.equilibrate.damping)),
-        collapse=Stage(make_body(LAWS[own_law], case.material), make_settings(case, stages.collapse.damping)),
+        equilibrate=Stage(make_body(first_law, case.material), make_settings(case, layout, stages.equilibrate.damping)),
+        collapse=Stage(make_body(LAWS[own_law], case.material), make_settings(case, layout, stages.collapse.damping)),
     )
 
 
@@ -69,7 +75,7 @@ def make_body(law: Any, material: Any) -> Body:
     return Body(law, law.make_params(material), material.wave_speed**2)
 
 
-def make_settings(case: Case, damping: float) -> Settings:
+def make_settings(case: Case, layout: Layout, damping: float) -> Settings:
     """The numbers of the method from the words of [method]."""
     method = case.method
     taylor, flip = TRANSFERS[method.transfer]
@@ -85,6 +91,7 @@ def make_settings(case: Case, damping: float) -> Settings:
         opening_strain=method.opening_strain,
         kernel_correction=method.kernel_correction,
         axisymmetric=GEOMETRIES[case.geometry.model].AXISYMMETRIC,
+        axis_gap=min(AXIS_GAP, 0.5 / layout.points_per_axis),
     )
 
 
@@ -97,7 +104,7 @@ def fill(case: Case, layout: Layout) -> Points:
     points = Points(len(column) + len(below))
     points.x[:] = np.r_[column, below]
     points.kind[len(column) :] = BASE
-    points.rows[:, V0] = GEOMETRIES[case.geometry.model].volumes(areas, points.x)
+    points.V0[:] = GEOMETRIES[case.geometry.model].volumes(areas, points.x)
     points.m[:] = points.V0 * np.where(points.kind == BASE, base.density, case.material.density)
     return points
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
-from math import sqrt
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ from mpmcol.case import Case, case_hash
 from mpmcol.errors import NumericalFailure
 from mpmcol.experiments import score
 from mpmcol.faults import diagnose, message
+from mpmcol.files import locked
 from mpmcol.jit import set_threads
 from mpmcol.kernels import cycle_2d as cycle
 from mpmcol.recorder import Recorder, describe, versions
@@ -34,37 +35,41 @@ CALM_CHECKS = 3  # checks in a row under the tolerance that end the equilibratio
 class Run:
     """One run of a case into a folder; `outcome` is the content of result.json."""
 
-    def __init__(self, case: Case, folder: Path, threads: int, progress: Progress, say: Say) -> None:
+    def __init__(self, case: Case, folder: Path, threads: int, fresh: bool, progress: Progress, say: Say) -> None:
         self.case, self.folder, self.threads = case, folder, threads
         self.progress, self.say = progress, say
-        self.scene: Scene = build_scene(case)
-        for warning in self.scene.layout.warnings:
-            say(f"note: {warning}")
+        self.scene: Scene = build_scene(case)  # may refuse the case: before anything old is removed
+        prepare_folder(folder, fresh)
         stage = self.scene.equilibrate
         self.solver = Solver(self.scene.points, self.scene.grid, stage.settings, stage.column, self.scene.base)
         self.recorder = Recorder(case, self.scene, self.solver, folder, threads)
         self.wall_s = dict.fromkeys(("compile", "equilibrate", "collapse", "output"), 0.0)
-        self.tau = sqrt(self.scene.layout.h_i / case.geometry.gravity)
+        self.tau = self.scene.layout.fall_time(case.geometry.gravity)
         self.collapse_steps = 0
         self.at_rest = False
+        self.warnings: list[str] = []
+        self._opening = 0.0  # m: how far the gate is lifted
+        self._weight = self.scene.column_mass * case.geometry.gravity
+        for warning in self.scene.layout.warnings:
+            self._warn(warning)
 
     def equilibrate(self) -> None:
         """Damped rest under gravity behind the closed gate, judged by the unbalanced force at the nodes."""
         self._begin("equilibrate", self.scene.equilibrate)
-        words, solver, layout = self.case.stages.equilibrate, self.solver, self.scene.layout
-        transit = 4.0 * (layout.h_i + layout.base) / self.scene.equilibrate.column.wave_speed2**0.5
-        limit, calm, started = words.max_time_factor * transit, 0, time.perf_counter()
-        while calm < CALM_CHECKS and solver.time < limit:
-            self._advance("equilibrate", solver.time + transit / 4.0)
-            unbalanced = solver.ledger[cycle.L_UNBALANCED]
-            calm = calm + 1 if unbalanced < words.tolerance else 0
-            self.recorder.record("equilibrate")
-            self.progress("equilibrate", solver.time / limit)
-        self.wall_s["equilibrate"] = time.perf_counter() - started
+        words, solver = self.case.stages.equilibrate, self.solver
+        transit = self.scene.layout.wave_time(self.scene.equilibrate.column.wave_speed2)
+        limit, calm = words.max_time_factor * transit, 0
+        with self._timed("equilibrate"):
+            while calm < CALM_CHECKS and solver.time < limit:
+                self._advance("equilibrate", solver.time + transit / 4.0)
+                unbalanced = solver.ledger[cycle.L_UNBALANCED]
+                calm = calm + 1 if unbalanced < words.tolerance else 0
+                self.recorder.record("equilibrate")
+                self.progress("equilibrate", solver.time / limit)
         self._say_stage("equilibrate", f"unbalanced force {unbalanced:.1e} of the weight")
         if calm < CALM_CHECKS:
-            self.say(
-                f"warning: the column was not at rest after {solver.time:.3g} s (unbalanced {unbalanced:.1e}, "
+            self._warn(
+                f"the column was not at rest after {solver.time:.3g} s (unbalanced {unbalanced:.1e}, "
                 f"asked {words.tolerance:.1e}); raise stages.equilibrate.max_time_factor or damping"
             )
 
@@ -84,37 +89,36 @@ class Run:
     def collapse(self) -> None:
         """Flow until the column rests, with rows of history and snapshots on the way."""
         words, solver = self.case.stages.collapse, self.solver
-        limit = words.max_time_factor * self.tau
-        snapshots = self._snapshot_times(limit)
-        started, output, first = time.perf_counter(), self.recorder.seconds, solver.steps
-        try:
-            for check in range(1, int(np.ceil(words.max_time_factor * CHECKS_PER_TAU)) + 1):
-                self._advance("collapse", min(check * self.tau / CHECKS_PER_TAU, limit))
-                self._lift_gate()
-                self.recorder.record("collapse")
-                self.progress("collapse", solver.time / limit)
-                self.at_rest = self._is_at_rest()
-                if words.end == "rest" and self.at_rest:
-                    break
+        lifting = self.scene.layout.h_i / self.case.stages.gate_speed
+        limit = words.max_time_factor * self.tau + lifting
+        snapshots, checks, first = self._snapshot_times(limit), 0, solver.steps
+        with self._timed("collapse"):
+            while solver.time < limit and not (words.end == "rest" and self.at_rest):
+                next_check = min((checks + 1) * self.tau / CHECKS_PER_TAU, limit)
+                self._advance("collapse", min([next_check, *snapshots[:1]]))
+                self.collapse_steps = solver.steps - first
                 if snapshots and solver.time >= snapshots[0]:
-                    snapshots.pop(0)
+                    snapshots = [t for t in snapshots if t > solver.time]
                     self.recorder.snapshot("collapse")
-        finally:
-            self.collapse_steps = solver.steps - first
-            self.wall_s["output"] = self.recorder.seconds
-            self.wall_s["collapse"] = time.perf_counter() - started - (self.recorder.seconds - output)
-        self._say_stage(
-            "collapse",
-            f"{'at rest' if self.at_rest else 'ended'} after {solver.time / self.tau:.2f} sqrt(h_i/g)",
-        )
-        self.recorder.snapshot("rest")
+                if solver.time >= next_check:
+                    checks += 1
+                    self._lift_gate()
+                    self.recorder.record("collapse")
+                    self.progress("collapse", solver.time / limit)
+                    self.at_rest = solver.time > lifting + self.tau and self._is_quiet()
+        how = "at rest" if self.at_rest else "ended"
+        self._say_stage("collapse", f"{how} after {solver.time / self.tau:.2f} sqrt(h_i/g)")
+        if snapshots and self.case.output.times is not None:
+            self._warn(f"output.times: {len(snapshots)} of them came after the end at {solver.time:.4g} s")
+        self.recorder.snapshot("rest" if self.at_rest else "end")
 
     def outcome(self, status: str) -> dict[str, Any]:
         """The content of result.json for the present state."""
-        solver, layout, recorder = self.solver, self.scene.layout, self.recorder
+        solver, recorder = self.solver, self.recorder
         measured = measure_snapshot(Results(self.folder).snapshot(), recorder.shape)
         scores = score(measured, self.case.geometry.a, self.case.geometry.model)
         work = max(self.collapse_steps * len(self.scene.points), 1)
+        self.wall_s["output"] = recorder.seconds
         return {
             "schema": RESULT_SCHEMA,
             "status": status,
@@ -135,17 +139,25 @@ class Run:
             "worst_J": [float(J) for J in recorder.worst_J],
             "threads": self.threads,
             "versions": versions(),
-            "warnings": list(layout.warnings),
+            "warnings": self.warnings,
         }
 
     def _begin(self, name: str, stage: Stage) -> None:
         """Hand the stage's law and numbers to the solver and have its kernels ready."""
         self.solver.settings = stage.settings
         self.solver.bodies = (stage.column, self.scene.base)
-        started = time.perf_counter()
         self.progress(f"{name}: preparing kernels (compiled once, then kept)", 0.0)
-        self.solver.prepare()
-        self.wall_s["compile"] += time.perf_counter() - started
+        with self._timed("compile"):
+            self.solver.prepare()
+
+    @contextmanager
+    def _timed(self, what: str) -> Iterator[None]:
+        """Add the seconds spent inside to `wall_s`, less those of the recorder."""
+        started, written = time.perf_counter(), self.recorder.seconds
+        try:
+            yield
+        finally:
+            self.wall_s[what] += time.perf_counter() - started - (self.recorder.seconds - written)
 
     def _advance(self, stage: str, end: float) -> None:
         """Step to `end`; on a point that goes wrong, keep the last state and raise NumericalFailure."""
@@ -158,29 +170,18 @@ class Run:
                 raise NumericalFailure(message(failure), failure)
 
     def _lift_gate(self) -> None:
-        """Leave closed what the gate has not passed yet; an instantaneous gate is gone from the start."""
+        """Leave closed what the gate has not passed yet; an instantaneous gate is gone at once."""
         speed, layout = self.case.stages.gate_speed, self.scene.layout
-        if np.isinf(speed):
-            opening = np.inf
-        else:
-            opening = speed * self.solver.time
-        if opening < layout.cells_y * layout.h or self.solver.time == 0.0:
-            close_walls(self.scene.grid, layout, opening)
+        if self._opening < layout.cells_y * layout.h:
+            self._opening = speed * self.solver.time if np.isfinite(speed) else np.inf
+            close_walls(self.scene.grid, layout, self._opening)
 
-    def _is_at_rest(self) -> bool:
-        """Quiet for REST_WINDOW: little kinetic energy at the nodes, and the front has not moved."""
-        window = round(REST_WINDOW * CHECKS_PER_TAU)
-        rows = self.recorder.rows[-window:]
-        if len(rows) < window or rows[0]["stage"] != "collapse":
-            return False
-        layout, weight = self.scene.layout, self._column_weight()
-        moving = max(row["grid_kinetic"] for row in rows) > REST_ENERGY * weight * layout.h_i
-        front = [row["front_connected"] for row in rows]
-        return not moving and max(front) - min(front) < REST_FRONT * layout.h
-
-    def _column_weight(self) -> float:
-        column = self.scene.points.kind == 0
-        return float(self.scene.points.m[column].sum() * self.case.geometry.gravity)
+    def _is_quiet(self) -> bool:
+        """For REST_WINDOW little kinetic energy at the nodes, and the front has not moved."""
+        rows = self.recorder.rows[-round(REST_WINDOW * CHECKS_PER_TAU) :]
+        layout, front = self.scene.layout, [row["front_connected"] for row in rows]
+        energy = max(row["grid_kinetic"] for row in rows) / (self._weight * layout.h_i)
+        return bool(energy < REST_ENERGY and max(front) - min(front) < REST_FRONT * layout.h)
 
     def _snapshot_times(self, limit: float) -> list[float]:
         """Times of the snapshots between release and rest, s."""
@@ -188,6 +189,10 @@ class Run:
         if asked.times is not None:
             return [t for t in asked.times if t > 0.0]
         return [limit * k / asked.snapshots for k in range(1, asked.snapshots)]
+
+    def _warn(self, text: str) -> None:
+        self.warnings.append(text)
+        self.say(f"note: {text}")
 
     def _say_stage(self, stage: str, what: str) -> None:
         self.say(f"{stage:12s} {what}, {self.solver.steps} steps, dt {self.solver.dt:.3g} s")
@@ -204,12 +209,20 @@ def run(
 ) -> Results:
     """Run a case into a folder and return its results.
 
-    Raises UsageError if the folder holds a finished run and `fresh` is false, NumericalFailure if the run diverges
+    Raises UsageError if the folder holds a finished run and `fresh` is false, or another run writes there, or the case
+    does not fit; NumericalFailure if the run diverges
     (the folder then holds everything up to there), OutputError if something cannot be written.
     """
-    folder = Path(folder)
-    prepare_folder(folder, fresh)
-    simulation = Run(case, folder, set_threads(threads), progress, say)
+    folder, used = Path(folder), set_threads(threads)
+    if threads is not None and used != threads:
+        say(f"note: {used} threads instead of {threads}; NUMBA_NUM_THREADS sets the most")
+    with locked(folder):
+        return _run(Run(case, folder, used, fresh, progress, say))
+
+
+def _run(simulation: Run) -> Results:
+    """All stages, with a result.json however they end."""
+    folder = simulation.folder
     try:
         simulation.equilibrate()
         simulation.release()

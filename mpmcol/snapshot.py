@@ -6,7 +6,7 @@ ParaView opens one snapshot, or the run as a time series through `run.vtkhdf` or
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -42,10 +42,11 @@ Meta = Mapping[str, str | int | float]
 
 @dataclass(frozen=True)
 class Snapshot:
-    """The state of all n material points at one moment, in order of point id.
+    """The state of all n material points at one moment; in order of point id once it was read from a file.
 
-    time: s since the release (negative while equilibrating). arrays: "position" (n, 3) m, "velocity" (n, 3) m/s,
-    "displacement" since the release (n, 3) m, "stress" (n, 6: xx yy zz xy yz xz) Pa, tension positive,
+    time: s since the release, or since the start if the run ended while equilibrating. arrays: "position" (n, 3) m,
+    "velocity" (n, 3) m/s, "displacement" since the release (n, 3) m,
+    "stress" (n, 6: xx yy zz xy yz xz) Pa, tension positive,
     "volume_ratio" (n) J, "opening_strain" (n), "mass" (n) and "volume" (n) per metre or per radian,
     "material" (n) 0 column and 1 base, "id" (n), and the law's history variables by name.
     """
@@ -116,12 +117,14 @@ def list_snapshots(folder: Path) -> list[Path]:
     return sorted(found, key=lambda path: int(path.stem))
 
 
-def write_index(folder: Path) -> None:
+def write_index(folder: Path, steps: Sequence[vtkhdf.Step] | None = None) -> None:
     """Rewrite `run.vtkhdf` and `run.vtkhdf.series`, the run as one time series, from the snapshots present.
 
-    Raises OutputError, also where a snapshot is damaged or has another number of points than the first.
+    steps: what `describe_snapshot` says of each of them, where that is known already. Raises OutputError, also where
+    a snapshot is damaged or has another number of points than the first.
     """
-    steps = [_step(path) for path in list_snapshots(folder)]
+    if steps is None:
+        steps = [describe_snapshot(path) for path in list_snapshots(folder)]
     if not steps:
         raise OutputError(f"{folder / 'snapshots'}: no snapshot to index; write one first")
     series = [{"name": step.name, "time": step.time} for step in steps]
@@ -133,7 +136,8 @@ def write_index(folder: Path) -> None:
     atomic_write(folder / "run.vtkhdf.series", text.encode())
 
 
-def _step(path: Path) -> vtkhdf.Step:
+def describe_snapshot(path: Path) -> vtkhdf.Step:
+    """What the index needs to know of a snapshot file. Raises OutputError."""
     with _opened(path) as file:
         return vtkhdf.describe(file["VTKHDF"], f"snapshots/{path.name}", _plain(file["mpmcol/time"]))
 

@@ -73,7 +73,7 @@ class Solver:
         rows, spare = self.points.rows, self._spare.rows
         self.tiles = Tiles(*sort_points(rows.reshape(-1), spare.reshape(-1), self.grid, *self._scratch))
         self.points.rows, self._spare.rows = spare, rows
-        self.clock[cycle.TRAVELLED] = self.clock[cycle.LAST_TRAVEL] = 0.0
+        self.clock[cycle.TRAVELLED] = 0.0
         self._reports = (
             np.zeros((len(self.tiles.active), NODE_REPORT)),
             np.zeros((len(self.tiles.split), cycle.TILE_REPORT)),
@@ -87,7 +87,7 @@ class Solver:
         started, first = time.perf_counter(), self.steps
         fault = -1
         while fault < 0 and self.time < end and self.steps - first < max_steps:
-            if self.tiles is None or not cycle._is_ordered(self.clock):
+            if self.tiles is None or not cycle.is_ordered(self.clock):
                 self.sort()
             fault = self._call(end, min(self._steps_per_call, max_steps - (self.steps - first)))
             if time.perf_counter() - started > CALL_SECONDS:

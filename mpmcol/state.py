@@ -21,6 +21,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mpmcol.jit import device
+
 ROW = 24
 M, VX, VY, V0, X, Y, J, ID = range(8)
 OPENING, LXX, LYX, LZZ, SXX, SXY, SZZ, Q0 = range(8, 16)
@@ -31,7 +33,6 @@ TILE = 4
 TILE_NODES = TILE * TILE
 TILE_DOUBLES = TILE_NODES * NODE
 
-HISTORY_SIZE = 2
 COLUMN, BASE = 0, 1
 
 
@@ -165,6 +166,7 @@ class Settings(NamedTuple):
     opening_strain: bool
     kernel_correction: bool
     axisymmetric: bool
+    axis_gap: float = 0.2  # in h: least distance of a point from the axis
 
 
 def aligned_zeros(n: int, alignment: int = 64) -> np.ndarray:
@@ -174,9 +176,10 @@ def aligned_zeros(n: int, alignment: int = 64) -> np.ndarray:
     return raw[skip : skip + n]
 
 
+@device
 def tile_count(n_nodes: int) -> int:
-    """Tiles along an axis of `n_nodes` nodes, with a spare one so that a border tile always exists."""
-    return (n_nodes + TILE - 1) // TILE + 1
+    """Tiles along an axis of `n_nodes` nodes."""
+    return (n_nodes + TILE - 1) // TILE
 
 
 def allocate_grid(origin: tuple[float, float], h: float, cells: tuple[int, int]) -> Grid:

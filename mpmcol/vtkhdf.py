@@ -6,7 +6,7 @@ damaged file behind when the disk is full or the process is killed; the caller w
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
@@ -87,7 +87,7 @@ def describe(group: h5py.Group, name: str, time: float) -> Step:
     return Step(name, time, datasets)
 
 
-def write_series(group: h5py.Group, steps: list[Step]) -> None:
+def write_series(group: h5py.Group, steps: Sequence[Step]) -> None:
     """Write a time series whose content stays in the files of its steps (virtual datasets, external links).
 
     Raises OutputError where the steps differ in their number of points.
@@ -103,7 +103,7 @@ def write_series(group: h5py.Group, steps: list[Step]) -> None:
     _write_times(group.create_group("Steps"), [step.time for step in steps], n, common)
 
 
-def _write_virtual(group: h5py.Group, name: str, steps: list[Step]) -> None:
+def _write_virtual(group: h5py.Group, name: str, steps: Sequence[Step]) -> None:
     shape, dtype, attributes = steps[0].datasets[name]
     layout = h5py.VirtualLayout((len(steps) * shape[0], *shape[1:]), dtype)
     for i, step in enumerate(steps):

@@ -15,7 +15,7 @@ from mpmcol.bench import plain_2d as plain
 from mpmcol.bench.clock import seconds
 from mpmcol.bench.plain_stress_2d import make_update_stress
 from mpmcol.jit import driver, phase, prange
-from mpmcol.kernels.cycle_2d import DT, _sum_nodes, _sum_points, make_update_points
+from mpmcol.kernels.cycle_2d import DT, make_update_points, sum_nodes, sum_points
 from mpmcol.kernels.grid_2d import update_grid
 from mpmcol.kernels.transfer_2d import clear, gather, keep_off_walls, p2g
 from mpmcol.state import ROW
@@ -49,8 +49,8 @@ def make_vector_steps(column_law: ModuleType, base_law: ModuleType) -> Callable[
             times[k, 3] = seconds()
             update_points(rows, grid, tiles, settings, column, base, c2_column, c2_base, dt, tile_report)
             times[k, 4] = seconds()
-            _sum_nodes(node_report, ledger)
-            _sum_points(tile_report, ledger, clock, settings.cfl * grid.h)
+            sum_nodes(node_report, ledger)
+            sum_points(tile_report, ledger, clock, settings.cfl * grid.h)
             times[k, 5] = seconds()
 
     return vector_steps
@@ -100,7 +100,7 @@ def _gather_all(rows, grid, tiles, settings, dt, report):
         for p in range(start[t], start[t + 1]):
             moved, _ = gather(rows, p * ROW, nodes, grid, settings, dt)
             travel = max(travel, moved)
-            keep_off_walls(rows, p * ROW, grid)
+            keep_off_walls(rows, p * ROW, grid, settings)
         report[t, 0] = travel
 
 

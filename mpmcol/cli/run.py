@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import sys
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
 import click
+
+from mpmcol.errors import NumericalFailure
 
 
 @click.command()
@@ -47,10 +50,17 @@ def run(
     stem = Path(case).stem
     folder = out or Path("runs") / (f"{stem}-{case_hash(loaded)[:6]}" if overrides else stem)
     reporter = Reporter(quiet or as_json)
+    from mpmcol.results import Results
     from mpmcol.simulation import run as simulate
 
-    with reporter:
-        results = simulate(loaded, folder, threads=threads, fresh=fresh, progress=reporter.progress, say=reporter.say)
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # a scheduler's wish is a Ctrl-C
+    try:
+        with reporter:
+            results = simulate(loaded, folder, threads=threads, fresh=fresh, progress=reporter.progress, say=reporter.say)
+    except NumericalFailure:
+        if as_json:
+            click.echo(json.dumps(Results(folder).summary))
+        raise
     if as_json:
         click.echo(json.dumps(results.summary))
     elif not quiet:

@@ -23,7 +23,7 @@ def sort_points(rows: np.ndarray, ordered: np.ndarray, grid: Grid, count: np.nda
     Eq. (19)-(20) are sums over points in this order.
     """
     n = len(rows) // ROW
-    tiles_y = (grid.n_y + TILE - 1) // TILE + 1
+    tiles_y = tile_count(grid.n_y)
     tile_of, bucket_of = np.empty(n, np.int64), np.empty(n, np.int8)
     for p in prange(n):
         tile_of[p], bucket_of[p] = _place(rows, p * ROW, grid, tiles_y)

@@ -56,7 +56,7 @@ def make_update_stress(law: ModuleType) -> Callable[..., float]:
             if opened > 0.0:
                 rows[o + OPENING] = opened
                 _store_stress(rows, o, t_xx, t_yy, t_zz, t_xy)
-                return 0.0
+                return volume * t_xx * volumetric  # none without cohesion
             rows[o + OPENING] = 0.0
             ratio, volumetric = 1.0 + opened, opened
         else:

@@ -28,7 +28,7 @@ from mpmcol.state import (
     Y,
 )  # fmt: skip
 
-WALL_GAP = 0.05  # in h
+WALL_GAP = 0.1  # in h: a point closer to a wall would be stiffer than the default time step bears
 
 
 @phase
@@ -179,8 +179,9 @@ def _move(rows, o, mean, grad_x, grad_y, settings, dt):
 
 
 @device
-def keep_off_walls(rows: np.ndarray, o: int, grid: Grid) -> None:
-    """Hold a point at least WALL_GAP h inside the grid, since points closer to a wall are ever stiffer."""
-    gap = WALL_GAP * grid.h
-    rows[o + X] = min(max(rows[o + X], grid.origin_x + gap), grid.origin_x + (grid.n_x - 1) * grid.h - gap)
-    rows[o + Y] = min(max(rows[o + Y], grid.origin_y + gap), grid.origin_y + (grid.n_y - 1) * grid.h - gap)
+def keep_off_walls(rows: np.ndarray, o: int, grid: Grid, settings: Settings) -> None:
+    """Hold a point WALL_GAP h inside the grid, and `settings.axis_gap` h from an axis, where it is stiffer yet."""
+    h = grid.h
+    left = settings.axis_gap if settings.axisymmetric else WALL_GAP
+    rows[o + X] = min(max(rows[o + X], grid.origin_x + left * h), grid.origin_x + (grid.n_x - 1 - WALL_GAP) * h)
+    rows[o + Y] = min(max(rows[o + Y], grid.origin_y + WALL_GAP * h), grid.origin_y + (grid.n_y - 1 - WALL_GAP) * h)

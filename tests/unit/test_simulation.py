@@ -12,6 +12,7 @@ from click.testing import CliRunner, Result
 import mpmcol
 from mpmcol.cli import main
 from mpmcol.errors import NumericalFailure, OutputError, UsageError
+from mpmcol.files import locked
 from mpmcol.results import HISTORY, Results
 from mpmcol.snapshot import read_meta
 
@@ -160,12 +161,55 @@ def test_not_a_results_folder(tmp_path: Path) -> None:
     assert invoke("measure", str(tmp_path)).exit_code == 5
 
 
-def test_lifted_gate_is_slower_than_none(tmp_path: Path) -> None:
-    fronts = [
-        mpmcol.run(mpmcol.load_case("quickstart", [*TINY, *more]), tmp_path / name).history["front_max"]
-        for name, more in {"gone": (), "lifted": ("stages.gate_speed=0.3",)}.items()
-    ]
-    assert fronts[1][-1] < fronts[0][-1] - 0.005
+def fronts_of(tmp_path: Path, speed: str, *more: str) -> tuple[np.ndarray, np.ndarray, dict]:
+    case = mpmcol.load_case("quickstart", [*TINY, f"stages.gate_speed={speed}", *more])
+    results = mpmcol.run(case, tmp_path / speed)
+    flow = results.history["stage"] == "collapse"
+    return results.history["time"][flow], results.history["front_max"][flow], results.summary
+
+
+def test_lifted_gate_delays_the_front(tmp_path: Path) -> None:
+    (t, gone, _), (t_slow, slow, _) = fronts_of(tmp_path, "inf"), fronts_of(tmp_path, "0.5")
+    assert np.interp(0.08, t_slow, slow) < np.interp(0.08, t, gone) - 0.002
+
+
+def test_very_fast_gate_is_no_gate(tmp_path: Path) -> None:
+    (_, gone, _), (_, fast, _) = fronts_of(tmp_path, "inf"), fronts_of(tmp_path, "200")
+    assert fast[-1] == pytest.approx(gone[-1], abs=0.002)
+
+
+def test_slow_gate_is_not_taken_for_rest(tmp_path: Path) -> None:
+    t, _, summary = fronts_of(tmp_path, "0.1", "stages.collapse.max_time_factor=6")
+    assert t[-1] > 0.9 + 0.09  # lifted after 0.9 s
+    assert summary["zeta"]["front_max"] > 0.3
+
+
+def test_snapshots_come_at_their_times(tmp_path: Path) -> None:
+    times = (0.01, 0.0101, 0.0105, 0.05, 3.0)
+    case = mpmcol.load_case("quickstart", [*TINY, f"output.times={list(times)}"])
+    results = mpmcol.run(case, tmp_path / "run")
+    got = [results.snapshot(i).time for i in range(1, len(results.snapshots) - 1)]
+    assert np.allclose(got, times[:-1], atol=1.2e-4)  # at the first step that reaches them
+    assert any("output.times" in warning for warning in results.summary["warnings"])
+
+
+def test_fresh_removes_nothing_if_the_new_case_is_refused(finished: Path) -> None:
+    before = sorted(path.name for path in finished.rglob("*"))
+    result = invoke("run", "quickstart", *tiny("geometry.domain_length=0.1"), "--out", str(finished), "--fresh")
+    assert result.exit_code == 2
+    assert sorted(path.name for path in finished.rglob("*")) == before
+
+
+def test_two_runs_cannot_share_a_folder(tmp_path: Path) -> None:
+    with locked(tmp_path / "run"):
+        result = invoke("run", "quickstart", *tiny(), "--out", str(tmp_path / "run"))
+    assert result.exit_code == 2 and "another run is writing here" in result.output
+
+
+def test_a_failed_run_prints_its_json(tmp_path: Path) -> None:
+    result = invoke("run", "quickstart", *tiny("time.cfl=1.9"), "--out", str(tmp_path / "a"), "--json")
+    assert result.exit_code == 3
+    assert json.loads(result.stdout)["failure"]["remedy"]
 
 
 def test_assigned_stress_replaces_loading(tmp_path: Path) -> None:

@@ -7,6 +7,7 @@ from math import radians
 import numpy as np
 import pytest
 
+from mpmcol.kernels.transfer_2d import WALL_GAP
 from mpmcol.laws import LAWS
 from mpmcol.solver import Body, Solver
 from mpmcol.state import V0, Points, Settings, allocate_grid, node_coordinates, set_fixed
@@ -112,8 +113,9 @@ def test_steps_equal_the_reference(law: str, change: dict) -> None:
         )  # fmt: skip
         assert solver.advance(1.0, max_steps=1) == -1
         expected = reference.step(expected, reference_grid, np.stack([fixed_x, fixed_y], -1), materials, scheme)
-        expected.x[:, 0] = np.maximum(expected.x[:, 0], 0.05 * H)
-        expected.x[:, 1] = np.maximum(expected.x[:, 1], ORIGIN[1] + 0.05 * H)
+        left = settings.axis_gap if settings.axisymmetric else WALL_GAP
+        expected.x[:, 0] = np.maximum(expected.x[:, 0], left * H)
+        expected.x[:, 1] = np.maximum(expected.x[:, 1], ORIGIN[1] + WALL_GAP * H)
 
     rows = solver.points.rows[np.argsort(solver.points.id)]
     solver.points.rows = rows
