@@ -9,7 +9,7 @@ from mpmcol.case import Case
 from mpmcol.jit import set_threads
 from mpmcol.scene import build_scene
 from mpmcol.solver import Solver
-from mpmcol.state import NODE, ROW, TILE_NODES
+from mpmcol.state import TILE_NODES
 
 USUAL_TRANSITS = 10.0  # of a wave up and down, until a column rests under gravity
 USUAL_TAU = 5.0  # until a collapse rests
@@ -63,7 +63,7 @@ def estimate(case: Case, threads: int | None = None) -> Estimate:
         dt=dt,
         steps=steps,
         most_steps=most_steps,
-        memory_bytes=points * (2 * ROW + 2) * 8 + nodes * NODE * 8 + scene.grid.fixed.nbytes,
+        memory_bytes=scene.layout.memory_bytes,
         disk_bytes=snapshots * points * BYTES_OF_POINT_IN_SNAPSHOT,
         ns_per_point_step=pace / points * 1e9,
         seconds=pace * steps,

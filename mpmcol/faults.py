@@ -39,7 +39,8 @@ def _cause(solver: Solver, x: np.ndarray, v: np.ndarray, J: float, c2: float) ->
         remedy = TIME_STEP + ("" if solver.settings.opening_strain else "; or set method.opening_strain = true")
         return f"the volume ratio J left [{J_MIN:g}, {J_MAX:g}]", J, remedy
     if speed**2 > c2 * J:
-        return f"the point is faster than waves in its material ({np.sqrt(c2 * J):.3g} m/s)", speed, TIME_STEP
+        cause = f"the point is faster than waves in its material ({np.sqrt(c2 * J):.3g} m/s)"
+        return cause, speed, TIME_STEP + "; if that is slow for the material, check its stiffness and density"
     if x[0] >= grid.origin_x + (grid.n_x - 1 - EDGE_CELLS) * grid.h:
         return "material reached the end of the domain", float(x[0]), "set a larger geometry.domain_length"
     return "material reached the top of the domain", float(x[1]), "set a larger geometry.domain_height"

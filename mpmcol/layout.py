@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from dataclasses import dataclass
 from math import ceil, isqrt
 
@@ -15,6 +16,9 @@ RUNOUT_MARGIN = 0.5  # r_i beyond the farthest-running experiment
 EMPTY_FACTOR = 2.0  # on the runout over a rigid base, where the empty part of the domain costs nothing
 HEADROOM_CELLS = 6
 END_CELLS = 3  # kept free before the open ends, where material stops the run
+SOFT = 0.01  # weight over stiffness from which on a unit is probably wrong
+BYTES_PER_POINT = 450  # two copies of its record, sorting, and its share of touched nodes
+BYTES_PER_NODE = 50  # masks, and the coordinates from which they are made
 ROUNDING_WORTH_A_WARNING = 1e-9
 
 
@@ -46,6 +50,17 @@ class Layout:
         return 4.0 * (self.h_i + self.base) / math.sqrt(wave_speed2)
 
     @property
+    def points(self) -> int:
+        """Number of material points of column and base."""
+        along, below = round(self.length / self.point_size), round(self.base / self.point_size)
+        return round(self.r_i / self.point_size) * self.rows + along * below
+
+    @property
+    def memory_bytes(self) -> int:
+        """Memory that the arrays take, bytes; of the grid's nodes only those near material are ever touched."""
+        return self.points * BYTES_PER_POINT + self.cells_x * self.cells_y * BYTES_PER_NODE
+
+    @property
     def point_size(self) -> float:
         """Initial distance between points, m."""
         return self.h / self.points_per_axis
@@ -71,8 +86,14 @@ def make_layout(case: Case) -> Layout:
             f"{layers} whole cells"
         )
     per_axis = isqrt(case.grid.points_per_cell)
+    shortening = case.material.density * geometry.gravity * geometry.h_i / case.material.youngs_modulus
+    if shortening > SOFT:
+        warnings.append(
+            f"the column will shorten by about {shortening:.1%} under its own weight: "
+            "are material.youngs_modulus and material.density in Pa and kg/m3?"
+        )
     length, height = _domain(case, h)
-    return Layout(
+    layout = Layout(
         h=h,
         r_i=geometry.r_i,
         h_i=geometry.h_i,
@@ -83,6 +104,19 @@ def make_layout(case: Case) -> Layout:
         rows=max(round(geometry.h_i / h * per_axis), 1),
         warnings=tuple(warnings),
     )
+    _refuse_if_too_large(layout)
+    return layout
+
+
+def _refuse_if_too_large(layout: Layout) -> None:
+    """Raise UsageError if the arrays cannot fit into the memory of this machine."""
+    memory = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    if layout.memory_bytes > memory:
+        raise UsageError(
+            f"{layout.points:,} points and {layout.cells_x:,} x {layout.cells_y:,} cells need "
+            f"{layout.memory_bytes / 1e9:,.0f} GB, this machine has {memory / 1e9:,.0f} GB; "
+            "make grid.spacing larger, or is a length in mm instead of m?"
+        )
 
 
 def _domain(case: Case, h: float) -> tuple[float, float]:

@@ -56,7 +56,9 @@ def run(
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # a scheduler's wish is a Ctrl-C
     try:
         with reporter:
-            results = simulate(loaded, folder, threads=threads, fresh=fresh, progress=reporter.progress, say=reporter.say)
+            results = simulate(
+                loaded, folder, threads=threads, fresh=fresh, progress=reporter.progress, say=reporter.say
+            )
     except NumericalFailure:
         if as_json:
             click.echo(json.dumps(Results(folder).summary))

@@ -24,7 +24,7 @@ COARSE = {
 }
 # steps, zeta by front_max, front_connected, front_height, beta
 EXPECTED: dict[str, tuple[int, float, float, float, float]] = {
-    "quickstart": (3769, 0.862305098, 0.862305098, 0.778223627, 0.978868481),
+    "quickstart": (3769, 0.861001247, 0.861001247, 0.777694228, 0.978960123),
     "lube-channel": (5714, 2.010954486, 2.010954486, 1.958309396, 0.656084812),
     "lube-channel-loose": (3815, 0.876887706, 0.876887706, 0.709042199, 0.992660996),
     "lube-channel-dense": (3908, 0.677985847, 0.677985847, 0.638468764, 0.992052284),
