@@ -6,7 +6,7 @@ The three chart functions take plain arrays; `chart_run` draws all three from th
 from __future__ import annotations
 
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from math import sqrt
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,9 +16,9 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from mpmcol.errors import UsageError
+from mpmcol.errors import OutputError, UsageError
 from mpmcol.experiments import Experiment, Profile, find_experiment
-from mpmcol.files import atomic_write
+from mpmcol.files import atomic_write, make_folder
 from mpmcol.measure import Array, ColumnShape, Measurement
 
 if TYPE_CHECKING:
@@ -51,11 +51,13 @@ def profile_chart(
     experiment: Experiment,
     gravity: float = 9.81,
     svg: bool = False,
+    at_rest: bool = True,
 ) -> list[Path]:
     """The deposit at the given times (s, since release) over the column's outline, in mm, axes equal.
 
-    The last deposit is drawn bold, with its three fronts marked. The experiment is drawn by the final front
-    and height of its laws with their scatter, and by its digitised profiles where they apply.
+    The last one is drawn bold, with its three fronts marked, and is called the deposit if `at_rest`. The experiment
+    is drawn by the final front and height of its laws with their scatter, and by its digitised profiles where they
+    apply.
     """
     tau = sqrt(shape.h_i / gravity)
     figure = Figure(layout="constrained")
@@ -63,8 +65,9 @@ def profile_chart(
     flatness = _frame(axes, shape, [deposit for _, deposit in deposits], experiment)
     figure.set_size_inches(8.0, min(7.0 * flatness, 8.0) + 2.7)
     styles: list[dict[str, Any]] = [{"linestyle": (0, (1 + 2 * i, 1.5))} for i in range(len(deposits) - 1)]
-    for (time, deposit), style in zip(deposits, [*styles, LAST], strict=True):
-        label = rf"$t$ = {time:.3g} s = {time / tau:.2g} $\sqrt{{h_i/g}}$"
+    names = [""] * len(styles) + [", deposit" if at_rest else ", last state"]
+    for (time, deposit), style, name in zip(deposits, [*styles, LAST], names, strict=True):
+        label = rf"$t$ = {time:.3g} s = {time / tau:.2g} $\sqrt{{h_i/g}}${name}"
         axes.plot(*_outline(deposit), label=label, **({"color": "0.4"} | style))
     _draw_experiment(axes, shape, experiment)
     _draw_fronts(axes, deposits[-1][1])
@@ -146,36 +149,81 @@ def energy_chart(
     return _save(figure, path, svg)
 
 
-def chart_run(results: Results, times: Sequence[float] | None = None, svg: bool = False) -> list[Path]:
-    """Draw profile.png, front.png and energy.png into the folder of a run; returns the paths written.
+def chart_run(
+    results: Results,
+    times: Sequence[float] | None = None,
+    svg: bool = False,
+    out: Path | None = None,
+    say: Callable[[str], None] = lambda note: None,
+) -> list[Path]:
+    """Draw profile.png, front.png and energy.png; returns the paths written.
 
-    `times` (s since release) chooses the profiles, each by the nearest snapshot; default: five, even.
+    Args:
+        results: of the run.
+        times: s since release; choose the profiles, each by the nearest snapshot (default: five, even). The last state
+            is always drawn too.
+        svg: also write each chart as SVG.
+        out: folder of the charts, made where it is missing (default: that of the run).
+        say: is given a note for each snapshot that cannot be read, which is then left out.
 
     Raises:
-        UsageError: the run ended before the release.
-        OutputError: a chart could not be written.
+        UsageError: the run ended before the release, or it has no snapshot near one of the times.
+        OutputError: no snapshot can be read, or a chart cannot be written.
     """
-    shape, folder = results.shape, Path(results.folder)
+    shape = results.shape
     released = results.history["stage"] != "equilibrate"
     if not (released.any() and results.snapshots):
-        raise UsageError(f"{folder}: the run ended before the column was released; there is nothing to chart")
+        raise UsageError(f"{results.folder}: the run ended before the column was released; there is nothing to chart")
     history = {name: column[released] for name, column in results.history.items()}
     gravity: float = results.case.geometry.gravity
     experiment = find_experiment(results.case.score.experiment, shape.model)
     time, height, fronts = history["time"], history["height"], {name: history[name] for name in FRONT_STYLES}
-    deposits = _deposits(results, times)
+    taken = _readable(results, say)
+    deposits = [(taken[i], results.measure(i)) for i in _chosen(taken, times)]
+    at_rest = max(taken) == len(results.snapshots) - 1 and _came_to_rest(results)
+    folder = make_folder(out or Path(results.folder))
     return [
-        *profile_chart(folder / "profile.png", shape, deposits, experiment, gravity, svg),
+        *profile_chart(folder / "profile.png", shape, deposits, experiment, gravity, svg, at_rest),
         *front_chart(folder / "front.png", shape, time, fronts, height, experiment, gravity, svg),
         *energy_chart(folder / "energy.png", shape, time, history, gravity, svg),
     ]
 
 
-def _deposits(results: Results, times: Sequence[float] | None) -> list[tuple[float, Measurement]]:
-    taken = np.array([results.snapshot(i).time for i in range(len(results.snapshots))])
-    wanted = np.linspace(max(taken[0], 0.0), taken[-1], 5) if times is None else np.asarray(times)
-    nearest = np.unique([np.argmin(np.abs(taken - time)) for time in wanted])
-    return [(taken[i], results.measure(int(i))) for i in nearest]
+def _readable(results: Results, say: Callable[[str], None]) -> dict[int, float]:
+    """Times (s) of the snapshots by their number; those that cannot be read are left out and told."""
+    times: dict[int, float] = {}
+    paths = results.snapshots
+    for i, path in enumerate(paths):
+        try:
+            times[i] = results.snapshot(i).time
+        except OutputError:
+            say(f"note: {path} is damaged and left out; run the case again to get it back")
+    if not times:
+        raise OutputError(f"{results.folder}: all {len(paths)} snapshots are damaged; run the case again")
+    return times
+
+
+def _chosen(taken: dict[int, float], times: Sequence[float] | None) -> list[int]:
+    """Numbers of the snapshots nearest to the times, and of the last."""
+    index, moments = list(taken), np.array(list(taken.values()))
+    spacing = np.diff(moments).max(initial=0.0)
+    wanted = np.linspace(max(moments[0], 0.0), moments[-1], 5) if times is None else np.asarray(times)
+    for time in wanted:
+        if not np.abs(moments - time).min() <= spacing:
+            raise UsageError(
+                f"no snapshot near t = {time:g} s: there are {len(index)} "
+                f"from {moments[0]:.4g} s to {moments[-1]:.4g} s, at most {spacing:.4g} s apart"
+            )
+    nearest = {index[np.argmin(np.abs(moments - time))] for time in wanted}
+    return sorted(nearest | {index[-1]})
+
+
+def _came_to_rest(results: Results) -> bool:
+    """Tell whether the run ended with the column at rest; one without a result did not."""
+    try:
+        return results.summary.get("status") == "done" and bool(results.summary.get("at_rest"))
+    except OutputError:
+        return False
 
 
 def _frame(axes: Axes, shape: ColumnShape, deposits: list[Measurement], experiment: Experiment) -> float:
@@ -186,7 +234,7 @@ def _frame(axes: Axes, shape: ColumnShape, deposits: list[Measurement], experime
     axes.set(
         xlim=(-0.03 * length, 1.03 * length),
         ylim=(-0.04 * length, top + 0.04 * length),
-        xlabel="radius (mm)" if shape.model == "axisymmetric" else "distance from the wall (mm)",
+        xlabel=_distance_label(shape),
         ylabel="height (mm)",
         title=f"{shape.model}, $a$ = {shape.a:.3g}; experiment: {experiment.name}",
     )
@@ -196,10 +244,19 @@ def _frame(axes: Axes, shape: ColumnShape, deposits: list[Measurement], experime
     return float(top / length)
 
 
+def _distance_label(shape: ColumnShape) -> str:
+    if shape.model == "axisymmetric":
+        return "radius (mm)"
+    edge = "plane of symmetry" if shape.release == "two-sided" else "wall"
+    return f"distance from the {edge} (mm)"
+
+
 def _outline(deposit: Measurement) -> tuple[Array, Array]:
-    """Profile in mm without its empty bins, continued level from the first bin centre to the wall."""
+    """Profile in mm, continued level from the first bin centre to the wall; of its empty bins only the first and last
+    of each gap, where the line comes down to zero."""
     height = np.append(deposit.profile_y[:1], deposit.profile_y)
-    return 1e3 * np.append(0.0, deposit.profile_x), np.where(height > 0.0, 1e3 * height, np.nan)
+    drawn = np.convolve(height > 0.0, np.ones(3), "same") > 0.0
+    return 1e3 * np.append(0.0, deposit.profile_x), np.where(drawn, 1e3 * height, np.nan)
 
 
 def _draw_fronts(axes: Axes, deposit: Measurement) -> None:

@@ -22,6 +22,7 @@ from mpmcol.snapshot import Snapshot, read_meta, read_snapshot
 
 COLORS = "viridis"
 BASE_COLOR = "#b5b5b5"
+EDGE: dict[str, Any] = {"color": "0.15", "linewidth": 1.2}
 HEAD, FOOT = 0.1, 0.17
 
 
@@ -51,7 +52,7 @@ class View:
 
 
 def frame(paths: Iterable[Path], size: tuple[int, int]) -> View:
-    """The view that holds all points of the column in all the snapshots, and the full depth of the base."""
+    """The view that holds the column as released and in all the snapshots, and the full depth of the base."""
     boxes, limit = [], 0.0
     for path in paths:
         snapshot = read_snapshot(path)
@@ -59,6 +60,7 @@ def frame(paths: Iterable[Path], size: tuple[int, int]) -> View:
         boxes.append([*column.max(axis=0), -snapshot.x[:, 1].min()])
         limit = max(limit, float(snapshot.displacement_magnitude[snapshot.column].max()))
         meta = _drawable_meta(path)
+        boxes.append([float(meta["r_i"]), float(meta["h_i"]), 0.0])
     right, top, depth = np.max(boxes, axis=0).astype(float)
     limit = max(limit, float(meta["point_size"]))
     return View(_fit((0.0, right, -depth, top), canvas_size(size)), limit, size, meta)
@@ -94,7 +96,11 @@ def compose(snapshot: Snapshot, view: View, painted: Path | None) -> Image.Image
     else:
         axes.imshow(np.asarray(Image.open(painted)), extent=view.extent, interpolation="auto")
     axes.set(xlim=view.extent[:2], ylim=view.extent[2:], aspect="auto")
-    _add_initial_outline(axes, view.meta)
+    _add_surroundings(axes, view)
+    if snapshot.column.all():
+        axes.plot([0, _right_end(view)], [0, 0], **EDGE)
+    else:
+        _tear_base(axes, view)
     _add_text(figure, snapshot, view)
     _add_scale_bar(figure, view)
     _add_color_bar(figure, view)
@@ -111,18 +117,36 @@ def _scatter(axes: Axes, snapshot: Snapshot, view: View, dpi: float) -> None:
     axes.scatter(column[:, 0], column[:, 1], c=moved, cmap=COLORS, vmin=0, vmax=view.limit, **style)
 
 
-def _add_initial_outline(axes: Axes, meta: dict[str, str | int | float]) -> None:
+def _add_surroundings(axes: Axes, view: View) -> None:
     """Where the column stood (dashed), and the wall (solid) or the axis of symmetry (dash-dot)."""
-    r_i, h_i = float(meta["r_i"]), float(meta["h_i"])
+    r_i, h_i = float(view.meta["r_i"]), float(view.meta["h_i"])
     axes.plot([0, r_i, r_i], [h_i, h_i, 0], color="0.35", linewidth=1, linestyle=(0, (5, 4)))
-    line = "dashdot" if meta["model"] == "axisymmetric" else "solid"
-    axes.plot([0, 0], [0, 2 * h_i], color="0.15", linewidth=1.2, linestyle=line)
+    symmetric = view.meta["model"] == "axisymmetric" or _is_half(view)
+    axes.plot([0, 0], [0, 2 * h_i], linestyle="dashdot" if symmetric else "solid", **EDGE)
+
+
+def _tear_base(axes: Axes, view: View) -> None:
+    """End the base in a torn edge where it goes on beyond the picture."""
+    left, right, bottom, _ = view.extent
+    y = np.linspace(bottom, float(view.meta["point_size"]), 16)
+    zigzag = 0.003 * (right - left) * np.where(np.arange(16) % 2, 1, -1)
+    axes.fill_betweenx(y, _right_end(view) + zigzag, right, color="white", linewidth=0)
+
+
+def _right_end(view: View) -> float:
+    """Where floor and base end (m): beyond the material by half of the margin that is left of the wall."""
+    return view.extent[1] + view.extent[0] / 2
+
+
+def _is_half(view: View) -> bool:
+    return view.meta.get("release") == "two-sided"
 
 
 def _add_text(figure: Figure, snapshot: Snapshot, view: View) -> None:
     y = 1 - HEAD / 2
     stage = "" if snapshot.stage == "collapse" else f"{snapshot.stage}, "
-    figure.text(0.03, y, str(view.meta["title"]), size=16, va="center", parse_math=False)
+    title = str(view.meta["title"]) + (" (half model by symmetry)" if _is_half(view) else "")
+    figure.text(0.03, y, title, size=16, va="center", parse_math=False)
     figure.text(0.97, y, f"{stage}t = {snapshot.time:.3f} s", size=16, va="center", ha="right")
 
 

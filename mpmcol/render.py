@@ -49,13 +49,16 @@ def render(
 
     snapshot: which one, from 0, or from -1 backwards. out: the PNG (default: `snapshot-<number>.png` in the
     results folder); the animation takes the same name with .gif (default: `collapse.gif`).
-    Raises UsageError for a snapshot that is not there or another kind of `out`, OutputError for unreadable files.
+    Raises UsageError for a snapshot that is not there or another kind of `out`, OutputError for unreadable files
+    and where nothing can be written.
     """
     paths = list_snapshots(results_folder)
     chosen = _choose(paths, snapshot, results_folder)
     target = out or results_folder / f"snapshot-{chosen.stem}.png"
     if target.suffix != ".png":
         raise UsageError(f"{target}: a picture is written as PNG; give a name that ends in .png")
+    if not target.parent.exists():
+        raise OutputError(f"{target}: the folder {target.parent} does not exist; create it, or name another one")
     pictures, note = _draw([chosen], size)
     atomic_write(target, _encoded(pictures, "PNG"))
     written = [target]

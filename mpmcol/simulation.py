@@ -12,11 +12,12 @@ import numpy as np
 
 from mpmcol.case import Case, case_hash
 from mpmcol.errors import NumericalFailure
-from mpmcol.experiments import score
+from mpmcol.experiments import profile_scores, score
 from mpmcol.faults import diagnose, message
 from mpmcol.files import locked
 from mpmcol.jit import set_threads
 from mpmcol.kernels import cycle_2d as cycle
+from mpmcol.measure import stop_time
 from mpmcol.recorder import Recorder, describe, versions
 from mpmcol.results import RESULT_SCHEMA, Results, measure_snapshot, prepare_folder, write_result
 from mpmcol.scene import Scene, Stage, build_scene, close_walls
@@ -116,7 +117,9 @@ class Run:
         """The content of result.json for the present state."""
         solver, recorder = self.solver, self.recorder
         measured = measure_snapshot(Results(self.folder).snapshot(), recorder.shape)
-        scores = score(measured, self.case.geometry.a, self.case.geometry.model)
+        geometry = self.case.geometry
+        scores = score(measured, geometry.a, geometry.model)
+        profiles = profile_scores(measured.profile_x, measured.profile_y, geometry.model, geometry.r_i, geometry.h_i)
         work = max(self.collapse_steps * len(self.scene.points), 1)
         self.wall_s["output"] = recorder.seconds
         return {
@@ -125,7 +128,9 @@ class Run:
             "title": self.case.title,
             "case_hash": case_hash(self.case),
             **measured.scalars(),
+            "stop_time": self._stop_time(),
             "errors": [entry.as_dict() for entry in scores],
+            "profile_scores": [vars(entry) for entry in profiles],
             "at_rest": self.at_rest,
             "time": solver.time,
             "time_over_tau": solver.time / self.tau,
@@ -182,6 +187,15 @@ class Run:
         layout, front = self.scene.layout, [row["front_connected"] for row in rows]
         energy = max(row["grid_kinetic"] for row in rows) / (self._weight * layout.h_i)
         return bool(energy < REST_ENERGY and max(front) - min(front) < REST_FRONT * layout.h)
+
+    def _stop_time(self) -> float | None:
+        """When the front came within a cell of its end, in tau; None unless the column came to rest."""
+        flow = [row for row in self.recorder.rows if row["stage"] == "collapse"]
+        if not self.at_rest:
+            return None
+        time, front = (np.array([row[name] for row in flow]) for name in ("time", "front_height"))
+        stop = stop_time(time, front, self.scene.layout.h)
+        return None if stop is None else stop / self.tau
 
     def _snapshot_times(self, limit: float) -> list[float]:
         """Times of the snapshots between release and rest, s."""

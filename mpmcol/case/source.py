@@ -17,6 +17,7 @@ from mpmcol.case.words import nearest, shortened
 from mpmcol.errors import CaseError
 
 LARGEST_FILE = 1_000_000  # bytes
+LIST = "(mpmcol cases lists the shipped cases)"
 
 _SYNTAX_HINTS = {
     "Invalid value": "texts need quotes",
@@ -117,16 +118,20 @@ def _find(source: str | Path) -> tuple[str, Path]:
     shipped = shipped_cases()
     if isinstance(source, str) and source in shipped:
         return source + ".toml", shipped[source]
+    if not str(source).strip():
+        raise _error('""', "expected the path of a case file or the name of a shipped case", hint=LIST)
     path, name = Path(source), shortened(str(source), 200)
     if not os.path.exists(path):  # unlike Path.exists it is never upset by an impossible name
-        raise _error(name, "no such case file", hint=_suggestion(path, shipped))
+        raise _error(name, "no such case file", hint=_suggestion(path, path.parent, shipped))
     return name, path
 
 
-def _suggestion(path: Path, shipped: dict[str, Path]) -> str:
+def _suggestion(path: Path, folder: Path, shipped: dict[str, Path]) -> str:
+    """What may have been meant by the path of a file that `folder` does not hold."""
+    if os.path.isfile(folder / f"{path.name}.toml"):
+        return f'did you mean "{path}.toml"?'
     near = nearest(path.name.removesuffix(".toml"), shipped)
-    meant = f'did you mean the shipped case "{near}"?   ' if near else ""
-    return f"{meant}(mpmcol cases lists the shipped cases)"
+    return f'did you mean the shipped case "{near}"?   {LIST}' if near else LIST
 
 
 def _find_parent(child: Source) -> tuple[str, Path]:
@@ -139,7 +144,7 @@ def _find_parent(child: Source) -> tuple[str, Path]:
     shipped = shipped_cases()
     if parent in shipped:
         return parent + ".toml", shipped[parent]
-    raise _extends_error(child, "no such case file", _suggestion(Path(parent), shipped))
+    raise _extends_error(child, "no such case file", _suggestion(Path(parent), beside.parent, shipped))
 
 
 def _extends_error(child: Source, message: str, hint: str = "") -> CaseError:

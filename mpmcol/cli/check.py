@@ -10,19 +10,23 @@ import click
 @click.option("--set", "overrides", multiple=True, metavar="KEY=VALUE", help="Replace a value, e.g. geometry.aspect=5.")
 @click.option("--resolved", is_flag=True, help="Print the case with all defaults filled in.")
 def check(case: str, overrides: tuple[str, ...], resolved: bool) -> None:
-    """Check CASE, a TOML file or a shipped case, and say what it is.
+    """Check CASE, a TOML file or a shipped case, and say what it is and what is rounded to fit the grid.
 
     All problems are named at once, with file, line and key; the exit code is then 2.
     """
     from mpmcol.case import case_hash, load_case, resolved_toml
+    from mpmcol.layout import make_layout
 
     loaded = load_case(case, overrides)
+    layout = make_layout(loaded)
     column = loaded.geometry
     click.echo(
         f"{case}: no problems. {loaded.title or 'Untitled'}: {column.model}, {loaded.material.law}, "
-        f"r_i = {column.r_i:g} m, h_i = {column.h_i:g} m, a = {column.a:g}, h = {loaded.grid.spacing:g} m, "
+        f"r_i = {column.r_i:g} m, h_i = {column.h_i:g} m, a = {column.a:g}, h = {layout.h:g} m, "
         f"{case_hash(loaded)}",
         err=resolved,
     )
+    for warning in layout.warnings:
+        click.echo(f"note: {warning}", err=resolved)
     if resolved:
         click.echo(resolved_toml(loaded), nl=False)

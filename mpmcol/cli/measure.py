@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import asdict, dataclass
 from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,10 +12,36 @@ import click
 
 if TYPE_CHECKING:
     from mpmcol.experiments import ProfileScore, Score
-    from mpmcol.measure import ColumnShape, Measurement
+    from mpmcol.measure import Array, ColumnShape, Measurement
     from mpmcol.results import Results
 
 EMPTY = "none"
+
+
+@dataclass(frozen=True)
+class State:
+    """What was measured: how the run ended, and which moment of it this is."""
+
+    status: str  # "done" | "failed" | "stopped" | "unfinished"
+    at_rest: bool  # whether the run ended with the column at rest
+    stage: str
+    time: float  # s since release
+    is_last: bool
+
+    @property
+    def is_deposit(self) -> bool:
+        """Whether this is the deposit that the collapse left, and not a moment on the way."""
+        return self.at_rest and self.is_last
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON and CSV."""
+        return {name: value for name, value in asdict(self).items() if name != "is_last"}
+
+    def lines(self) -> list[str]:
+        """Say it to a reader."""
+        ends = {"done": ", at rest" if self.at_rest else ", still moving", "unfinished": " (no result.json)"}
+        what = "the final deposit" if self.is_deposit else "not the final deposit"
+        return [f"status: {self.status}{ends.get(self.status, '')}", f"t = {self.time:.4g} s, {what}"]
 
 
 @click.command()
@@ -27,28 +54,59 @@ def measure(folder: Path, snapshot: int, form: str | None) -> None:
     from mpmcol.results import Results
 
     results = Results(folder)
-    measured, shape = results.measure(snapshot), results.shape
-    stop = _stop_time(results, snapshot)
+    measured, shape, state = results.measure(snapshot), results.shape, _state(results, snapshot)
+    stop = _stop_time(results) if state.is_deposit else None
     scores, profiles = _scores(measured, shape, stop)
     if form == "json":
-        click.echo(json.dumps(_record(measured, stop, scores, profiles)))
+        click.echo(json.dumps(state.as_dict() | _record(measured, stop, scores, profiles)))
     elif form == "csv":
-        click.echo(_csv(measured, stop, scores))
+        click.echo(_csv(state, measured, stop, scores))
     else:
-        click.echo("\n".join([*_deposit_lines(measured, shape, stop), "", *_score_lines(scores, profiles)]))
+        lines = [*state.lines(), *_deposit_lines(measured, shape, stop), "", _score_heading(state)]
+        click.echo("\n".join([*lines, *_score_lines(scores, profiles)]))
 
 
-def _stop_time(results: Results, snapshot: int) -> float | None:
-    """When the front came within a cell of its end, in sqrt(h_i / g); only for the last snapshot."""
+def _state(results: Results, snapshot: int) -> State:
+    from mpmcol.results import RESULT_FILE
+
+    ended = (results.folder / RESULT_FILE).exists()
+    summary = results.summary if ended else {"status": "unfinished"}
+    status, taken = str(summary.get("status")), results.snapshot(snapshot)
+    return State(
+        status=status,
+        at_rest=status == "done" and bool(summary.get("at_rest")),
+        stage=taken.stage,
+        time=taken.time,
+        is_last=snapshot in (-1, len(results.snapshots) - 1),
+    )
+
+
+def _stop_time(results: Results) -> float | None:
+    """When the front came within a cell of its end, in sqrt(h_i / g); None, with a note, without its history."""
     from mpmcol.measure import stop_time
+    from mpmcol.results import HISTORY_FILE
 
-    history, shape = results.history, results.shape
-    collapse = history["stage"] != "equilibrate"
-    if snapshot not in (-1, len(results.snapshots) - 1) or not collapse.any():
+    history = _collapse_history(results)
+    if history is None:
+        path = results.folder / HISTORY_FILE
+        wrong = "is damaged: rows or columns in it are missing or cut short" if path.exists() else "is missing"
+        click.echo(f"note: {path} {wrong}; the time at which the front stops is left out", err=True)
         return None
-    stop = stop_time(history["time"][collapse], history["front_height"][collapse], shape.spacing)
+    stop = stop_time(*history, results.shape.spacing)
     gravity: float = results.case.geometry.gravity
-    return None if stop is None else stop / (shape.h_i / gravity) ** 0.5
+    return None if stop is None else stop / (results.shape.h_i / gravity) ** 0.5
+
+
+def _collapse_history(results: Results) -> tuple[Array, Array] | None:
+    """Times (s) and front_height (m) since the release, or None if they cannot be read."""
+    from mpmcol.errors import OutputError
+
+    try:
+        history = results.history
+    except OutputError:
+        return None
+    collapse = history["stage"] != "equilibrate"
+    return (history["time"][collapse], history["front_height"][collapse]) if collapse.any() else None
 
 
 def _scores(measured: Measurement, shape: ColumnShape, stop: float | None) -> tuple[list[Score], list[ProfileScore]]:
@@ -80,9 +138,9 @@ def _record(
     }
 
 
-def _csv(measured: Measurement, stop: float | None, scores: list[Score]) -> str:
+def _csv(state: State, measured: Measurement, stop: float | None, scores: list[Score]) -> str:
     """Columns depend on the kind of column only, so that the rows of many runs can be put together."""
-    row: dict[str, Any] = {}
+    row: dict[str, Any] = state.as_dict() | {"at_rest": str(state.at_rest).lower()}
     for name, value in measured.scalars().items():
         row.update({f"{name}.{k}": v for k, v in value.items()} if isinstance(value, dict) else {name: value})
     row["stop_time"] = stop
@@ -90,8 +148,13 @@ def _csv(measured: Measurement, stop: float | None, scores: list[Score]) -> str:
         if score.quantity != "stop_time":
             words = ("error", score.experiment, score.quantity, score.front_definition)
             row[".".join(filter(None, words))] = score.error
-    values = ("" if value is None else f"{value:.6g}" for value in row.values())
-    return ",".join(row) + "\n" + ",".join(values)
+    return ",".join(row) + "\n" + ",".join(map(_cell, row.values()))
+
+
+def _cell(value: Any) -> str:
+    if isinstance(value, str):
+        return value
+    return "" if value is None else f"{value:.6g}"
 
 
 def _deposit_lines(measured: Measurement, shape: ColumnShape, stop: float | None) -> list[str]:
@@ -106,8 +169,13 @@ def _deposit_lines(measured: Measurement, shape: ColumnShape, stop: float | None
         f"{'height':<20} {1e3 * measured.height:9.1f} mm   beta {measured.beta:7.3f}",
         f"{'area factor':<20} {measured.area_factor:9.3f}",
         f"{'undisturbed radius':<20} " + (EMPTY if still is None else f"{1e3 * still:9.1f} mm"),
-        f"{'front stops at':<20} " + (EMPTY if stop is None else f"{stop:9.2f} sqrt(h_i/g)"),
+        *([] if stop is None else [f"{'front stops at':<20} {stop:9.2f} sqrt(h_i/g)"]),
     ]
+
+
+def _score_heading(state: State) -> str:
+    of = "error" if state.is_deposit else "this is no deposit at rest; its error"
+    return f"{of} against published laws (zeta: front_max / front_connected / front_height; * beyond scatter)"
 
 
 def _score_lines(scores: list[Score], profiles: list[ProfileScore]) -> list[str]:
@@ -115,7 +183,6 @@ def _score_lines(scores: list[Score], profiles: list[ProfileScore]) -> list[str]
     known = [row for row in rows if row[0].expected is not None]
     unknown = [row[0] for row in rows if row[0].expected is None]
     return [
-        "error against published laws (zeta: front_max / front_connected / front_height; * beyond scatter)",
         *(_law_line(row) for row in known),
         *(_shape_line(profile) for profile in profiles),
         *(f"{score.experiment:<24} {score.quantity:<10} {score.comment}" for score in unknown),

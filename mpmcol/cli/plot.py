@@ -21,13 +21,14 @@ def parse_times(context: click.Context, parameter: click.Parameter, text: str | 
     "--times",
     metavar="T1,T2,...",
     callback=parse_times,
-    help="Times of the profiles, s  [default: five, even]",
+    help="Times of the profiles, s; the last state is always drawn too  [default: five, even]",
 )
+@click.option("--out", metavar="DIR", type=click.Path(path_type=Path), help="Folder of the charts  [default: DIR].")
 @click.option("--svg", is_flag=True, help="Also write each chart as SVG.")
-def plot(folder: Path, times: tuple[float, ...] | None, svg: bool) -> None:
+def plot(folder: Path, times: tuple[float, ...] | None, out: Path | None, svg: bool) -> None:
     """Chart the results in DIR: profiles, front and height over time, energy ledger."""
     from mpmcol.chart import chart_run
     from mpmcol.results import Results
 
-    for path in chart_run(Results(folder), times, svg):
+    for path in chart_run(Results(folder), times, svg, out, lambda note: click.echo(note, err=True)):
         click.echo(path)

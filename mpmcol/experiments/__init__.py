@@ -41,6 +41,7 @@ __all__ = [
     "expected_runout",
     "find_experiment",
     "profile_score",
+    "profile_scores",
     "score",
 ]
 
@@ -105,6 +106,19 @@ def profile_score(profile_x: ArrayLike, profile_y: ArrayLike, experiment: Experi
     universal shape is scaled to the deposit's own length and height. None if the experiment has no surface.
     """
     return score_profile(profile_x, profile_y, experiment)
+
+
+def profile_scores(
+    profile_x: ArrayLike, profile_y: ArrayLike, model: str, r_i: float, h_i: float
+) -> list[ProfileScore]:
+    """A deposit profile against every digitised surface that fits the column (m), each once."""
+    once = {  # under the first name that has it
+        experiment.profiles: experiment
+        for experiment in reversed(EXPERIMENTS.values())
+        if experiment.model == model and experiment.fits(r_i, h_i)
+    }
+    found = [profile_score(profile_x, profile_y, experiment) for experiment in reversed(once.values())]
+    return [entry for entry in found if entry is not None]
 
 
 def expected_runout(model: str, a: float) -> float:
