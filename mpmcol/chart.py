@@ -212,7 +212,7 @@ def _chosen(taken: dict[int, float], times: Sequence[float] | None) -> list[int]
         if not np.abs(moments - time).min() <= spacing:
             raise UsageError(
                 f"no snapshot near t = {time:g} s: there are {len(index)} "
-                f"from {moments[0]:.4g} s to {moments[-1]:.4g} s, at most {spacing:.4g} s apart"
+                f"from {moments[0]:.4g} s to {moments[-1]:.4g} s, at most {spacing:.4g} s apart; choose a time among them"
             )
     nearest = {index[np.argmin(np.abs(moments - time))] for time in wanted}
     return sorted(nearest | {index[-1]})

@@ -225,6 +225,7 @@ def leaf_values(keys: Keys, prefix: str = "") -> dict[str, Any]:
 
 
 def case_hash(case: Case) -> str:
-    """Twelve hexadecimal digits that name what is simulated: everything in the case except its title."""
-    content = case.model_dump(mode="json", by_alias=True, exclude={"title"})
+    """Twelve hexadecimal digits that name what is simulated: neither title, output and score, nor how h_i was given."""
+    content = case.model_dump(mode="json", by_alias=True, exclude={"title", "output", "score"})
+    content["geometry"] |= {"aspect": None, "height": case.geometry.h_i}
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:12]

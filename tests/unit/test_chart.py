@@ -58,8 +58,12 @@ class SyntheticRun:
     def snapshots(self) -> list[Path]:
         return [self.folder / f"{i}.vtkhdf" for i in range(len(self.times))]
 
+    @property
+    def summary(self) -> dict[str, Any]:
+        return {"status": "done", "at_rest": True}
+
     def snapshot(self, i: int) -> SimpleNamespace:
-        return SimpleNamespace(time=self.times[i])
+        return SimpleNamespace(time=self.times[i], stage="collapse")
 
     def measure(self, i: int = -1) -> Measurement:
         return deposit(1.5 * self.times[i] / 0.3, self.shape)
@@ -99,7 +103,8 @@ def figures(monkeypatch: pytest.MonkeyPatch) -> list[Figure]:
 def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> SyntheticRun:
     synthetic = SyntheticRun(tmp_path)
     module = ModuleType("mpmcol.results")
-    module.Results = lambda folder: synthetic  # type: ignore[attr-defined]
+    module.__dict__.update(Results=lambda folder: synthetic, RESULT_FILE="result.json", HISTORY_FILE="history.csv")
+    (tmp_path / "result.json").touch()
     monkeypatch.setitem(sys.modules, "mpmcol.results", module)
     return synthetic
 
@@ -127,8 +132,29 @@ def test_profile_chart_has_equal_axes_and_the_fronts_where_they_are(tmp_path: Pa
         assert line(figures[0], 0, name)[0] == pytest.approx(1e3 * front)
     x, y = line(figures[0], 0, "$t$ = 0.3 s")
     drawn = np.isfinite(y)
+    assert (y[drawn] == 0.0).sum() == 1 and y[drawn][-1] == 0.0  # down to the floor at the front, and no farther
     assert np.trapezoid(y[drawn], x[drawn]) == pytest.approx(1e6 * 0.09 * 0.09, rel=0.02)
     assert max(axes.get_xlim()) > 1e3 * final.front["front_max"]
+
+
+def test_profile_comes_down_to_the_floor_on_both_sides_of_a_gap(tmp_path: Path, figures: list[Figure]) -> None:
+    gap = replace(deposit(0.5), profile_x=np.arange(8.0), profile_y=np.array([2.0, 1.0, 0, 0, 0, 0, 1.0, 0]))
+    chart.profile_chart(tmp_path / "p.png", SHAPE, [(0.3, gap)], EXPERIMENTS["paper-plane"])
+    assert line(figures[0], 0, "$t$")[1][1:] == pytest.approx([2e3, 1e3, 0, np.nan, np.nan, 0, 1e3, 0], nan_ok=True)
+
+
+@pytest.mark.parametrize(("at_rest", "name"), [(True, "deposit"), (False, "last state")])
+def test_only_the_last_profile_is_named(tmp_path: Path, figures: list[Figure], at_rest: bool, name: str) -> None:
+    deposits = [(0.1, deposit(0.5)), (0.3, deposit(1.5))]
+    chart.profile_chart(tmp_path / "p.png", SHAPE, deposits, EXPERIMENTS["paper-plane"], at_rest=at_rest)
+    labels = [text for entry in figures[0].axes[0].lines if (text := str(entry.get_label())).startswith("$t$")]
+    assert [text.partition("}$")[2] for text in labels] == ["", f", {name}"]
+
+
+def test_distances_of_a_two_sided_release_are_from_its_plane_of_symmetry(tmp_path: Path, figures: list[Figure]) -> None:
+    half = replace(SHAPE, release="two-sided")
+    chart.profile_chart(tmp_path / "p.png", half, [(0.3, deposit(1.5, half))], EXPERIMENTS["paper-plane"])
+    assert figures[0].axes[0].get_xlabel() == "distance from the plane of symmetry (mm)"
 
 
 def test_experiment_is_drawn_at_its_front_height_and_surface(tmp_path: Path, figures: list[Figure]) -> None:
@@ -186,12 +212,13 @@ def test_a_folder_that_is_gone_is_an_output_error(tmp_path: Path) -> None:
 
 
 def test_plot_command_prints_the_paths(run: SyntheticRun, figures: list[Figure]) -> None:
-    result = CliRunner().invoke(plot_command, [str(run.folder), "--times", "0.11,0.3", "--svg"])
+    result = CliRunner().invoke(plot_command, [str(run.folder), "--times", "0.11", "--svg"])
     paths = [Path(text) for text in result.output.split()]
     assert {path.suffix for path in paths} == {".png", ".svg"} and len(paths) == 6
     assert all(path.is_file() for path in paths)
     times = [label for entry in figures[0].axes[0].lines if (label := str(entry.get_label())).startswith("$t$")]
-    assert [label.split()[2] for label in times] == ["0.1", "0.3"]  # of the nearest snapshots
+    assert [label.split()[2] for label in times] == ["0.1", "0.3"]  # of the nearest snapshot, and the last
+    assert times[-1].endswith(", deposit") and not times[0].endswith(", deposit")
     assert CliRunner().invoke(plot_command, [str(run.folder), "--times", "soon"]).exit_code == 2
 
 

@@ -34,6 +34,36 @@ def test_check_of_a_good_case() -> None:
     assert "a = 5" in result.stdout and result.stderr == ""
 
 
+def test_check_fits_the_grid() -> None:
+    result = invoke("check", "quickstart", "--set", "grid.spacing=0.0031")
+    assert result.exit_code == 0
+    assert "h = 0.00310345 m" in result.stdout
+    assert "note: grid.spacing became 0.00310345 m" in result.stdout
+    resolved = invoke("check", "quickstart", "--set", "grid.spacing=0.0031", "--resolved")
+    assert "note: grid.spacing became" in resolved.stderr and "note:" not in resolved.stdout
+
+
+def test_check_refuses_a_domain_that_is_too_small_for_its_column() -> None:
+    radius = load_case("quickstart").geometry.r_i
+    result = invoke("check", "quickstart", "--set", f"geometry.domain_length={1.01 * radius}")
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert "too small for the column" in result.stderr
+
+
+def test_check_of_nothing() -> None:
+    result = invoke("check", "")
+    assert result.exit_code == 2
+    assert "expected the path of a case file or the name of a shipped case" in result.stderr
+
+
+def test_a_name_without_toml_is_completed() -> None:
+    Path("folder").mkdir()
+    Path("folder/mine.toml").write_text(invoke("init", "quickstart").stdout)
+    Path("folder/child.toml").write_text('extends = "mine"\n')
+    assert 'did you mean "mine.toml"?' in invoke("check", "folder/child.toml").stderr
+    assert 'did you mean "folder/mine.toml"?' in invoke("check", "folder/mine").stderr
+
+
 def test_check_of_a_bad_case_exits_with_2() -> None:
     Path("my.toml").write_text("[grid]\nspacng = 1\n")
     result = invoke("check", "my.toml")

@@ -47,7 +47,7 @@ def test_python(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.
     scope: dict = {}
     exec(code.replace('"grid.spacing=0.01"', '"grid.spacing=0.015", "stages.collapse.max_time_factor=0.5"'), scope)
     assert "front_max" in capsys.readouterr().out
-    assert scope["positions"].shape == (scope["results"].summary["points"], 2)
+    assert scope["positions"].shape == (scope["results"].summary["column_points"], 2)
 
 
 def test_case_file(tmp_path: Path) -> None:

@@ -2,20 +2,24 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from PIL import Image
 from PIL.ImageSequence import Iterator
 
+from mpmcol import picture
 from mpmcol import render as module
 from mpmcol.cli.render import render as command
 from mpmcol.errors import OutputError, UsageError
-from mpmcol.picture import canvas_size, frame
+from mpmcol.picture import View, canvas_size, frame
 from mpmcol.render import render
-from mpmcol.snapshot import Meta, Snapshot, list_snapshots, write_snapshot
+from mpmcol.snapshot import Meta, Snapshot, list_snapshots, read_snapshot, write_snapshot
 
 SIZE = (480, 270)
 STEPS = 4
@@ -172,8 +176,57 @@ def test_wrong_requests_are_named(folder: Path, tmp_path: Path, without_egl: Non
             render(folder, gif=False, snapshot=wrong)
     with pytest.raises(UsageError, match="ends in .png"):
         render(folder, gif=False, out=tmp_path / "a.jpg")
-    with pytest.raises(OutputError, match="a.png: cannot be written"):
+    with pytest.raises(OutputError, match=r"a.png: the folder .*gone does not exist; create it"):
         render(folder, gif=False, out=tmp_path / "gone" / "a.png")
+
+
+def drawn_lines(snapshots: Path, release: str = "one-sided") -> tuple[View, list[Line2D], Figure]:
+    """The view of the last snapshot, and what is drawn around its points."""
+    path = list_snapshots(snapshots)[-1]
+    view = frame([path], SIZE)
+    view = replace(view, meta=view.meta | {"release": release})
+    figures: list[Figure] = []
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(picture, "Figure", lambda **options: figures.append(Figure(**options)) or figures[0])
+        picture.compose(read_snapshot(path), view, None)
+    return view, list(figures[0].axes[0].lines), figures[0]
+
+
+def test_the_column_as_released_is_in_the_picture(folder: Path):
+    _, right, bottom, top = (view := drawn_lines(folder)[0]).extent
+    column = read_snapshot(list_snapshots(folder)[-1]).x[:, 1].max()
+    assert column < 0.06 < META["h_i"] < top  # though the deposit itself is lower
+    assert right > META["r_i"] and bottom < -0.0175 and view.meta["h_i"] == META["h_i"]
+
+
+def test_a_half_model_has_an_axis_of_symmetry_and_says_so(folder: Path):
+    styles = {}
+    for release in ("one-sided", "two-sided"):
+        _, lines, figure = drawn_lines(folder, release)
+        styles[release] = next(line.get_linestyle() for line in lines if set(line.get_xdata()) == {0})
+        assert ("half model by symmetry" in figure.texts[0].get_text()) == (release == "two-sided")
+    assert styles == {"one-sided": "-", "two-sided": "-."}
+
+
+def test_floor_is_a_line_where_there_is_no_base(folder: Path, tmp_path: Path):
+    last = read_snapshot(list_snapshots(folder)[-1])
+    column = {name: values[last.column] for name, values in last.arrays.items()}
+    write_snapshot(tmp_path, 0, Snapshot(0.3, 3, "rest", column), META)
+    floors = [
+        [line for line in drawn_lines(place)[1] if not np.any(line.get_ydata())] for place in (folder, tmp_path)
+    ]
+    assert [len(found) for found in floors] == [0, 1]
+    assert max(floors[1][0].get_xdata()) > last.x[last.column, 0].max()
+
+
+def test_base_ends_before_the_border_of_the_picture(folder: Path, tmp_path: Path, without_egl: None):
+    render(folder, gif=False, size=SIZE, out=tmp_path / "a.png")
+    image = pixels(tmp_path / "a.png")
+    below = image[np.nonzero(coloured(image))[0].max() + 10]
+    left, right, _, _ = frame(list_snapshots(folder)[-1:], SIZE).extent
+    end = SIZE[0] * (1 + left / 2 / (right - left))  # half of the left margin is free
+    assert end < SIZE[0] - 5
+    assert np.flatnonzero(below.mean(axis=1) < 220).max() == pytest.approx(end, abs=4)
 
 
 def test_snapshot_without_what_a_picture_needs(tmp_path: Path, without_egl: None):
