@@ -97,10 +97,7 @@ def compose(snapshot: Snapshot, view: View, painted: Path | None) -> Image.Image
         axes.imshow(np.asarray(Image.open(painted)), extent=view.extent, interpolation="auto")
     axes.set(xlim=view.extent[:2], ylim=view.extent[2:], aspect="auto")
     _add_surroundings(axes, view)
-    if snapshot.column.all():
-        axes.plot([0, _right_end(view)], [0, 0], **EDGE)
-    else:
-        _tear_base(axes, view)
+    _add_floor(axes, view, has_base=not snapshot.column.all())
     _add_text(figure, snapshot, view)
     _add_scale_bar(figure, view)
     _add_color_bar(figure, view)
@@ -125,17 +122,16 @@ def _add_surroundings(axes: Axes, view: View) -> None:
     axes.plot([0, 0], [0, 2 * h_i], linestyle="dashdot" if symmetric else "solid", **EDGE)
 
 
-def _tear_base(axes: Axes, view: View) -> None:
-    """End the base in a torn edge where it goes on beyond the picture."""
+def _add_floor(axes: Axes, view: View, has_base: bool) -> None:
+    """A line where there is no base; a base, which goes on beyond the picture, gets a torn edge."""
     left, right, bottom, _ = view.extent
+    end = right + left / 2  # beyond the material by half of the margin that is left of the wall
+    if not has_base:
+        axes.plot([0, end], [0, 0], **EDGE)
+        return
     y = np.linspace(bottom, float(view.meta["point_size"]), 16)
     zigzag = 0.003 * (right - left) * np.where(np.arange(16) % 2, 1, -1)
-    axes.fill_betweenx(y, _right_end(view) + zigzag, right, color="white", linewidth=0)
-
-
-def _right_end(view: View) -> float:
-    """Where floor and base end (m): beyond the material by half of the margin that is left of the wall."""
-    return view.extent[1] + view.extent[0] / 2
+    axes.fill_betweenx(y, end + zigzag, right, color="white", linewidth=0)
 
 
 def _is_half(view: View) -> bool:

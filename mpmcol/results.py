@@ -64,6 +64,16 @@ class Results:
             raise OutputError(f"{path} does not hold a result; run the case again with --fresh")
         return content
 
+    @property
+    def status(self) -> str:
+        """How the run ended: "done", "failed", "stopped", or "unfinished" where it did not."""
+        return str(self.summary.get("status")) if (self.folder / RESULT_FILE).exists() else "unfinished"
+
+    @property
+    def came_to_rest(self) -> bool:
+        """Whether the last state is a deposit at rest."""
+        return self.status == "done" and bool(self.summary.get("at_rest"))
+
     @cached_property
     def history(self) -> dict[str, np.ndarray]:
         """Columns of history.csv; all but `stage` as numbers."""
@@ -74,8 +84,8 @@ class Results:
             return {
                 name: np.array([row[name] if name == "stage" else float(row[name]) for row in rows]) for name in HISTORY
             }
-        except (OSError, KeyError, TypeError, ValueError) as error:
-            raise OutputError(f"{path} cannot be read ({error}); run the case again with --fresh") from None
+        except (OSError, KeyError, TypeError, ValueError, csv.Error):
+            raise OutputError(f"{path} is missing or damaged; run the case again with --fresh") from None
 
     @property
     def snapshots(self) -> list[Path]:

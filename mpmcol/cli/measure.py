@@ -67,14 +67,10 @@ def measure(folder: Path, snapshot: int, form: str | None) -> None:
 
 
 def _state(results: Results, snapshot: int) -> State:
-    from mpmcol.results import RESULT_FILE
-
-    ended = (results.folder / RESULT_FILE).exists()
-    summary = results.summary if ended else {"status": "unfinished"}
-    status, taken = str(summary.get("status")), results.snapshot(snapshot)
+    taken = results.snapshot(snapshot)
     return State(
-        status=status,
-        at_rest=status == "done" and bool(summary.get("at_rest")),
+        status=results.status,
+        at_rest=results.came_to_rest,
         stage=taken.stage,
         time=taken.time,
         is_last=snapshot in (-1, len(results.snapshots) - 1),
@@ -110,20 +106,11 @@ def _collapse_history(results: Results) -> tuple[Array, Array] | None:
 
 
 def _scores(measured: Measurement, shape: ColumnShape, stop: float | None) -> tuple[list[Score], list[ProfileScore]]:
-    from mpmcol.experiments import EXPERIMENTS, profile_score, score
+    from mpmcol.experiments import profile_scores, score
 
     values: dict[str, Any] = {"zeta": measured.zeta, "beta": measured.beta}
     scores = score(values if stop is None else {**values, "stop_time": stop}, shape.a, shape.model)
-    with_profiles = {  # once each, under the first name that has them
-        experiment.profiles: experiment
-        for experiment in reversed(EXPERIMENTS.values())
-        if experiment.model == shape.model and experiment.fits(shape.r_i, shape.h_i)
-    }
-    profiles = [
-        profile_score(measured.profile_x, measured.profile_y, experiment)
-        for experiment in reversed(with_profiles.values())
-    ]
-    return scores, [profile for profile in profiles if profile is not None]
+    return scores, profile_scores(measured.profile_x, measured.profile_y, shape.model, shape.r_i, shape.h_i)
 
 
 def _record(

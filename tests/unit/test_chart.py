@@ -5,10 +5,9 @@ from __future__ import annotations
 import csv
 import io
 import json
-import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
-from types import ModuleType, SimpleNamespace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -16,12 +15,13 @@ import pytest
 from click.testing import CliRunner
 from matplotlib.figure import Figure
 
-from mpmcol import chart
+from mpmcol import chart, results, run_charts
 from mpmcol.cli.measure import measure as measure_command
 from mpmcol.cli.plot import plot as plot_command
 from mpmcol.errors import OutputError, UsageError
 from mpmcol.experiments import EXPERIMENTS
 from mpmcol.measure import ColumnShape, Measurement, measure
+from mpmcol.results import Results
 
 SHAPE = ColumnShape("plane", "one-sided", r_i=0.09, h_i=0.09, spacing=0.002, density=2650.0, point_size=0.001)
 PNG = b"\x89PNG\r\n\x1a\n"
@@ -39,8 +39,8 @@ def deposit(spread: float, shape: ColumnShape = SHAPE) -> Measurement:
 
 
 @dataclass
-class SyntheticRun:
-    """As much of `mpmcol.results.Results` as the charts and the measurement need."""
+class SyntheticRun(Results):
+    """A run at rest that was never simulated."""
 
     folder: Path
     shape: ColumnShape = SHAPE
@@ -102,10 +102,8 @@ def figures(monkeypatch: pytest.MonkeyPatch) -> list[Figure]:
 @pytest.fixture
 def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> SyntheticRun:
     synthetic = SyntheticRun(tmp_path)
-    module = ModuleType("mpmcol.results")
-    module.__dict__.update(Results=lambda folder: synthetic, RESULT_FILE="result.json", HISTORY_FILE="history.csv")
     (tmp_path / "result.json").touch()
-    monkeypatch.setitem(sys.modules, "mpmcol.results", module)
+    monkeypatch.setattr(results, "Results", lambda folder: synthetic)
     return synthetic
 
 
@@ -115,7 +113,7 @@ def line(figure: Figure, panel: int, label: str) -> tuple[np.ndarray, np.ndarray
 
 
 def test_a_run_gives_three_charts_with_units_on_every_axis(run: SyntheticRun, figures: list[Figure]) -> None:
-    paths = chart.chart_run(run)  # type: ignore[arg-type]
+    paths = run_charts.chart_run(run)  # type: ignore[arg-type]
     assert [path.name for path in paths] == ["profile.png", "front.png", "energy.png"]
     assert all(path.read_bytes().startswith(PNG) for path in paths)
     labels = [axes.get_ylabel() for figure in figures for axes in figure.axes]
@@ -179,7 +177,7 @@ def test_no_experiment_marks_in_a_gap_and_no_rods_on_another_column(tmp_path: Pa
 
 
 def test_front_chart_is_normalised(run: SyntheticRun, figures: list[Figure]) -> None:
-    chart.chart_run(run)  # type: ignore[arg-type]
+    run_charts.chart_run(run)  # type: ignore[arg-type]
     tau, zeta = line(figures[1], 0, "front_height")
     assert tau[0] == pytest.approx(0.0, abs=1e-9)
     assert tau[-1] == pytest.approx(0.4 / np.sqrt(0.09 / 9.81))
@@ -189,7 +187,7 @@ def test_front_chart_is_normalised(run: SyntheticRun, figures: list[Figure]) -> 
 
 
 def test_energy_chart_is_in_per_cent_since_release(run: SyntheticRun, figures: list[Figure]) -> None:
-    chart.chart_run(run)  # type: ignore[arg-type]
+    run_charts.chart_run(run)  # type: ignore[arg-type]
     assert line(figures[2], 0, "potential, released")[1][[0, -1]] == pytest.approx([0.0, 60.0])
     assert line(figures[2], 0, "damping")[1][-1] == pytest.approx(10.0)
     assert figures[2].axes[1].lines[0].get_ydata()[-1] == pytest.approx(0.2)  # type: ignore[index]
@@ -203,7 +201,7 @@ def test_lines_differ_without_colour() -> None:
 def test_a_run_that_never_released_its_column_is_refused(run: SyntheticRun, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(SyntheticRun, "history", {"stage": np.array(["equilibrate"]), "time": np.array([0.1])})
     with pytest.raises(UsageError, match="before the column was released"):
-        chart.chart_run(run)  # type: ignore[arg-type]
+        run_charts.chart_run(run)  # type: ignore[arg-type]
 
 
 def test_a_folder_that_is_gone_is_an_output_error(tmp_path: Path) -> None:

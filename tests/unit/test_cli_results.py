@@ -158,9 +158,7 @@ def test_plot_needs_one_snapshot(folder: Path):
 
 
 @pytest.mark.parametrize(("result", "text"), ENDINGS)
-def test_only_a_column_at_rest_is_called_the_deposit(
-    folder: Path, profiles: Profiles, result: dict | None, text: str
-):
+def test_only_a_column_at_rest_is_called_the_deposit(folder: Path, profiles: Profiles, result: dict | None, text: str):
     end(folder, result)
     assert invoke("plot", folder, "--times", "0.1").exit_code == 0
     assert profiles == [(0.3, text == "done, at rest")]  # the last state too, though it was not asked for

@@ -212,9 +212,7 @@ def test_floor_is_a_line_where_there_is_no_base(folder: Path, tmp_path: Path):
     last = read_snapshot(list_snapshots(folder)[-1])
     column = {name: values[last.column] for name, values in last.arrays.items()}
     write_snapshot(tmp_path, 0, Snapshot(0.3, 3, "rest", column), META)
-    floors = [
-        [line for line in drawn_lines(place)[1] if not np.any(line.get_ydata())] for place in (folder, tmp_path)
-    ]
+    floors = [[line for line in drawn_lines(place)[1] if not np.any(line.get_ydata())] for place in (folder, tmp_path)]
     assert [len(found) for found in floors] == [0, 1]
     assert max(floors[1][0].get_xdata()) > last.x[last.column, 0].max()
 
