@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
-from mpmcol import chart
+from mpmcol import run_charts
 from mpmcol.case import Case, load_case, resolved_toml
 from mpmcol.cli import main
 from mpmcol.results import HISTORY, write_history, write_result
@@ -62,13 +62,13 @@ def folder(tmp_path: Path) -> Path:
 def profiles(monkeypatch: pytest.MonkeyPatch) -> Profiles:
     """What `plot` hands to the chart of the profiles: the time of the last one, and whether it is at rest."""
     drawn: Profiles = []
-    draw: Callable[..., list[Path]] = chart.profile_chart
+    draw: Callable[..., list[Path]] = run_charts.profile_chart
 
     def spy(path: Path, shape: object, deposits: list, *rest: object) -> list[Path]:
         drawn.append((deposits[-1][0], bool(rest[-1])))
         return draw(path, shape, deposits, *rest)
 
-    monkeypatch.setattr(chart, "profile_chart", spy)
+    monkeypatch.setattr(run_charts, "profile_chart", spy)
     return drawn
 
 
