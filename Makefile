@@ -33,6 +33,6 @@ bench: $(READY)  ## time per point and step of every kernel
 	$(BIN)/mpmcol bench
 
 clean:           ## remove what was made here
-	rm -rf $(VENV) runs build dist .pytest_cache .mypy_cache .ruff_cache .import_linter_cache
+	rm -rf $(VENV) runs/demo build dist .pytest_cache .mypy_cache .ruff_cache .import_linter_cache
 
 .PHONY: help install demo test test-all check bench clean
