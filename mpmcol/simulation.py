@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from math import log
 from pathlib import Path
 from typing import Any
 
@@ -66,7 +67,9 @@ class Run:
                 unbalanced = solver.ledger[cycle.L_UNBALANCED]
                 calm = calm + 1 if unbalanced < words.tolerance else 0
                 self.recorder.record("equilibrate")
-                self.progress("equilibrate", solver.time / limit)
+                calmed = log(max(unbalanced, words.tolerance)) / log(words.tolerance)  # residuals fall exponentially
+                self.progress("equilibrate", max(calmed, solver.time / limit))
+        self.progress("equilibrate", 1.0)
         self._say_stage("equilibrate", f"unbalanced force {unbalanced:.1e} of the weight")
         if calm < CALM_CHECKS:
             self._warn(
@@ -107,6 +110,7 @@ class Run:
                     self.recorder.record("collapse")
                     self.progress("collapse", solver.time / limit)
                     self.at_rest = solver.time > lifting + self.tau and self._is_quiet()
+        self.progress("collapse", 1.0)
         how = "at rest" if self.at_rest else "ended"
         self._say_stage("collapse", f"{how} after {solver.time / self.tau:.2f} sqrt(h_i/g)")
         if snapshots and self.case.output.times is not None:
