@@ -93,7 +93,7 @@ def make_layout(case: Case) -> Layout:
             "are material.youngs_modulus and material.density in Pa and kg/m3?"
         )
     length, height = _domain(case, h)
-    layout = Layout(
+    return Layout(
         h=h,
         r_i=geometry.r_i,
         h_i=geometry.h_i,
@@ -104,11 +104,9 @@ def make_layout(case: Case) -> Layout:
         rows=max(round(geometry.h_i / h * per_axis), 1),
         warnings=tuple(warnings),
     )
-    _refuse_if_too_large(layout)
-    return layout
 
 
-def _refuse_if_too_large(layout: Layout) -> None:
+def refuse_if_too_large(layout: Layout) -> None:
     """Raise UsageError if the arrays cannot fit into the memory of this machine."""
     memory = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
     if layout.memory_bytes > memory:

@@ -10,7 +10,7 @@ import numpy as np
 from mpmcol.case import Case
 from mpmcol.geometries import GEOMETRIES
 from mpmcol.laws import LAWS, elastic
-from mpmcol.layout import Layout, make_layout
+from mpmcol.layout import Layout, make_layout, refuse_if_too_large
 from mpmcol.solver import Body
 from mpmcol.state import BASE, Grid, Points, Settings, allocate_grid, node_coordinates, set_fixed
 
@@ -51,8 +51,9 @@ class Scene:
 
 
 def build_scene(case: Case) -> Scene:
-    """Allocate and fill all arrays of a case; the gate is closed."""
+    """Allocate and fill all arrays of a case; the gate is closed. Raises UsageError if they cannot fit."""
     layout = make_layout(case)
+    refuse_if_too_large(layout)
     grid = allocate_grid((0.0, -layout.base), layout.h, (layout.cells_x, layout.cells_y))
     close_walls(grid, layout, gate_opening=0.0)
     points = fill(case, layout)

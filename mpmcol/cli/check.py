@@ -15,10 +15,11 @@ def check(case: str, overrides: tuple[str, ...], resolved: bool) -> None:
     All problems are named at once, with file, line and key; the exit code is then 2.
     """
     from mpmcol.case import case_hash, load_case, resolved_toml
-    from mpmcol.layout import make_layout
+    from mpmcol.layout import make_layout, refuse_if_too_large
 
     loaded = load_case(case, overrides)
     layout = make_layout(loaded)
+    refuse_if_too_large(layout)
     column = loaded.geometry
     click.echo(
         f"{case}: no problems. {loaded.title or 'Untitled'}: {column.model}, {loaded.material.law}, "

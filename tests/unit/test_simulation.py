@@ -232,5 +232,7 @@ def test_two_sided_release_is_the_half_model(tmp_path: Path) -> None:
 def test_wrong_units_are_noticed(tmp_path: Path) -> None:
     result = invoke("run", "quickstart", *tiny("geometry.radius=90"), "--out", str(tmp_path / "a"))
     assert result.exit_code == 2 and "in mm instead of m?" in result.output
+    checked = invoke("check", "quickstart", "--set", "geometry.radius=90")
+    assert checked.exit_code == 2 and "in mm instead of m?" in checked.output
     soft = invoke("run", "quickstart", *tiny("material.youngs_modulus=1e5"), "--out", str(tmp_path / "b"))
     assert "shorten by about 2.3% under its own weight" in soft.output

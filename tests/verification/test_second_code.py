@@ -1,7 +1,7 @@
 """Runout against figures that a second, independent scalar code gave for the same columns.
 
-Single grains decide `front_max`; its standard deviation over runs that differ in round-off is 1.5 to 3 %
-(`scripts/front_scatter.py`), of both codes. The band is three times that of the difference at 2.5 %.
+Single grains decide `front_max`; its standard deviation over runs that differ in round-off is 2.5 to 4 %
+(`scripts/front_scatter.py`), of either code. The band is about twice that of the difference of two runs.
 """
 
 from __future__ import annotations
