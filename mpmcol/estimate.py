@@ -6,10 +6,10 @@ import time
 from dataclasses import dataclass
 
 from mpmcol.case import Case
+from mpmcol.grid import NODE
 from mpmcol.jit import set_threads
 from mpmcol.scene import build_scene
 from mpmcol.solver import Solver
-from mpmcol.state import TILE_NODES
 
 USUAL_TRANSITS = 10.0  # of a wave up and down, until a column rests under gravity
 USUAL_TAU = 5.0  # until a collapse rests
@@ -47,7 +47,7 @@ def estimate(case: Case, threads: int | None = None) -> Estimate:
     compiled = time.perf_counter() - started
     dt, points = solver.dt, len(scene.points)
     pace = _seconds_per_step(solver)
-    nodes = len(solver.tiles.active) * TILE_NODES if solver.tiles else 0
+    nodes = len(solver.tiles.active) * scene.grid.tile_doubles // NODE if solver.tiles else 0
 
     tau = scene.layout.fall_time(case.geometry.gravity)
     transit = scene.layout.wave_time(stage.column.wave_speed2)

@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from mpmcol.kernels.cycle_2d import EDGE_CELLS, J_MAX, J_MIN
+from mpmcol.kernels.cycle import column_box
+from mpmcol.kernels.stress import J_MAX, J_MIN
 from mpmcol.solver import Solver
 
 TIME_STEP = "lower time.cfl (0.5 is the default, about 0.7 the limit), or refine grid.spacing"
@@ -32,7 +33,7 @@ def diagnose(solver: Solver, row: int, stage: str) -> dict[str, Any]:
 
 def _cause(solver: Solver, x: np.ndarray, v: np.ndarray, J: float, c2: float) -> tuple[str, float, str]:
     """Cause, the number that shows it, and what to do, most telling first."""
-    speed, grid = float(np.hypot(*v)), solver.grid
+    speed, grid = float(np.linalg.norm(v)), solver.grid
     if not np.isfinite([*x, speed, J]).all():
         return "a number became not finite (NaN)", speed, TIME_STEP
     if not J_MIN <= J <= J_MAX:
@@ -41,18 +42,20 @@ def _cause(solver: Solver, x: np.ndarray, v: np.ndarray, J: float, c2: float) ->
     if speed**2 > c2 * J:
         cause = f"the point is faster than waves in its material ({np.sqrt(c2 * J):.3g} m/s)"
         return cause, speed, TIME_STEP + "; if that is slow for the material, check its stiffness and density"
-    if x[0] >= grid.origin_x + (grid.n_x - 1 - EDGE_CELLS) * grid.h:
-        return "material reached the end of the domain", float(x[0]), "set a larger geometry.domain_length"
-    return "material reached the top of the domain", float(x[1]), "set a larger geometry.domain_height"
+    if x[1] >= column_box(grid, solver.settings).y_high:
+        return "material reached the top of the domain", float(x[1]), "set a larger geometry.domain_height"
+    horizontal = np.delete(x, 1)
+    farthest = float(horizontal[np.argmax(np.abs(horizontal))])
+    return "material reached the end of the domain", farthest, "set a larger geometry.domain_length"
 
 
 def message(failure: dict[str, Any]) -> str:
     """The failure as a person reads it."""
-    x, y = failure["position"]
+    place = ", ".join(f"{axis} = {x:.5g} m" for axis, x in zip("xyz", failure["position"], strict=False))
     return (
         f"the run stopped: {failure['cause']} (value {failure['value']:.4g})\n"
         f"  where: stage {failure['stage']}, step {failure['step']}, t = {failure['time']:.6g} s, "
-        f"point {failure['point']} at x = {x:.5g} m, y = {y:.5g} m\n"
+        f"point {failure['point']} at {place}\n"
         f"  remedy: {failure['remedy']}\n"
         "  everything written up to here is readable, the last state as the last snapshot"
     )

@@ -5,20 +5,24 @@ from __future__ import annotations
 import math
 import os
 from dataclasses import dataclass
-from math import ceil, isqrt
+from math import ceil
+
+import numpy as np
 
 from mpmcol.case import Case
 from mpmcol.errors import UsageError
 from mpmcol.experiments import expected_runout
+from mpmcol.geometries import GEOMETRIES
 from mpmcol.measure import ColumnShape
 
+LAWS_OF = {"cylinder": "axisymmetric", "box": "plane"}  # model whose experiments say how far a column may run
 RUNOUT_MARGIN = 0.5  # r_i beyond the farthest-running experiment
 EMPTY_FACTOR = 2.0  # on the runout over a rigid base, where the empty part of the domain costs nothing
 HEADROOM_CELLS = 6
 END_CELLS = 3  # kept free before the open ends, where material stops the run
 SOFT = 0.01  # weight over stiffness from which on a unit is probably wrong
-BYTES_PER_POINT = 450  # two copies of its record, sorting, and its share of touched nodes
-BYTES_PER_NODE = 50  # masks, and the coordinates from which they are made
+BYTES_PER_POINT = {2: 240, 3: 390}  # its record, sorting, and its share of touched nodes
+BYTES_PER_NODE = 5  # masks, and what they are made from
 ROUNDING_WORTH_A_WARNING = 1e-9
 
 
@@ -26,20 +30,40 @@ ROUNDING_WORTH_A_WARNING = 1e-9
 class Layout:
     """Lengths in m; the column stands on y = 0 and the grid starts at -base."""
 
+    shape: str  # name of the geometry
+    is_full: bool  # whether x and z begin at -length instead of a wall, axis or plane of symmetry
     h: float
     r_i: float
     h_i: float
+    depth: float  # half-depth of a box, r_i otherwise
     base: float  # thickness of the base, 0 for a rigid floor
-    cells_x: int
-    cells_y: int
+    cells_along: int  # from the wall or axis to the end of the domain
+    cells_up: int
     points_per_axis: int
     rows: int  # of points over the height of the column
     warnings: tuple[str, ...]
 
     @property
+    def dimension(self) -> int:
+        """2 or 3."""
+        return int(GEOMETRIES[self.shape].DIMENSION)
+
+    @property
     def length(self) -> float:
-        """Length of the domain, m."""
-        return self.cells_x * self.h
+        """Length of the domain from the wall or axis, m."""
+        return self.cells_along * self.h
+
+    @property
+    def cells(self) -> tuple[int, ...]:
+        """Cells of the grid along x, y and, in three dimensions, z."""
+        across = self.cells_along * (2 if self.is_full else 1)
+        return (across, self.cells_up, across)[: self.dimension]
+
+    @property
+    def origin(self) -> tuple[float, ...]:
+        """Where the grid begins, m."""
+        side = -self.length if self.is_full else 0.0
+        return (side, -self.base, side)[: self.dimension]
 
     def fall_time(self, gravity: float) -> float:
         """tau = sqrt(h_i / g), s."""
@@ -49,16 +73,31 @@ class Layout:
         """Time that a wave takes twice up and down through column and base, s."""
         return 4.0 * (self.h_i + self.base) / math.sqrt(wave_speed2)
 
+    def section(self, length: float) -> np.ndarray:
+        """Horizontal positions (n, d - 1) of a lattice of points as long as `length` from wall or axis, m."""
+        count = round(length / self.point_size)
+        axis = self.point_size * (np.arange(-count if self.is_full else 0, count) + 0.5)
+        return np.stack(np.meshgrid(*[axis] * (self.dimension - 1), indexing="ij"), axis=-1).reshape(
+            -1, self.dimension - 1
+        )
+
+    def column_section(self) -> np.ndarray:
+        """Horizontal positions (n, d - 1) of the column's points, m."""
+        places = self.section(max(self.r_i, self.depth))
+        gate = GEOMETRIES[self.shape].gate(tuple(places.T), self.r_i, self.depth)
+        return places[~np.logical_or.reduce(gate)]
+
     @property
-    def points(self) -> int:
-        """Number of material points of column and base."""
-        along, below = round(self.length / self.point_size), round(self.base / self.point_size)
-        return round(self.r_i / self.point_size) * self.rows + along * below
+    def most_points(self) -> int:
+        """Number of material points of column and base, as if a round column filled the square around it."""
+        along, widest, below = (round(x / self.point_size) for x in (self.length, max(self.r_i, self.depth), self.base))
+        sides = 2 if self.is_full else 1
+        return (sides * widest) ** (self.dimension - 1) * self.rows + (sides * along) ** (self.dimension - 1) * below
 
     @property
     def memory_bytes(self) -> int:
         """Memory that the arrays take, bytes; of the grid's nodes only those near material are ever touched."""
-        return self.points * BYTES_PER_POINT + self.cells_x * self.cells_y * BYTES_PER_NODE
+        return self.most_points * BYTES_PER_POINT[self.dimension] + math.prod(self.cells) * BYTES_PER_NODE
 
     @property
     def point_size(self) -> float:
@@ -67,7 +106,7 @@ class Layout:
 
 
 def make_layout(case: Case) -> Layout:
-    """Fit the grid to the column: the spacing so that the radius is whole cells, the base to whole cells.
+    """Fit the grid to the column: the spacing so that the radius is whole cells, base and depth to whole cells.
 
     The height needs no whole cells: its points are spread evenly. Raises UsageError if the domain is too small.
     """
@@ -79,13 +118,8 @@ def make_layout(case: Case) -> Layout:
             f"grid.spacing became {h:.6g} m ({h / case.grid.spacing - 1.0:+.2%}) "
             f"so that the radius of {geometry.r_i:g} m is {columns} whole cells"
         )
-    layers = 0 if geometry.base == "rigid" else max(round(geometry.base_thickness / h), 1)
-    if layers and abs(layers * h / geometry.base_thickness - 1.0) > 1e-6:
-        warnings.append(
-            f"geometry.base_thickness became {layers * h:.6g} m ({layers * h / geometry.base_thickness - 1.0:+.2%}), "
-            f"{layers} whole cells"
-        )
-    per_axis = isqrt(case.grid.points_per_cell)
+    base = 0.0 if geometry.base == "rigid" else _whole_cells("base_thickness", geometry.base_thickness, h, warnings)
+    depth = geometry.r_i if geometry.depth is None else _whole_cells("depth", geometry.depth, h, warnings)
     shortening = case.material.density * geometry.gravity * geometry.h_i / case.material.youngs_modulus
     if shortening > SOFT:
         warnings.append(
@@ -93,17 +127,31 @@ def make_layout(case: Case) -> Layout:
             "are material.youngs_modulus and material.density in Pa and kg/m3?"
         )
     length, height = _domain(case, h)
+    per_axis = round(case.grid.points_per_cell ** (1.0 / geometry.dimension))
     return Layout(
+        shape=geometry.shape,
+        is_full=geometry.model == "full",
         h=h,
         r_i=geometry.r_i,
         h_i=geometry.h_i,
-        base=layers * h,
-        cells_x=ceil(length / h - 1e-9),
-        cells_y=layers + ceil(height / h - 1e-9),
+        depth=depth,
+        base=base,
+        cells_along=ceil(length / h - 1e-9),
+        cells_up=round(base / h) + ceil(height / h - 1e-9),
         points_per_axis=per_axis,
         rows=max(round(geometry.h_i / h * per_axis), 1),
         warnings=tuple(warnings),
     )
+
+
+def _whole_cells(key: str, asked: float, h: float, warnings: list[str]) -> float:
+    """A length rounded to cells, m, with a warning that says by how much."""
+    cells = max(round(asked / h), 1)
+    if abs(cells * h / asked - 1.0) > 1e-6:
+        warnings.append(
+            f"geometry.{key} became {cells * h:.6g} m ({cells * h / asked - 1.0:+.2%}), {cells} whole cells"
+        )
+    return cells * h
 
 
 def refuse_if_too_large(layout: Layout) -> None:
@@ -111,7 +159,7 @@ def refuse_if_too_large(layout: Layout) -> None:
     memory = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
     if layout.memory_bytes > memory:
         raise UsageError(
-            f"{layout.points:,} points and {layout.cells_x:,} x {layout.cells_y:,} cells need "
+            f"{layout.most_points:,} points and {' x '.join(f'{n:,}' for n in layout.cells)} cells need "
             f"{layout.memory_bytes / 1e9:,.0f} GB, this machine has {memory / 1e9:,.0f} GB; "
             "make grid.spacing larger, or is a length in mm instead of m?"
         )
@@ -120,11 +168,13 @@ def refuse_if_too_large(layout: Layout) -> None:
 def _domain(case: Case, h: float) -> tuple[float, float]:
     """Length and height of the domain above the base, m: as asked for, or from the expected runout."""
     geometry = case.geometry
-    runout = expected_runout(geometry.model, geometry.a) * (EMPTY_FACTOR if geometry.base == "rigid" else 1.0)
-    length = geometry.domain_length or geometry.r_i * (1.0 + runout + RUNOUT_MARGIN) + END_CELLS * h
+    runout = expected_runout(LAWS_OF.get(geometry.shape, geometry.shape), geometry.a)
+    runout *= EMPTY_FACTOR if geometry.base == "rigid" else 1.0
+    widest = max(geometry.r_i, geometry.depth or 0.0)
+    length = geometry.domain_length or widest + geometry.r_i * (runout + RUNOUT_MARGIN) + END_CELLS * h
     height = geometry.domain_height or geometry.h_i + HEADROOM_CELLS * h
     for key, given, least in (
-        ("domain_length", length, geometry.r_i + (END_CELLS + 1) * h),
+        ("domain_length", length, widest + (END_CELLS + 1) * h),
         ("domain_height", height, geometry.h_i + (END_CELLS + 1) * h),
     ):
         if given < least:

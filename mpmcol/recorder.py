@@ -12,7 +12,7 @@ import numpy as np
 from mpmcol import __version__
 from mpmcol.case import Case, resolved_toml
 from mpmcol.files import atomic_write, make_folder
-from mpmcol.kernels import cycle_2d as cycle
+from mpmcol.kernels import cycle
 from mpmcol.laws import LAWS
 from mpmcol.layout import column_shape
 from mpmcol.measure import Measurement, measure
@@ -125,13 +125,13 @@ def describe(scene: Scene) -> dict[str, float]:
     return {
         "column_points": scene.column_points, "spacing_used": layout.h, "r_i": layout.r_i, "h_i": layout.h_i,
         "base_used": layout.base, "domain_length": layout.length,
-        "domain_height": layout.cells_y * layout.h - layout.base,
+        "domain_height": layout.cells_up * layout.h - layout.base,
     }  # fmt: skip
 
 
 def positions_by_id(points: Points) -> np.ndarray:
-    """Positions (n, 2) in order of point id."""
-    out = np.empty((len(points), 2))
+    """Positions (n, d) in order of point id."""
+    out = np.empty_like(points.x)
     out[points.id] = points.x
     return out
 
@@ -150,9 +150,9 @@ def take_snapshot(case: Case, solver: Solver, stage: str, released: np.ndarray) 
     return Snapshot(solver.time, solver.steps, stage, arrays)
 
 
-def _in_space(plane: np.ndarray) -> np.ndarray:
-    """(n, 2) to (n, 3)."""
-    return np.column_stack([plane, np.zeros(len(plane))])
+def _in_space(values: np.ndarray) -> np.ndarray:
+    """(n, d) to (n, 3)."""
+    return np.pad(values, ((0, 0), (0, 3 - values.shape[1])))
 
 
 def _energies(case: Case, points: Points) -> dict[str, float]:

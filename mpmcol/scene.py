@@ -9,10 +9,11 @@ import numpy as np
 
 from mpmcol.case import Case
 from mpmcol.geometries import GEOMETRIES
+from mpmcol.grid import Grid, allocate_grid, node_coordinates, set_fixed
 from mpmcol.laws import LAWS, elastic
 from mpmcol.layout import Layout, make_layout, refuse_if_too_large
 from mpmcol.solver import Body
-from mpmcol.state import BASE, Grid, Points, Settings, allocate_grid, node_coordinates, set_fixed
+from mpmcol.state import BASE, Points, Settings
 
 TRANSFERS = {"taylor-flip": (1.0, 1.0), "flip": (0.0, 1.0), "pic": (0.0, 0.0)}  # Taylor term, share of FLIP
 POSITION_FACTORS = {"trapezoid": 0.5, "paper": 1.0, "end": 0.0}
@@ -54,7 +55,7 @@ def build_scene(case: Case) -> Scene:
     """Allocate and fill all arrays of a case; the gate is closed. Raises UsageError if they cannot fit."""
     layout = make_layout(case)
     refuse_if_too_large(layout)
-    grid = allocate_grid((0.0, -layout.base), layout.h, (layout.cells_x, layout.cells_y))
+    grid = allocate_grid(layout.origin, layout.h, layout.cells)
     close_walls(grid, layout, gate_opening=0.0)
     points = fill(case, layout)
     if case.stages.initial_stress == "k0":
@@ -91,51 +92,57 @@ def make_settings(case: Case, layout: Layout, damping: float) -> Settings:
         wall_impulse=method.wall_impulse,
         opening_strain=method.opening_strain,
         kernel_correction=method.kernel_correction,
-        axisymmetric=GEOMETRIES[case.geometry.model].AXISYMMETRIC,
+        axisymmetric=GEOMETRIES[layout.shape].AXISYMMETRIC,
         axis_gap=min(AXIS_GAP, 0.5 / layout.points_per_axis),
+        open_low_sides=layout.is_full,
     )
 
 
 def fill(case: Case, layout: Layout) -> Points:
     """Points of the column, then of the base, on even lattices."""
-    size, base = layout.point_size, case.base_material
-    column = _lattice(round(layout.r_i / size), size, layout.rows, layout.h_i / layout.rows, 0.0)
-    below = _lattice(round(layout.length / size), size, round(layout.base / size), size, -layout.base)
-    areas = np.r_[np.full(len(column), size * layout.h_i / layout.rows), np.full(len(below), size * size)]
-    points = Points(len(column) + len(below))
-    points.x[:] = np.r_[column, below]
+    size, base, dy = layout.point_size, case.base_material, layout.h_i / layout.rows
+    column = _stack(layout.column_section(), dy * (np.arange(layout.rows) + 0.5))
+    below = _stack(layout.section(layout.length), size * (np.arange(round(layout.base / size)) + 0.5) - layout.base)
+    points = Points(len(column) + len(below), layout.dimension)
+    points.x[:] = np.concatenate([column, below])
     points.kind[len(column) :] = BASE
-    points.V0[:] = GEOMETRIES[case.geometry.model].volumes(areas, points.x)
+    area = size ** (layout.dimension - 1)
+    sizes = np.where(points.kind == BASE, area * size, area * dy)
+    points.V0[:] = GEOMETRIES[layout.shape].volumes(sizes, points.x)
     points.m[:] = points.V0 * np.where(points.kind == BASE, base.density, case.material.density)
     return points
 
 
-def _lattice(columns: int, dx: float, rows: int, dy: float, bottom: float) -> np.ndarray:
-    """Centres (n, 2) of columns x rows rectangles whose lower left corner is at (0, bottom)."""
-    x, y = dx * (np.arange(columns) + 0.5), bottom + dy * (np.arange(rows) + 0.5)
-    return np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
+def _stack(places: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Points (n, d) at all heights `y` over all horizontal places (n, d - 1)."""
+    x = np.repeat(places, len(y), axis=0)
+    return np.insert(x, 1, np.tile(y, len(places)), axis=1)
 
 
 def assign_k0(case: Case, layout: Layout, points: Points) -> None:
     """Geostatic stress: vertical from the weight above, horizontal K0 times it; the base carries the column, too."""
     gravity, ratio = case.geometry.gravity, case.stages.k0
     nu = case.base_material.poissons_ratio
-    x, y = points.x[:, 0], points.x[:, 1]
+    x, y, *z = points.x.T
+    beyond = np.logical_or.reduce(GEOMETRIES[layout.shape].gate((x, *z), layout.r_i, layout.depth))
     is_base = points.kind == BASE
-    load = np.where(x < layout.r_i, case.material.density * (layout.h_i - np.maximum(y, 0.0)), 0.0)
+    load = np.where(beyond, 0.0, case.material.density * (layout.h_i - np.maximum(y, 0.0)))
     vertical = -gravity * (load + np.where(is_base, case.base_material.density * -y, 0.0))
     horizontal = np.where(is_base, nu / (1.0 - nu), ratio) * vertical
     points.sigma = np.stack([horizontal, vertical, horizontal, *3 * [np.zeros_like(vertical)]], axis=1)
 
 
 def close_walls(grid: Grid, layout: Layout, gate_opening: float) -> None:
-    """Fix velocities: v = 0 at the floor, v_x = 0 at the wall or axis, at the domain's end, and at the gate.
+    """Fix velocities: v = 0 at the floor, v normal to walls, axis, planes of symmetry and ends, and at the gate.
 
-    The gate holds all nodes at and beyond the radius above the base and above `gate_opening` (m, inf: none).
+    The gate holds all nodes at and beyond the column's surface above the base and above `gate_opening` (m, inf: none).
     """
-    x, y = node_coordinates(grid)
+    x, y, *z = node_coordinates(grid)
     slack = ON_NODE * layout.h
     floor = y < -layout.base + slack
-    sides = (x < slack) | (x > layout.length - slack)
-    gate = (x > layout.r_i - slack) & (y > slack) & (y > gate_opening - slack)
-    set_fixed(grid, floor | sides | gate, floor)
+    horizontal = (x, *z)
+    sides = [(c < c.min() + slack) | (c > c.max() - slack) for c in horizontal]
+    gate = GEOMETRIES[layout.shape].gate(horizontal, layout.r_i - slack, layout.depth - slack)
+    closed = (y > slack) & (y > gate_opening - slack)
+    held = [floor | side | (surface & closed) for side, surface in zip(sides, gate, strict=True)]
+    set_fixed(grid, held[0], floor, *held[1:])

@@ -1,12 +1,18 @@
 """A vector of eight doubles as a Numba type, so that kernels read like formulas and compile to packed code.
 
 LLVM splits the vectors by itself on machines whose registers are narrower. Every function here has a plain
-Python body that works on NumPy arrays of eight numbers: the twin that runs under NUMBA_DISABLE_JIT=1.
+Python body that works on NumPy arrays of eight numbers: the twin that runs under NUMBA_DISABLE_JIT=1. `root`,
+`where_positive` and `any_positive` take single numbers too, so that a formula written with them serves both.
 """
+
+# Numba adds the first argument of an intrinsic by itself.
+# mypy: disable-error-code="call-arg"
 
 from __future__ import annotations
 
 import operator
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from llvmlite import ir
@@ -17,6 +23,7 @@ LANES = 8
 _DOUBLE = ir.DoubleType()
 _INT = ir.IntType(32)
 _VECTOR = ir.VectorType(_DOUBLE, LANES)
+_ZERO = ir.Constant(_VECTOR, [0.0] * LANES)
 _SWAPPED = [0, 4, 5, 6, 1, 2, 3, 7]
 
 
@@ -28,99 +35,13 @@ class Vec8Type(types.Type):
 
 
 vec8 = Vec8Type()
+_EIGHT = types.UniTuple(vec8, LANES)
 
 
 @register_model(Vec8Type)
 class _Vec8Model(models.PrimitiveModel):
     def __init__(self, manager, numba_type):
         super().__init__(manager, numba_type, _VECTOR)
-
-
-def _pointer(context, builder, array_type, array, index):
-    """Address of `array[index]` as a pointer to eight doubles; no bounds check, no wrap-around."""
-    data = context.make_array(array_type)(context, builder, array).data
-    return builder.bitcast(builder.gep(data, [index]), _VECTOR.as_pointer())
-
-
-@intrinsic
-def _load(typingctx, array, index):
-    def codegen(context, builder, signature, args):
-        position = context.cast(builder, args[1], signature.args[1], types.intp)
-        return builder.load(_pointer(context, builder, signature.args[0], args[0], position), align=8)
-
-    return vec8(array, index), codegen
-
-
-@intrinsic
-def _store(typingctx, array, index, value):
-    def codegen(context, builder, signature, args):
-        position = context.cast(builder, args[1], signature.args[1], types.intp)
-        builder.store(args[2], _pointer(context, builder, signature.args[0], args[0], position), align=8)
-        return context.get_dummy_value()
-
-    return types.void(array, index, value), codegen
-
-
-@intrinsic
-def _vector(typingctx, x0, x1, x2, x3, x4, x5, x6, x7):
-    def codegen(context, builder, signature, args):
-        value = cgutils.get_null_value(_VECTOR)
-        for lane, number in enumerate(args):
-            value = builder.insert_element(value, number, _INT(lane))
-        return value
-
-    return vec8(*[types.float64] * LANES), codegen
-
-
-@intrinsic
-def _splat(typingctx, x):
-    def codegen(context, builder, signature, args):
-        first = builder.insert_element(cgutils.get_null_value(_VECTOR), args[0], _INT(0))
-        return builder.shuffle_vector(first, first, ir.Constant(ir.VectorType(_INT, LANES), [0] * LANES))
-
-    return vec8(types.float64), codegen
-
-
-@intrinsic
-def _lane(typingctx, value, index):
-    def codegen(context, builder, signature, args):
-        return builder.extract_element(args[0], context.cast(builder, args[1], signature.args[1], types.int32))
-
-    return types.float64(vec8, index), codegen
-
-
-@intrinsic
-def _swap_halves(typingctx, a):
-    def codegen(context, builder, signature, args):
-        order = ir.Constant(ir.VectorType(_INT, LANES), _SWAPPED)
-        return builder.shuffle_vector(args[0], args[0], order)
-
-    return vec8(vec8), codegen
-
-
-@intrinsic
-def _fma(typingctx, a, b, c):
-    def codegen(context, builder, signature, args):
-        signature_llvm = ir.FunctionType(_VECTOR, [_VECTOR] * 3)
-        return builder.call(cgutils.get_or_insert_function(builder.module, signature_llvm, "llvm.fma.v8f64"), args)
-
-    return vec8(vec8, vec8, vec8), codegen
-
-
-@intrinsic
-def _add(typingctx, a, b):
-    def codegen(context, builder, signature, args):
-        return builder.fadd(*args)
-
-    return vec8(vec8, vec8), codegen
-
-
-@intrinsic
-def _mul(typingctx, a, b):
-    def codegen(context, builder, signature, args):
-        return builder.fmul(*args)
-
-    return vec8(vec8, vec8), codegen
 
 
 def load(array: np.ndarray, index: int) -> np.ndarray:
@@ -153,24 +74,239 @@ def swap_halves(value: np.ndarray) -> np.ndarray:
     return value[_SWAPPED]
 
 
+def transpose(
+    r0: np.ndarray, r1: np.ndarray, r2: np.ndarray, r3: np.ndarray,
+    r4: np.ndarray, r5: np.ndarray, r6: np.ndarray, r7: np.ndarray,
+) -> tuple[np.ndarray, ...]:  # fmt: skip
+    """Lane k of the eight vectors becomes vector k."""
+    return tuple(np.array([r0, r1, r2, r3, r4, r5, r6, r7]).T)
+
+
 def fma(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
     """a * b + c, rounded once where it is compiled."""
     return a * b + c
 
 
-@overload(load)
-def _load_overload(array, index):
-    return lambda array, index: _load(array, index)
+def root(a: Any) -> Any:
+    """Square root."""
+    return np.sqrt(a)
 
 
-@overload(store)
-def _store_overload(array, index, value):
-    return lambda array, index, value: _store(array, index, value)
+def where_positive(condition: Any, a: Any, b: Any) -> Any:
+    """a where the condition is above zero, else b, lane by lane; a number that is none is not above zero."""
+    return np.where(condition > 0.0, a, b)
 
 
-@overload(splat)
-def _splat_overload(x):
-    return lambda x: _splat(float(x))
+def any_positive(condition: Any) -> bool:
+    """Whether a lane is above zero."""
+    return bool(np.any(condition > 0.0))
+
+
+def larger(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """The larger one in each lane; b where either is not a number."""
+    return np.where(a > b, a, b)
+
+
+def largest_lane(a: np.ndarray) -> float:
+    """The largest of all lanes; lanes that are not numbers are passed over where they can be."""
+    for width in (4, 2, 1):
+        a = larger(a[:width], a[width : 2 * width])
+    return float(a[0])
+
+
+def sum_lanes(a: np.ndarray) -> float:
+    """Sum of all lanes: halves first, always in the same order."""
+    for width in (4, 2, 1):
+        a = a[:width] + a[width : 2 * width]
+    return float(a[0])
+
+
+# ---------------------------------------------------------------------------------------- what is compiled
+
+
+def _pointer(context, builder, array_type, array, index):
+    """Address of `array[index]` as a pointer to eight doubles; no bounds check, no wrap-around."""
+    data = context.make_array(array_type)(context, builder, array).data
+    return builder.bitcast(builder.gep(data, [index]), _VECTOR.as_pointer())
+
+
+@intrinsic
+def _load(typingctx, array, index):
+    def codegen(context, builder, signature, args):
+        position = context.cast(builder, args[1], signature.args[1], types.intp)
+        return builder.load(_pointer(context, builder, signature.args[0], args[0], position), align=8)
+
+    return vec8(array, index), codegen
+
+
+@intrinsic
+def _store(typingctx, array, index, value):
+    def codegen(context, builder, signature, args):
+        position = context.cast(builder, args[1], signature.args[1], types.intp)
+        builder.store(args[2], _pointer(context, builder, signature.args[0], args[0], position), align=8)
+        return context.get_dummy_value()
+
+    return types.void(array, index, value), codegen
+
+
+@intrinsic
+def _vector(typingctx, x0, x1, x2, x3, x4, x5, x6, x7):
+    def codegen(context, builder, signature, args):
+        value = _ZERO
+        for lane, number in enumerate(args):
+            value = builder.insert_element(value, number, _INT(lane))
+        return value
+
+    return vec8(*[types.float64] * LANES), codegen
+
+
+@intrinsic
+def _lane(typingctx, value, index):
+    def codegen(context, builder, signature, args):
+        return builder.extract_element(args[0], context.cast(builder, args[1], signature.args[1], types.int32))
+
+    return types.float64(vec8, index), codegen
+
+
+@intrinsic
+def _transpose(typingctx, r0, r1, r2, r3, r4, r5, r6, r7):
+    def codegen(context, builder, signature, args):
+        rows = list(args)
+        for step in (1, 2, 4):  # exchange blocks of 1, 2, 4 lanes between rows that far apart
+            low = [k if not k & step else LANES + k - step for k in range(LANES)]
+            high = [k + step if not k & step else LANES + k for k in range(LANES)]
+            for r in range(LANES):
+                if not r & step:
+                    pair = rows[r], rows[r + step]
+                    rows[r], rows[r + step] = _shuffle(builder, *pair, low), _shuffle(builder, *pair, high)
+        return context.make_tuple(builder, _EIGHT, rows)
+
+    return _EIGHT(*[vec8] * LANES), codegen
+
+
+def _shuffle(builder, a, b, order):
+    return builder.shuffle_vector(a, b, ir.Constant(ir.VectorType(_INT, LANES), order))
+
+
+def _call(builder, name, *args):
+    function = ir.FunctionType(_VECTOR, [_VECTOR] * len(args))
+    return builder.call(cgutils.get_or_insert_function(builder.module, function, name), args)
+
+
+def _is_positive(builder, a):
+    return builder.fcmp_ordered(">", a, _ZERO)
+
+
+def _emit_splat(builder, x):
+    return _shuffle(builder, builder.insert_element(_ZERO, x, _INT(0)), _ZERO, [0] * LANES)
+
+
+def _emit_any(builder, a):
+    mask = ir.IntType(LANES)
+    return builder.icmp_unsigned("!=", builder.bitcast(_is_positive(builder, a), mask), mask(0))
+
+
+def _emit_larger(builder, a, b):
+    return builder.select(builder.fcmp_ordered(">", a, b), a, b)
+
+
+def _emit_largest(builder, a):
+    for width in (4, 2, 1):
+        a = _emit_larger(builder, a, _shuffle(builder, a, a, [(k + width) % LANES for k in range(LANES)]))
+    return builder.extract_element(a, _INT(0))
+
+
+def _emit_sum(builder, a):
+    for width in (4, 2, 1):
+        a = builder.fadd(a, _shuffle(builder, a, a, [(k + width) % LANES for k in range(LANES)]))
+    return builder.extract_element(a, _INT(0))
+
+
+def _unary(emit: Callable[..., Any], result: Any = vec8, argument: Any = vec8) -> Any:
+    """An intrinsic of one vector (or number), from what it emits."""
+
+    @intrinsic
+    def operation(typingctx, a):
+        return result(argument), lambda context, builder, signature, args: emit(builder, *args)
+
+    return operation
+
+
+def _binary(emit: Callable[..., Any]) -> Any:
+    """An intrinsic of two vectors."""
+
+    @intrinsic
+    def operation(typingctx, a, b):
+        return vec8(vec8, vec8), lambda context, builder, signature, args: emit(builder, *args)
+
+    return operation
+
+
+def _ternary(emit: Callable[..., Any]) -> Any:
+    """An intrinsic of three vectors."""
+
+    @intrinsic
+    def operation(typingctx, a, b, c):
+        return vec8(vec8, vec8, vec8), lambda context, builder, signature, args: emit(builder, *args)
+
+    return operation
+
+
+_splat = _unary(_emit_splat, argument=types.float64)
+_swap_halves = _unary(lambda builder, a: _shuffle(builder, a, a, _SWAPPED))
+_root = _unary(lambda builder, a: _call(builder, "llvm.sqrt.v8f64", a))
+_magnitude = _unary(lambda builder, a: _call(builder, "llvm.fabs.v8f64", a))
+_negative = _unary(lambda builder, a: builder.fneg(a))
+_any_positive = _unary(_emit_any, result=types.boolean)
+_larger = _binary(_emit_larger)
+_largest_lane = _unary(_emit_largest, result=types.float64)
+_sum_lanes = _unary(_emit_sum, result=types.float64)
+_fma = _ternary(lambda builder, a, b, c: _call(builder, "llvm.fma.v8f64", a, b, c))
+_select = _ternary(lambda builder, c, a, b: builder.select(_is_positive(builder, c), a, b))
+_ARITHMETIC = {
+    operator.add: _binary(lambda builder, a, b: builder.fadd(a, b)),
+    operator.sub: _binary(lambda builder, a, b: builder.fsub(a, b)),
+    operator.mul: _binary(lambda builder, a, b: builder.fmul(a, b)),
+    operator.truediv: _binary(lambda builder, a, b: builder.fdiv(a, b)),
+}
+
+
+def _wide(x: Any) -> Any:
+    """A vector as it is, a number in all lanes."""
+    raise NotImplementedError
+
+
+@overload(_wide)
+def _wide_overload(x):
+    return (lambda x: x) if x == vec8 else (lambda x: _splat(float(x)))
+
+
+def _declare(function: Callable[..., Any], implementation: Any) -> None:
+    """Let compiled code use `implementation`, a factory like those that `overload` takes, for `function`."""
+    overload(function)(implementation)
+
+
+def _declare_arithmetic(operation: Callable[..., Any], operation8: Any) -> None:
+    """An operator of two vectors, or of a vector and a number."""
+
+    @overload(operation)
+    def typed(a, b):
+        return (lambda a, b: operation8(_wide(a), _wide(b))) if vec8 in (a, b) else None
+
+
+for _operation, _operation8 in _ARITHMETIC.items():
+    _declare_arithmetic(_operation, _operation8)
+_declare(operator.neg, lambda a: (lambda a: _negative(a)) if a == vec8 else None)
+_declare(abs, lambda a: (lambda a: _magnitude(a)) if a == vec8 else None)
+_declare(load, lambda array, index: lambda array, index: _load(array, index))
+_declare(store, lambda array, index, value: lambda array, index, value: _store(array, index, value))
+_declare(splat, lambda x: lambda x: _splat(float(x)))
+_declare(lane, lambda value, index: lambda value, index: _lane(value, index))
+_declare(swap_halves, lambda value: lambda value: _swap_halves(value))
+_declare(fma, lambda a, b, c: lambda a, b, c: _fma(a, b, c))
+_declare(larger, lambda a, b: lambda a, b: _larger(a, b))
+_declare(largest_lane, lambda a: lambda a: _largest_lane(a))
+_declare(sum_lanes, lambda a: lambda a: _sum_lanes(a))
 
 
 @overload(vector)
@@ -180,32 +316,23 @@ def _vector_overload(x0, x1, x2, x3, x4, x5, x6, x7):
     )
 
 
-@overload(lane)
-def _lane_overload(value, index):
-    return lambda value, index: _lane(value, index)
+@overload(transpose)
+def _transpose_overload(r0, r1, r2, r3, r4, r5, r6, r7):
+    return lambda r0, r1, r2, r3, r4, r5, r6, r7: _transpose(r0, r1, r2, r3, r4, r5, r6, r7)
 
 
-@overload(swap_halves)
-def _swap_halves_overload(value):
-    return lambda value: _swap_halves(value)
+@overload(root)
+def _root_overload(a):
+    return (lambda a: _root(a)) if a == vec8 else (lambda a: np.sqrt(a))
 
 
-@overload(fma)
-def _fma_overload(a, b, c):
-    if a == b == c == vec8:
-        return lambda a, b, c: _fma(a, b, c)
-    return None
+@overload(where_positive)
+def _where_overload(condition, a, b):
+    if condition == vec8:
+        return lambda condition, a, b: _select(condition, _wide(a), _wide(b))
+    return lambda condition, a, b: a if condition > 0.0 else b
 
 
-@overload(operator.add)
-def _add_overload(a, b):
-    if a == b == vec8:
-        return lambda a, b: _add(a, b)
-    return None
-
-
-@overload(operator.mul)
-def _mul_overload(a, b):
-    if a == b == vec8:
-        return lambda a, b: _mul(a, b)
-    return None
+@overload(any_positive)
+def _any_overload(condition):
+    return (lambda condition: _any_positive(condition)) if condition == vec8 else (lambda condition: condition > 0.0)

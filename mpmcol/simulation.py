@@ -17,7 +17,7 @@ from mpmcol.experiments import profile_scores, score
 from mpmcol.faults import diagnose, message
 from mpmcol.files import locked
 from mpmcol.jit import set_threads
-from mpmcol.kernels import cycle_2d as cycle
+from mpmcol.kernels import cycle
 from mpmcol.measure import stop_time
 from mpmcol.recorder import Recorder, describe, versions
 from mpmcol.results import RESULT_SCHEMA, Results, measure_snapshot, prepare_folder, write_result
@@ -181,7 +181,7 @@ class Run:
     def _lift_gate(self) -> None:
         """Leave closed what the gate has not passed yet; an instantaneous gate is gone at once."""
         speed, layout = self.case.stages.gate_speed, self.scene.layout
-        if self._opening < layout.cells_y * layout.h:
+        if self._opening < layout.cells_up * layout.h:
             self._opening = speed * self.solver.time if np.isfinite(speed) else np.inf
             close_walls(self.scene.grid, layout, self._opening)
 

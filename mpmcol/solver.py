@@ -8,10 +8,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mpmcol.kernels import cycle_2d as cycle
-from mpmcol.kernels.grid_2d import NODE_REPORT
-from mpmcol.kernels.order_2d import scratch, sort_points
-from mpmcol.state import BASE, COLUMN, Grid, Points, Settings, Tiles
+from mpmcol.grid import Grid, Tiles
+from mpmcol.kernels import cycle
+from mpmcol.kernels.grid import NODE_REPORT
+from mpmcol.kernels.order import scratch, sort_points
+from mpmcol.state import BASE, COLUMN, ROW, Points, Settings
 
 CALL_SECONDS = 0.2  # Python handles signals only between calls
 _FIRST_CALL_STEPS = 4
@@ -37,7 +38,6 @@ class Solver:
         self.ledger = np.zeros(cycle.LEDGER)
         self.tiles: Tiles | None = None
         self.smallest_mass = float(points.m.min())
-        self._spare = Points(len(points))
         self._scratch = scratch(grid)
         self._steps_per_call = _FIRST_CALL_STEPS
         self.reset_time_step()
@@ -70,9 +70,8 @@ class Solver:
 
     def sort(self) -> None:
         """Put the points in order of tiles and list the tiles they can touch."""
-        rows, spare = self.points.rows, self._spare.rows
-        self.tiles = Tiles(*sort_points(rows.reshape(-1), spare.reshape(-1), self.grid, *self._scratch))
-        self.points.rows, self._spare.rows = spare, rows
+        row = ROW[self.points.dimension]
+        self.tiles = Tiles(*sort_points(self.points.rows.reshape(-1), row, self.grid, *self._scratch))
         self.clock[cycle.TRAVELLED] = 0.0
         self._reports = (
             np.zeros((len(self.tiles.active), NODE_REPORT)),
@@ -98,7 +97,7 @@ class Solver:
     def _call(self, end: float, steps: int) -> int:
         """One call of the compiled loop."""
         column, base = self.bodies
-        run = cycle.make_cycle(column.law, base.law)
+        run = cycle.make_cycle(self.points.dimension, column.law, base.law)
         return int(
             run(
                 self.points.rows.reshape(-1), self.grid, self.tiles, self.settings, column.params, base.params,

@@ -1,17 +1,23 @@
-"""What a simulation is made of: one record of lanes per material point, one cache line per node.
+"""What a simulation is made of: one record of lanes per material point, and the numbers of the method.
 
-A point's record holds three vectors of eight doubles. The columns of the velocity gradient L and of the stress
-stand in the lanes that momentum and force have in a node, so that P2G needs no shuffles:
+A point's record holds three vectors of eight doubles in two dimensions, four in three. The columns of the velocity
+gradient L and of the stress stand in the lanes that momentum and force have in a node, so that P2G needs no shuffles:
 
     lane      0      1     2     3      4     5     6     7
-    row 0     m      v_x   v_y   V0     x     y     J     id
-    row 1     e_o    L_xx  L_yx  L_zz   s_xx  s_xy  s_zz  q_0
-    row 2     q_1    L_xy  L_yy  kind   s_xy  s_yy  -     -
-    node      m      mv_x  mv_y  -      f_x   f_y   -     -        after P2G
-    node      m      v~_x  v~_y  -      a_x   a_y   -     -        after the grid update
+    row 0     m      v_x   v_y   v_z    x     y     z     V0
+    row 1     J      L_xx  L_yx  L_zx   s_xx  s_xy  s_xz  e_o
+    row 2     id     L_xy  L_yy  L_zy   s_xy  s_yy  s_yz  kind
+    row 3     q_0    L_xz  L_yz  L_zz   s_xz  s_yz  s_zz  q_1
+    node      m      mv_x  mv_y  mv_z   f_x   f_y   f_z   -        after P2G
+    node      m      v~_x  v~_y  v~_z   a_x   a_y   a_z   -        after the grid update
 
-Plane strain: z is out of plane and L_zz = 0. Axisymmetry: x is the radius r, y the axis, zz the hoop direction,
-L_zz = v_r / r; masses and volumes are per radian. `e_o` is the opening strain, `q` the history of the law,
+In two dimensions there is no row 3, and the lanes that it leaves in rows 1 and 2 hold what is still needed of it:
+
+    row 1     J      L_xx  L_yx  L_zz   s_xx  s_xy  s_zz  e_o
+    row 2     id     L_xy  L_yy  q_0    s_xy  s_yy  q_1   kind
+
+y is vertical. Plane strain: z is out of plane and L_zz = 0. Axisymmetry: x is the radius r, y the axis, zz the hoop
+direction, L_zz = v_r / r; masses and volumes are per radian. `e_o` is the opening strain, `q` the history of the law,
 `kind` 0 for the column and 1 for the base.
 """
 
@@ -21,26 +27,28 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mpmcol.jit import device
-
-ROW = 24
-M, VX, VY, V0, X, Y, J, ID = range(8)
-OPENING, LXX, LYX, LZZ, SXX, SXY, SZZ, Q0 = range(8, 16)
-Q1, LXY, LYY, KIND, SXY_COPY, SYY = range(16, 22)
-
-NODE = 8
-TILE = 4
-TILE_NODES = TILE * TILE
-TILE_DOUBLES = TILE_NODES * NODE
+LANES = 8
+ROW = {2: 3 * LANES, 3: 4 * LANES}  # doubles in a record
+M, VX, VY, VZ, X, Y, Z, V0 = range(8)
+J, OPENING, ID, KIND = 8, 15, 16, 23
+HOOP = 14  # s_zz in two dimensions
+_LINEAR = {2: ((9, 17), (10, 18)), 3: ((9, 17, 25), (10, 18, 26), (11, 19, 27))}  # lane of L[a, b]
+_L_ZZ = 11  # in two dimensions
+_SIGMA = {2: (12, 21, HOOP, 13), 3: (12, 21, 30, 13, 22, 14)}  # xx yy zz xy yz xz
+_SIGMA_AGAIN = {2: {3: 20}, 3: {3: 20, 4: 29, 5: 28}}  # the shear stresses stand in two columns
+_HISTORY = {2: slice(19, 23, 3), 3: slice(24, 32, 7)}
 
 COLUMN, BASE = 0, 1
 
 
 class Points:
-    """Material points: `rows` (n, 24) float64, 64-byte aligned, with named views of its lanes (SI units)."""
+    """Material points in 2 or 3 dimensions: `rows` (n, 24 or 32) float64 with named views of its lanes (SI units)."""
 
-    def __init__(self, n: int) -> None:
-        self.rows = aligned_zeros(n * ROW).reshape(n, ROW)
+    def __init__(self, n: int, dimension: int = 2) -> None:
+        self.dimension = dimension
+        row = ROW[dimension]
+        # kernels read eight records at a time: the last of them may lie behind the last point
+        self.rows = aligned_zeros((n + LANES) * row).reshape(-1, row)[:n]
         self.rows[:, J] = 1.0
         self.rows[:, ID] = np.arange(n)
 
@@ -54,17 +62,17 @@ class Points:
 
     @property
     def x(self) -> np.ndarray:
-        """Position (n, 2), m."""
-        return self.rows[:, X : Y + 1]
+        """Position (n, d), m."""
+        return self.rows[:, X : X + self.dimension]
 
     @property
     def v(self) -> np.ndarray:
-        """Velocity (n, 2), m/s."""
-        return self.rows[:, VX : VY + 1]
+        """Velocity (n, d), m/s."""
+        return self.rows[:, VX : VX + self.dimension]
 
     @property
     def V0(self) -> np.ndarray:
-        """Initial volume (n,), m3 per metre or per radian."""
+        """Initial volume (n,), m3 (per metre or per radian in two dimensions)."""
         return self.rows[:, V0]
 
     @property
@@ -80,7 +88,7 @@ class Points:
     @property
     def history(self) -> np.ndarray:
         """History variables of the law (n, 2)."""
-        return self.rows[:, Q0 : Q1 + 1]
+        return self.rows[:, _HISTORY[self.dimension]]
 
     @property
     def kind(self) -> np.ndarray:
@@ -100,56 +108,32 @@ class Points:
     @property
     def sigma(self) -> np.ndarray:
         """Cauchy stress (n, 6): xx yy zz xy yz xz, Pa, tension > 0; a copy."""
-        out = np.zeros((len(self), 6))
-        out[:, :4] = self.rows[:, [SXX, SYY, SZZ, SXY]]
+        out, lanes = np.zeros((len(self), 6)), list(_SIGMA[self.dimension])
+        out[:, : len(lanes)] = self.rows[:, lanes]
         return out
 
     @sigma.setter
     def sigma(self, value: np.ndarray) -> None:
-        self.rows[:, [SXX, SYY, SZZ, SXY]] = value[:, :4]
-        self.rows[:, SXY_COPY] = value[:, 3]
+        lanes = list(_SIGMA[self.dimension])
+        self.rows[:, lanes] = value[:, : len(lanes)]
+        for component, lane in _SIGMA_AGAIN[self.dimension].items():
+            self.rows[:, lane] = value[:, component]
 
     @property
     def grad_v(self) -> np.ndarray:
         """Velocity gradient (n, 3, 3): [a, b] = d v_a / d x_b, 1/s; a copy."""
-        out = np.zeros((len(self), 3, 3))
-        out[:, 0, 0], out[:, 0, 1] = self.rows[:, LXX], self.rows[:, LXY]
-        out[:, 1, 0], out[:, 1, 1] = self.rows[:, LYX], self.rows[:, LYY]
-        out[:, 2, 2] = self.rows[:, LZZ]
+        out, d = np.zeros((len(self), 3, 3)), self.dimension
+        out[:, :d, :d] = self.rows[:, _LINEAR[d]]
+        if d == 2:
+            out[:, 2, 2] = self.rows[:, _L_ZZ]
         return out
 
     @grad_v.setter
     def grad_v(self, value: np.ndarray) -> None:
-        self.rows[:, LXX], self.rows[:, LXY] = value[:, 0, 0], value[:, 0, 1]
-        self.rows[:, LYX], self.rows[:, LYY] = value[:, 1, 0], value[:, 1, 1]
-        self.rows[:, LZZ] = value[:, 2, 2]
-
-
-class Grid(NamedTuple):
-    """Background grid: a virtual dense array in tile-major order; only tiles near material are ever touched.
-
-    The first node of an axis stands on one wall, the last on the other. Address of node (i, j): ax[i] + ay[j].
-    """
-
-    nodes: np.ndarray  # (n_addresses * 8,) node records
-    fixed: np.ndarray  # (n_addresses,) uint8: bit 0 fixes v_x, bit 1 fixes v_y
-    ax: np.ndarray  # (n_x,) offset of column i in `nodes`, in doubles
-    ay: np.ndarray  # (n_y,) offset of row j
-    origin_x: float  # m
-    origin_y: float  # m
-    h: float  # node spacing, m
-    n_x: int
-    n_y: int
-
-
-class Tiles(NamedTuple):
-    """Points in order: tile t holds points start[t] to start[t + 1], the column's before split[t]."""
-
-    start: np.ndarray  # (n_tiles + 1,)
-    split: np.ndarray  # (n_tiles,)
-    by_colour: np.ndarray  # (n_tiles,) tiles of colour c: by_colour[colour_start[c] : colour_start[c + 1]]
-    colour_start: np.ndarray  # (5,)
-    active: np.ndarray  # (n_active,) address in `nodes` of each tile that can be touched
+        d = self.dimension
+        self.rows[:, _LINEAR[d]] = value[:, :d, :d]
+        if d == 2:
+            self.rows[:, _L_ZZ] = value[:, 2, 2]
 
 
 class Settings(NamedTuple):
@@ -167,6 +151,8 @@ class Settings(NamedTuple):
     kernel_correction: bool
     axisymmetric: bool
     axis_gap: float = 0.2  # in h: least distance of a point from the axis
+    gravity_z: float = 0.0  # m/s2
+    open_low_sides: bool = False  # whether the domain is open, too, where x and z begin
 
 
 def aligned_zeros(n: int, alignment: int = 64) -> np.ndarray:
@@ -174,44 +160,3 @@ def aligned_zeros(n: int, alignment: int = 64) -> np.ndarray:
     raw = np.zeros(n + alignment // 8)
     skip = (-raw.ctypes.data % alignment) // 8
     return raw[skip : skip + n]
-
-
-@device
-def tile_count(n_nodes: int) -> int:
-    """Tiles along an axis of `n_nodes` nodes."""
-    return (n_nodes + TILE - 1) // TILE
-
-
-def allocate_grid(origin: tuple[float, float], h: float, cells: tuple[int, int]) -> Grid:
-    """A grid of `cells` cells of size `h` whose first node stands at `origin`; nothing is fixed."""
-    n_x, n_y = cells[0] + 1, cells[1] + 1
-    tiles_y = tile_count(n_y)
-    i, j = np.arange(n_x), np.arange(n_y)
-    ax = (i // TILE) * (tiles_y * TILE_DOUBLES) + (i % TILE) * (TILE * NODE)
-    ay = (j // TILE) * TILE_DOUBLES + (j % TILE) * NODE
-    size = tile_count(n_x) * tiles_y * TILE_DOUBLES
-    fixed = np.zeros(size // NODE, dtype=np.uint8)
-    return Grid(aligned_zeros(size), fixed, ax, ay, float(origin[0]), float(origin[1]), float(h), n_x, n_y)
-
-
-def node_coordinates(grid: Grid) -> tuple[np.ndarray, np.ndarray]:
-    """Coordinates of all nodes, two arrays (n_x, n_y), m."""
-    x = grid.origin_x + grid.h * np.arange(grid.n_x)
-    y = grid.origin_y + grid.h * np.arange(grid.n_y)
-    return np.meshgrid(x, y, indexing="ij")
-
-
-def node_addresses(grid: Grid) -> np.ndarray:
-    """Index of each node in `fixed` (and of its record in `nodes`), (n_x, n_y)."""
-    return (grid.ax[:, None] + grid.ay[None, :]) // NODE
-
-
-def node_records(grid: Grid) -> np.ndarray:
-    """The records of all nodes as a copy (n_x, n_y, 8)."""
-    return grid.nodes.reshape(-1, NODE)[node_addresses(grid)]
-
-
-def set_fixed(grid: Grid, fixed_x: np.ndarray, fixed_y: np.ndarray) -> None:
-    """Fix velocity components by two boolean masks (n_x, n_y)."""
-    grid.fixed[:] = 0
-    grid.fixed[node_addresses(grid)] = fixed_x.astype(np.uint8) | (fixed_y.astype(np.uint8) << 1)

@@ -10,14 +10,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mpmcol.bench import timed_2d
-from mpmcol.bench.plain_2d import PlainGrid, PlainPoints, plain_grid, plain_points
+from mpmcol.bench import timed
+from mpmcol.bench.plain import PlainGrid, PlainPoints, plain_grid, plain_points
 from mpmcol.bench.report import Row, Scene, Spread
 from mpmcol.bench.scenes import make_solver
+from mpmcol.grid import Tiles
 from mpmcol.jit import set_threads
-from mpmcol.kernels.grid_2d import NODE_REPORT
+from mpmcol.kernels.grid import NODE_REPORT
 from mpmcol.solver import Solver
-from mpmcol.state import Tiles
+from mpmcol.state import Points
 
 SORT_INTERVAL = 50  # steps; a fast collapse sorts every 50 to 100 steps
 
@@ -52,14 +53,14 @@ def make_twin(solver: Solver) -> Twin:
     """Copy a solver that has just been sorted."""
     tiles = _tiles(solver)
     reports = np.zeros((len(tiles.active), NODE_REPORT)), np.zeros((len(tiles.split), 2))
-    return Twin(plain_points(solver.points.rows), plain_grid(solver.grid, tiles), tiles, reports, solver.clock.copy())
+    return Twin(plain_points(solver.points), plain_grid(solver.grid, tiles), tiles, reports, solver.clock.copy())
 
 
 def vector_steps(solver: Solver, steps: int) -> np.ndarray:
     """Step a sorted solver without sorting it again; seconds per phase of VECTOR_PHASES (steps, 5)."""
     column, base = solver.bodies
-    times = np.zeros((steps, len(timed_2d.VECTOR_PHASES) + 1))
-    timed_2d.make_vector_steps(column.law, base.law)(
+    times = np.zeros((steps, len(timed.VECTOR_PHASES) + 1))
+    timed.make_vector_steps(solver.points.dimension, column.law, base.law)(
         solver.points.rows.reshape(-1), solver.grid, _tiles(solver), solver.settings, column.params, base.params,
         column.wave_speed2, base.wave_speed2, solver.smallest_mass, solver._reports, solver.clock, solver.ledger, times,
     )  # fmt: skip
@@ -69,8 +70,8 @@ def vector_steps(solver: Solver, steps: int) -> np.ndarray:
 def plain_steps(solver: Solver, twin: Twin, steps: int) -> np.ndarray:
     """Step the plain copy of `solver`; seconds per phase of PLAIN_PHASES (steps, 5)."""
     column, base = solver.bodies
-    times = np.zeros((steps, len(timed_2d.PLAIN_PHASES) + 1))
-    timed_2d.make_plain_steps(column.law, base.law)(
+    times = np.zeros((steps, len(timed.PLAIN_PHASES) + 1))
+    timed.make_plain_steps(solver.points.dimension, column.law, base.law)(
         twin.points, twin.grid, twin.tiles, solver.settings, column.params, base.params,
         column.wave_speed2, base.wave_speed2, solver.smallest_mass, twin.reports, twin.clock, times,
     )  # fmt: skip
@@ -99,14 +100,14 @@ def measure_scene(model: str, points: int, threads: int, effort: Effort) -> Scen
 
 def _vector_phases(times: np.ndarray, gather: float) -> dict[str, float]:
     """Median seconds of each phase; the stress is what G2P leaves of `update_points`."""
-    phases = dict(zip(timed_2d.VECTOR_PHASES, np.median(times, axis=0).tolist(), strict=True))
+    phases = dict(zip(timed.VECTOR_PHASES, np.median(times, axis=0).tolist(), strict=True))
     phases.pop("sums")
     return {**phases, "g2p": gather, "stress": phases["update_points"] - gather, "step": _step(times)}
 
 
 def _plain_phases(times: np.ndarray) -> dict[str, float]:
     """Median seconds of each phase."""
-    phases = dict(zip(timed_2d.PLAIN_PHASES, np.median(times, axis=0).tolist(), strict=True))
+    phases = dict(zip(timed.PLAIN_PHASES, np.median(times, axis=0).tolist(), strict=True))
     return {**phases, "update_points": phases["g2p"] + phases["stress"], "step": _step(times)}
 
 
@@ -121,19 +122,20 @@ def _paired(name: str, vector: list[dict[str, float]], plain: list[dict[str, flo
 
 def _gather(solver: Solver, repeats: int) -> float:
     """Median seconds of G2P alone, on a copy of the points."""
-    spare, tiles, times = solver._spare.rows, _tiles(solver), np.zeros((repeats, 2))
-    spare[:] = solver.points.rows
+    spare, tiles, times = Points(len(solver.points), solver.points.dimension), _tiles(solver), np.zeros((repeats, 2))
+    spare.rows[:] = solver.points.rows
     report = solver._reports[1]
-    timed_2d.gather_alone(spare.reshape(-1), solver.grid, tiles, solver.settings, solver.dt, report, times)
+    gather_alone = timed.make_gather_alone(spare.dimension)
+    gather_alone(spare.rows.reshape(-1), solver.grid, tiles, solver.settings, solver.dt, report, times)
     return float(np.median(np.diff(times, axis=1)))
 
 
 def bytes_per_point(solver: Solver) -> float:
     """Bytes of all arrays that a run holds and touches, over its points; the sort's own arrays included."""
     tiles, n = _tiles(solver), len(solver.points)
-    sort = n * (3 * 8 + 1)  # tile, bucket, order by tile, final order
-    nodes = len(tiles.active) * timed_2d.plain.TILE_DOUBLES * 8
-    arrays = (solver.points.rows, solver._spare.rows, *tiles, *solver._scratch, *solver._reports, solver.grid.fixed)
+    sort = n * (2 * 4 + 1)  # tile (then final order), order by tile, bucket
+    nodes = len(tiles.active) * solver.grid.tile_doubles * 8
+    arrays = (solver.points.rows, *tiles, *solver._scratch, *solver._reports, solver.grid.fixed)
     return (sum(array.nbytes for array in arrays) + nodes + sort) / n
 
 

@@ -64,6 +64,7 @@ def _experiment_fits(name: str, model: str) -> bool:
     return name not in EXPERIMENTS or EXPERIMENTS[name].model == model
 
 
+_IN_SPACE = ("quarter", "full")
 _SMALLER = "must be smaller than {1}"
 _LARGER = "must be larger than {1}"
 _AT_MOST = "must not exceed {1}"
@@ -84,7 +85,23 @@ RULES = (
         lambda release, model: release == "one-sided" or model == "plane",
         'must be "one-sided" with {1}',
     ),
+    Rule(
+        ("geometry.section", "geometry.model"),
+        lambda section, model: section == "cylinder" or model in _IN_SPACE,
+        'must be "cylinder" with {1}',
+    ),
+    Rule(
+        ("geometry.depth", "geometry.section"),
+        lambda depth, section: depth is None or section == "box",
+        "must be absent with {1}",
+    ),
+    Rule(
+        ("grid.points_per_cell", "geometry.model"),
+        lambda count, model: count is None or count in ((1, 8, 27) if model in _IN_SPACE else (1, 4, 9, 16)),
+        "must be 1, 4, 9 or 16 in two dimensions, and 1, 8 or 27 in three, with {1}",
+    ),
     Rule(("grid.spacing", "geometry.radius"), _less, _SMALLER),
+    Rule(("grid.spacing", "geometry.depth"), _less, _SMALLER),
     Rule(("grid.spacing", "geometry.height"), _less, _SMALLER),
     Rule(
         ("grid.spacing", "geometry.aspect", "geometry.radius"),

@@ -40,11 +40,19 @@ def _whole(value: Any) -> Any:
 class Geometry(Keys):
     """The column, what it stands on, and the box that is simulated."""
 
-    model: Literal["plane", "axisymmetric"] = choice("plane strain, or a cylinder by axial symmetry")
+    model: Literal["plane", "axisymmetric", "quarter", "full"] = choice(
+        "plane strain, a cylinder by axial symmetry, or 3D: a quarter between two planes of symmetry, or all"
+    )
     release: Literal["one-sided", "two-sided"] = choice(
         "plane: the column leans on a wall, or collapses to both sides (half of it is modelled)", "one-sided"
     )
-    radius: float = quantity("r_i: width of a plane column (half of it if two-sided), or radius", "m", gt=0)
+    section: Literal["cylinder", "box"] = choice(
+        "quarter, full: horizontal section of the column, a circle or a rectangle", "cylinder"
+    )
+    radius: float = quantity(
+        "r_i: width of a plane column (half of it if two-sided), radius, or half-width of a box", "m", gt=0
+    )
+    depth: float | None = quantity("half-depth of a box; radius if absent", "m", None, gt=0)
     height: float | None = quantity("h_i: initial height of the column; or give aspect", "m", None, gt=0)
     aspect: float | None = quantity("a = h_i / r_i: aspect ratio; or give height", "", None, gt=0)
     base: Literal["elastic", "rigid"] = choice("elastic layer as in the paper, or no-slip grid nodes", "elastic")
@@ -56,6 +64,16 @@ class Geometry(Keys):
         "height of the grid above the base; sized from the column if absent", "m", None, gt=0
     )
     gravity: float = quantity("gravitational acceleration g, downwards", "m/s2", 9.81, gt=0)
+
+    @property
+    def shape(self) -> str:
+        """Name of the column's geometry (mpmcol.geometries)."""
+        return self.model if self.model in ("plane", "axisymmetric") else self.section
+
+    @property
+    def dimension(self) -> int:
+        """2 or 3."""
+        return 2 if self.model in ("plane", "axisymmetric") else 3
 
     @property
     def r_i(self) -> float:
@@ -77,8 +95,8 @@ class Grid(Keys):
     """The background grid and the material points in it."""
 
     spacing: float = quantity("grid node spacing h", "m", gt=0)
-    points_per_cell: Annotated[Literal[1, 4, 9, 16], BeforeValidator(_whole)] = choice(
-        "material points per full cell, a square number", 4
+    points_per_cell: Annotated[Literal[1, 4, 8, 9, 16, 27], BeforeValidator(_whole)] = choice(
+        "material points per full cell: a square number, in three dimensions a cube; 4 or 8 if absent", None
     )
 
 
@@ -188,6 +206,15 @@ class Case(Keys):
     output: Output = choice("what is written during the run", Output())
     score: Score = choice("what the result is compared with", Score())
 
+    @field_validator("grid", mode="before")
+    @classmethod
+    def _fill_in_from_geometry(cls, grid: Any, info: ValidationInfo) -> Any:
+        """Resolve the default of points_per_cell: two an axis."""
+        geometry = info.data.get("geometry")
+        if geometry is None or not isinstance(grid, dict):
+            return grid
+        return {"points_per_cell": 2**geometry.dimension, **grid}
+
     @field_validator("stages", mode="before")
     @classmethod
     def _fill_in_from_material(cls, stages: Any, info: ValidationInfo) -> Any:
@@ -228,4 +255,6 @@ def case_hash(case: Case) -> str:
     """Twelve hexadecimal digits that name what is simulated: neither title, output and score, nor how h_i was given."""
     content = case.model_dump(mode="json", by_alias=True, exclude={"title", "output", "score"})
     content["geometry"] |= {"aspect": None, "height": case.geometry.h_i}
+    if case.geometry.dimension == 2:  # words that mean nothing there
+        del content["geometry"]["section"], content["geometry"]["depth"]
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:12]

@@ -28,7 +28,7 @@ def parse_counts(context: click.Context, parameter: click.Parameter, text: str |
 @click.command()
 @click.option("--points", metavar="N,...", callback=parse_counts, help="[default: 8000,20000,100000,500000]")
 @click.option("--threads", metavar="N,...", callback=parse_counts, help="[default: 1 and all]")
-@click.option("--model", type=click.Choice(["plane", "axisymmetric"]), help="[default: both]")
+@click.option("--model", type=click.Choice(["plane", "axisymmetric", "quarter"]), help="[default: all]")
 @click.option("--quick", is_flag=True, help="Few points and steps: shows that it works, not how fast it is.")
 @click.option("--json", "json_file", metavar="FILE", type=FILE, help="Also write the report as JSON.")
 @click.option("--against", metavar="FILE", type=FILE, help="An earlier report to compare with.")

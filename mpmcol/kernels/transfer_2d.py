@@ -1,65 +1,50 @@
-"""Points to grid and grid to points in the plane and in axisymmetry."""
+"""Points to grid and grid to points in the plane and in axisymmetry: nine nodes a point."""
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
+from mpmcol import state
 from mpmcol.basis import spline
-from mpmcol.jit import device, phase, prange
-from mpmcol.simd import fma, lane, load, splat, store, swap_halves, vector
-from mpmcol.state import (
-    LXX,
-    LXY,
-    LYX,
-    LYY,
-    LZZ,
-    ROW,
-    SZZ,
-    TILE_DOUBLES,
-    V0,
-    VX,
-    VY,
-    Grid,
-    J,
-    M,
-    Settings,
-    Tiles,
-    X,
-    Y,
-)  # fmt: skip
+from mpmcol.grid import Grid
+from mpmcol.jit import device
+from mpmcol.kernels.transfer import WALL_GAP, move, power, store_column
+from mpmcol.simd import fma, lane, load, splat, store, vector
+from mpmcol.state import HOOP, V0, J, M, Settings, X, Y
 
-WALL_GAP = 0.1  # in h: a point closer to a wall would be stiffer than the default time step bears
-
-
-@phase
-def clear(grid: Grid, tiles: Tiles) -> None:
-    """Set the nodes of all active tiles to zero.
-
-    Reads: active. Writes: nodes. Eq. (19)-(20), initial values.
-    """
-    nodes, active = grid.nodes, tiles.active
-    for k in prange(len(active)):
-        first = active[k]
-        nodes[first : first + TILE_DOUBLES] = 0.0
-
-
-@phase
-def p2g(rows: np.ndarray, grid: Grid, tiles: Tiles, settings: Settings) -> None:
-    """Scatter mass, momentum and force, tiles of one colour in parallel, each node summed in a fixed order.
-
-    Reads: rows. Writes: nodes (m, mv, f). Eq. (13), (14), (19), (20).
-    """
-    nodes, start, by_colour = grid.nodes, tiles.start, tiles.by_colour
-    for colour in range(4):
-        first, stop = tiles.colour_start[colour], tiles.colour_start[colour + 1]
-        for k in prange(first, stop):
-            tile = by_colour[k]
-            for p in range(start[tile], start[tile + 1]):
-                _scatter(rows, p * ROW, nodes, grid, settings)
+ROW = state.ROW[2]
 
 
 @device
-def _scatter(rows: np.ndarray, o: int, nodes: np.ndarray, grid: Grid, settings: Settings) -> None:
+def momenta() -> Any:
+    """One in the lanes of momentum."""
+    return vector(0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+@device
+def forces() -> Any:
+    """One in the lanes of force."""
+    return vector(0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0)
+
+
+@device
+def limits(grid: Grid, settings: Settings) -> tuple[Any, Any]:
+    """Least and largest position of a point: WALL_GAP h inside the grid, and the axis gap from an axis."""
+    h, far = grid.h, np.inf
+    left = settings.axis_gap if settings.axisymmetric else WALL_GAP
+    return (
+        vector(-far, -far, -far, -far, grid.origin_x + left * h, grid.origin_y + WALL_GAP * h, -far, -far),
+        vector(
+            far, far, far, far,
+            grid.origin_x + (grid.n_x - 1 - WALL_GAP) * h, grid.origin_y + (grid.n_y - 1 - WALL_GAP) * h, far, far,
+        ),
+    )  # fmt: skip
+
+
+@device
+def scatter(rows: np.ndarray, o: int, nodes: np.ndarray, grid: Grid, settings: Settings) -> None:
     """Add one point, whose record starts at `o`, to its nine nodes."""
     inv_h = 1.0 / grid.h
     s_x, s_y = (rows[o + X] - grid.origin_x) * inv_h, (rows[o + Y] - grid.origin_y) * inv_h
@@ -67,18 +52,14 @@ def _scatter(rows: np.ndarray, o: int, nodes: np.ndarray, grid: Grid, settings: 
     j, wy0, wy1, wy2, gy0, gy1, gy2 = spline(s_y, grid.n_y, settings.kernel_correction)
     dx, dy = (i - s_x) * grid.h, (j - s_y) * grid.h
     m, volume = rows[o + M], rows[o + J] * rows[o + V0]
-    hoop = volume * rows[o + SZZ] / rows[o + X] if settings.axisymmetric else 0.0
+    hoop = volume * rows[o + HOOP] / rows[o + X] if settings.axisymmetric else 0.0
 
     # Eq. 19, 20, 14: mass, momentum at the point, weight (and the hoop stress of axisymmetry)
-    momentum = splat(m) * vector(0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    at_point = fma(
-        load(rows, o),
-        momentum,
-        vector(m, 0.0, 0.0, 0.0, m * settings.gravity_x - hoop, m * settings.gravity_y, 0.0, 0.0),
-    )
+    momentum = splat(m) * momenta()
+    weight = vector(m, 0.0, 0.0, 0.0, m * settings.gravity_x - hoop, m * settings.gravity_y, 0.0, 0.0)
+    at_point = fma(load(rows, o), momentum, weight)
     # Eq. 20: m L (x_i - x_p); Eq. 13: -V sigma . grad w
-    taylor = splat(settings.taylor) * momentum
-    force = splat(-volume * inv_h) * vector(0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0)
+    taylor, force = settings.taylor * momentum, (-volume * inv_h) * forces()
     row_x, row_y = load(rows, o + 8), load(rows, o + 16)
     a_x, f_x, a_y, f_y = row_x * taylor, row_x * force, row_y * taylor, row_y * force
 
@@ -106,82 +87,45 @@ def _add_column(nodes, a, y0, y1, y2, p, wx, wy0, wy1, wy2, q0, q1, q2):
 
 @device
 def gather(
-    rows: np.ndarray, o: int, nodes: np.ndarray, grid: Grid, settings: Settings, dt: float
-) -> tuple[float, float]:
+    rows: np.ndarray, o: int, nodes: np.ndarray, grid: Grid, settings: Settings, bounds: tuple[Any, Any], dt: float
+) -> tuple[Any, Any]:
     """Update velocity, position and velocity gradient of one point from its nine nodes.
 
-    Returns its travel in h and the work of its old stress on the motion of the nodes, J.
-
-    Eq. (26)-(28), with the shares of FLIP and PIC and the position rule that the settings name.
+    Returns two vectors that count in lanes 4 to 6: its displacement, and the work of its old stress on the motion of
+    the nodes, J. Eq. (26)-(28), with the shares of FLIP and PIC and the position rule that the settings name.
     """
     inv_h = 1.0 / grid.h
     s_x, s_y = (rows[o + X] - grid.origin_x) * inv_h, (rows[o + Y] - grid.origin_y) * inv_h
     i, wx0, wx1, wx2, gx0, gx1, gx2 = spline(s_x, grid.n_x, settings.kernel_correction)
     j, wy0, wy1, wy2, gy0, gy1, gy2 = spline(s_y, grid.n_y, settings.kernel_correction)
     y0, y1, y2 = grid.ay[j], grid.ay[j + 1], grid.ay[j + 2]
-    n0, n1, n2 = _rows_of(nodes, grid.ax[i], y0, y1, y2)
-    sum0, slope0 = _along_y(n0, n1, n2, wy0, wy1, wy2, gy0, gy1, gy2)
-    n0, n1, n2 = _rows_of(nodes, grid.ax[i + 1], y0, y1, y2)
-    sum1, slope1 = _along_y(n0, n1, n2, wy0, wy1, wy2, gy0, gy1, gy2)
-    n0, n1, n2 = _rows_of(nodes, grid.ax[i + 2], y0, y1, y2)
-    sum2, slope2 = _along_y(n0, n1, n2, wy0, wy1, wy2, gy0, gy1, gy2)
+    sum0, slope0 = _along_y(nodes, grid.ax[i], y0, y1, y2, wy0, wy1, wy2, gy0, gy1, gy2)
+    sum1, slope1 = _along_y(nodes, grid.ax[i + 1], y0, y1, y2, wy0, wy1, wy2, gy0, gy1, gy2)
+    sum2, slope2 = _along_y(nodes, grid.ax[i + 2], y0, y1, y2, wy0, wy1, wy2, gy0, gy1, gy2)
 
     mean = fma(splat(wx2), sum2, fma(splat(wx1), sum1, splat(wx0) * sum0))
-    grad_x = fma(splat(gx2), sum2, fma(splat(gx1), sum1, splat(gx0) * sum0))
-    grad_y = fma(splat(wx2), slope2, fma(splat(wx1), slope1, splat(wx0) * slope0))
-    grad_x, grad_y = grad_x * splat(inv_h), grad_y * splat(inv_h)
-    work = _work_on_nodes(rows, o, mean, grad_x, grad_y, settings, dt)
-    return _move(rows, o, mean, grad_x, grad_y, settings, dt) * inv_h, work
+    grad_x = inv_h * fma(splat(gx2), sum2, fma(splat(gx1), sum1, splat(gx0) * sum0))
+    grad_y = inv_h * fma(splat(wx2), slope2, fma(splat(wx1), slope1, splat(wx0) * slope0))
+
+    work = power(load(rows, o + 8), grad_x, dt) + power(load(rows, o + 16), grad_y, dt)
+    l_zz = 0.0
+    if settings.axisymmetric:  # v_r / r belongs to the old position
+        l_zz = lane(mean, 1) / rows[o + X]
+        hoop = (l_zz - 0.5 * dt * lane(mean, 4) / rows[o + X]) * rows[o + HOOP]
+        work = work + vector(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, hoop, 0.0)
+    work = (dt * rows[o + J] * rows[o + V0]) * work
+    record, step = move(load(rows, o), mean, momenta(), bounds, settings, dt)
+    store(rows, o, record)
+    store_column(rows, o + 8, momenta(), grad_x)
+    store_column(rows, o + 16, momenta(), grad_y)
+    rows[o + 11] = l_zz
+    return step, work
 
 
 @device
-def _rows_of(nodes, a, y0, y1, y2):
-    """Three node records of equal x."""
-    return load(nodes, a + y0), load(nodes, a + y1), load(nodes, a + y2)
-
-
-@device
-def _along_y(n0, n1, n2, wy0, wy1, wy2, gy0, gy1, gy2):
+def _along_y(nodes, a, y0, y1, y2, wy0, wy1, wy2, gy0, gy1, gy2):
     """Weighted sum and slope of three nodes of equal x."""
+    n0, n1, n2 = load(nodes, a + y0), load(nodes, a + y1), load(nodes, a + y2)
     value = fma(splat(wy2), n2, fma(splat(wy1), n1, splat(wy0) * n0))
     slope = fma(splat(gy2), n2, fma(splat(gy1), n1, splat(gy0) * n0))
     return value, slope
-
-
-@device
-def _work_on_nodes(rows, o, mean, grad_x, grad_y, settings, dt):
-    """V sigma : grad(v + v~) / 2 dt, what the internal force of this step takes from the nodes."""
-    half = splat(-0.5 * dt)  # v~ and a stand in lanes 1, 2 and 4, 5, the columns of sigma in 4, 5
-    l_x, l_y = fma(half, grad_x, swap_halves(grad_x)), fma(half, grad_y, swap_halves(grad_y))
-    power = fma(load(rows, o + 8), l_x, load(rows, o + 16) * l_y)
-    hoop = (lane(mean, 1) - 0.5 * dt * lane(mean, 4)) / rows[o + X] * rows[o + SZZ] if settings.axisymmetric else 0.0
-    return dt * rows[o + J] * rows[o + V0] * (lane(power, 4) + lane(power, 5) + hoop)
-
-
-@device
-def _move(rows, o, mean, grad_x, grad_y, settings, dt):
-    """Write back one point; returns the larger component of its displacement, m."""
-    share = settings.flip_fraction
-    sv_x, sv_y, sa_x, sa_y = lane(mean, 1), lane(mean, 2), lane(mean, 4), lane(mean, 5)
-    # Eq. 26 and its PIC counterpart
-    rows[o + VX] = (1.0 - share) * sv_x + share * (rows[o + VX] + dt * sa_x)
-    rows[o + VY] = (1.0 - share) * sv_y + share * (rows[o + VY] + dt * sa_y)
-    # Eq. 28; v_r / r belongs to the old position
-    rows[o + LXX], rows[o + LYX] = lane(grad_x, 1), lane(grad_x, 2)
-    rows[o + LXY], rows[o + LYY] = lane(grad_y, 1), lane(grad_y, 2)
-    rows[o + LZZ] = sv_x / rows[o + X] if settings.axisymmetric else 0.0
-    # Eq. 27
-    correction = settings.position_factor * dt
-    step_x, step_y = dt * (sv_x - correction * sa_x), dt * (sv_y - correction * sa_y)
-    rows[o + X] += step_x
-    rows[o + Y] += step_y
-    return max(abs(step_x), abs(step_y))
-
-
-@device
-def keep_off_walls(rows: np.ndarray, o: int, grid: Grid, settings: Settings) -> None:
-    """Hold a point WALL_GAP h inside the grid, and `settings.axis_gap` h from an axis, where it is stiffer yet."""
-    h = grid.h
-    left = settings.axis_gap if settings.axisymmetric else WALL_GAP
-    rows[o + X] = min(max(rows[o + X], grid.origin_x + left * h), grid.origin_x + (grid.n_x - 1 - WALL_GAP) * h)
-    rows[o + Y] = min(max(rows[o + Y], grid.origin_y + WALL_GAP * h), grid.origin_y + (grid.n_y - 1 - WALL_GAP) * h)

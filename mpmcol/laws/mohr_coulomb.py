@@ -13,6 +13,7 @@ from typing import Literal, NamedTuple
 
 from mpmcol.jit import device
 from mpmcol.laws.elastic import Elasticity
+from mpmcol.simd import where_positive
 from mpmcol.units import choice, quantity
 
 STATE: tuple[str, ...] = ()
@@ -61,15 +62,19 @@ def flow_number(sine: float) -> float:
 
 
 @device
+def may_yield(s1, s3, history, params):
+    """The yield function."""
+    return params.n_phi * (s1 - params.apex) - (s3 - params.apex)
+
+
+@device
 def return_map(s1, s2, s3, history, params):
     """Return sorted principal stresses to the yield surface; see `mpmcol.laws` for what comes back."""
     a = params.apex
-    if params.n_phi * (s1 - a) - (s3 - a) <= 0.0:
-        return s1, s2, s3, history, 0.0, True
     t1, t2, t3, freed = return_to_cone(
         s1 - a, s2 - a, s3 - a, params.n_phi, params.n_psi, params.bulk_modulus, params.shear_modulus
     )
-    return t1 + a, t2 + a, t3 + a, history, freed, False
+    return t1 + a, t2 + a, t3 + a, history, freed, may_yield(s1, s3, history, params)
 
 
 @device
@@ -81,20 +86,23 @@ def apex(history, params):
 @device
 def return_to_cone(s1, s2, s3, k, m, bulk, shear):
     """Return a yielding stress, measured from the apex; also the volumetric strain that the apex sets free."""
-    p = (s1 + s2 + s3) / 3.0
-    spread = (k - 1.0) * (m - 1.0) / (3.0 * shear)
-    tension1 = (s1 + s2 - 2.0 * p + m * (s3 - p)) / (2.0 * shear) + (2.0 + m) * p / (3.0 * bulk)
-    tension2 = (s1 - p + m * (s2 + s3 - 2.0 * p)) / (2.0 * shear) + (1.0 + 2.0 * m) * p / (3.0 * bulk)
-    if tension1 >= 0.0 and tension2 >= 0.0:
-        return 0.0, 0.0, 0.0, max(p / bulk, 0.0)
-
+    p = (s1 + s2 + s3) * (1.0 / 3.0)
+    # Distance from each edge, along the flow directions of its two faces: both positive where nothing but the apex
+    # is left.
+    edge1 = (s1 + s2 - 2.0 * p + m * (s3 - p)) * (0.5 / shear) + (2.0 + m) * p * (1.0 / (3.0 * bulk))
+    edge3 = (s1 - p + m * (s2 + s3 - 2.0 * p)) * (0.5 / shear) + (1.0 + 2.0 * m) * p * (1.0 / (3.0 * bulk))
     coupling = (0.5 * bulk / shear - 1.0 / 3.0) * (m - 1.0)  # lambda / 2G (m - 1)
-    step = (k * s1 - s3) / (k * m + 1.0 + coupling * (k - 1.0))
-    t1, t2, t3 = s1 - step * (m + coupling), s2 - step * coupling, s3 - step * (coupling - 1.0)
-    if t1 < t2:
-        t1 = tension1 / (spread + (2.0 + m) * (2.0 + k) / (9.0 * bulk))
-        return t1, t1, k * t1, 0.0
-    if t3 > t2:
-        t1 = tension2 / (spread + (1.0 + 2.0 * m) * (1.0 + 2.0 * k) / (9.0 * bulk))
-        return t1, k * t1, k * t1, 0.0
-    return t1, t2, t3, 0.0
+    step = (k * s1 - s3) * (1.0 / (k * m + 1.0 + coupling * (k - 1.0)))
+    face1, face2, face3 = s1 - step * (m + coupling), s2 - step * coupling, s3 - step * (coupling - 1.0)
+
+    spread = (k - 1.0) * (m - 1.0) * (1.0 / (3.0 * shear))
+    on1 = edge1 * (1.0 / (spread + (2.0 + m) * (2.0 + k) * (1.0 / (9.0 * bulk))))
+    on3 = edge3 * (1.0 / (spread + (1.0 + 2.0 * m) * (1.0 + 2.0 * k) * (1.0 / (9.0 * bulk))))
+    beyond1, beyond3 = face2 - face1, face3 - face2
+    t1 = where_positive(beyond1, on1, where_positive(beyond3, on3, face1))
+    t2 = where_positive(beyond1, on1, where_positive(beyond3, k * on3, face2))
+    t3 = where_positive(beyond1, k * on1, where_positive(beyond3, k * on3, face3))
+
+    at_apex = where_positive(edge1, where_positive(edge3, 1.0, 0.0), 0.0)
+    freed = where_positive(at_apex, where_positive(p, p * (1.0 / bulk), 0.0), 0.0)
+    return where_positive(at_apex, 0.0, t1), where_positive(at_apex, 0.0, t2), where_positive(at_apex, 0.0, t3), freed

@@ -7,12 +7,14 @@ use other factors than sqrt(2/3); `strain_factor` stands for it.
 
 from __future__ import annotations
 
-from math import exp, radians, sin, sqrt, tan
+from math import radians, sin, sqrt
 from typing import Literal, NamedTuple
 
 from mpmcol.jit import device
 from mpmcol.laws.elastic import Elasticity
+from mpmcol.laws.functions import cotangent, decay, sine
 from mpmcol.laws.mohr_coulomb import flow_number, return_to_cone
+from mpmcol.simd import root
 from mpmcol.units import choice, quantity
 
 STATE: tuple[str, ...] = ("plastic_shear_strain",)
@@ -70,27 +72,29 @@ def make_params(material: Material) -> SofteningParams:
 
 
 @device
+def may_yield(s1, s3, history, params):
+    """The yield function of the weakest friction and no cohesion: above zero wherever the true one is."""
+    return params.weakest_n_phi * s1 - s3
+
+
+@device
 def return_map(s1, s2, s3, history, params):
     """Return sorted principal stresses to the yield surface of the strain so far, then add to that strain."""
     eps, other = history
-    if params.cohesion == 0.0 and params.weakest_n_phi * s1 - s3 <= 0.0:
-        return s1, s2, s3, history, 0.0, True
-    left = exp(-params.rate * eps)
-    phi = params.phi_residual + params.phi_excess * left
-    k = flow_number(sin(phi))
-    a = params.cohesion / tan(phi)
-    if k * (s1 - a) - (s3 - a) <= 0.0:
-        return s1, s2, s3, history, 0.0, True
-    m = flow_number(sin(params.psi_residual + params.psi_excess * left))
+    left = decay(params.rate * eps)
+    sin_phi = sine(params.phi_residual + params.phi_excess * left)
+    k, a = flow_number(sin_phi), params.cohesion * cotangent(sin_phi)
+    m = flow_number(sine(params.psi_residual + params.psi_excess * left))
+    yields = k * (s1 - a) - (s3 - a)
     t1, t2, t3, freed = return_to_cone(s1 - a, s2 - a, s3 - a, k, m, params.bulk_modulus, params.shear_modulus)
     d1, d2, d3 = s1 - a - t1, s2 - a - t2, s3 - a - t3
-    mean = (d1 + d2 + d3) / 3.0
-    norm = sqrt((d1 - mean) ** 2 + (d2 - mean) ** 2 + (d3 - mean) ** 2) / (2.0 * params.shear_modulus)
-    return t1 + a, t2 + a, t3 + a, (eps + params.strain_factor * norm, other), freed, False
+    mean = (d1 + d2 + d3) * (1.0 / 3.0)
+    d1, d2, d3 = d1 - mean, d2 - mean, d3 - mean
+    norm = root(d1 * d1 + d2 * d2 + d3 * d3) * (0.5 / params.shear_modulus)
+    return t1 + a, t2 + a, t3 + a, (eps + params.strain_factor * norm, other), freed, yields
 
 
 @device
 def apex(history, params):
     """Mean stress of an opened point."""
-    phi = params.phi_residual + params.phi_excess * exp(-params.rate * history[0])
-    return params.cohesion / tan(phi)
+    return params.cohesion * cotangent(sine(params.phi_residual + params.phi_excess * decay(params.rate * history[0])))

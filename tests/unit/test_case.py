@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import random
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -53,6 +54,7 @@ SHIPPED = [
     "lube-channel-dense",
     "lube-channel-loose",
     "lube-cylinder",
+    "lube-quarter",
     "quickstart",
 ]
 Write = Callable[..., Path]
@@ -196,8 +198,8 @@ def test_the_message_as_a_whole(write: Write) -> None:
         ("0.2", "0.5", "material.poissons_ratio", "expected a number >= 0 and < 0.5"),
         ("0.2", "-0.1", "material.poissons_ratio", "expected a number >= 0 and < 0.5"),
         ("33.0", "90", "material.friction_deg", "and < 90, in deg"),
-        ('"plane"', "1", "geometry.model", 'model = 1: expected "plane" or "axisymmetric"'),
-        ('"plane"', '"quarter"', "geometry.model", 'expected "plane" or "axisymmetric"'),
+        ('"plane"', "1", "geometry.model", 'model = 1: expected "plane", "axisymmetric", "quarter" or "full"'),
+        ('"plane"', '"cube"', "geometry.model", 'expected "plane", "axisymmetric", "quarter" or "full"'),
         ('"mohr-coulomb"', '"drucker-prager"', "material.law", 'law = "drucker-prager": expected "elastic"'),
         ('"mohr-coulomb"', "7", "material.law", "law = 7: expected"),
         ("schema = 1", "schema = 2", "schema", "schema = 2: expected 1"),
@@ -219,9 +221,10 @@ def test_bad_value(write: Write, old: str, new: str, key: str, message: str) -> 
 @pytest.mark.parametrize(
     ("addition", "message"),
     [
-        ("[grid]\npoints_per_cell = 5", "points_per_cell = 5: expected 1, 4, 9 or 16"),
-        ("[grid]\npoints_per_cell = 4.0", "points_per_cell = 4: expected 1, 4, 9 or 16"),
-        ("[grid]\npoints_per_cell = true", "points_per_cell = true: expected 1, 4, 9 or 16"),
+        ("[grid]\npoints_per_cell = 5", "points_per_cell = 5: expected 1, 4, 8, 9, 16 or 27"),
+        ("[grid]\npoints_per_cell = 4.0", "points_per_cell = 4: expected 1, 4, 8, 9, 16 or 27"),
+        ("[grid]\npoints_per_cell = true", "points_per_cell = true: expected 1, 4, 8, 9, 16 or 27"),
+        ("[grid]\npoints_per_cell = 8", "points_per_cell = 8: must be 1, 4, 9 or 16 in two dimensions"),
         ("[method]\nwall_impulse = 1", "[method] wall_impulse = 1: expected true or false"),
         ("[method]\nflip_fraction = 1.5", "flip_fraction = 1.5: expected a number >= 0 and <= 1"),
         ('[method]\ntransfer = "apic"', 'expected "taylor-flip", "flip" or "pic"'),
@@ -347,6 +350,22 @@ def test_keys_that_disagree_are_both_named_with_their_lines(
 
 def named(problem: Problem) -> set[str]:
     return {problem.key} | {part.partition(":")[0].strip() for part in problem.hint.split(";")}
+
+
+def test_words_of_three_dimensions(write: Write) -> None:
+    quarter = GOOD.replace('"plane"', '"quarter"')
+    case = load_case(write(quarter))
+    assert (case.grid.points_per_cell, case.geometry.shape, case.geometry.dimension) == (8, "cylinder", 3)
+    box = load_case(write(quarter), ["geometry.section=box", "geometry.depth=0.2"])
+    assert (box.geometry.shape, box.geometry.depth) == ("box", 0.2)
+    assert case_hash(box) != case_hash(case) != case_hash(load_case(write(GOOD)))
+    for overrides, message in (
+        (["grid.points_per_cell=4"], "must be 1, 4, 9 or 16 in two dimensions"),
+        (["geometry.depth=0.2"], "must be absent with geometry.section"),
+        (["geometry.model=plane", "geometry.section=box"], 'must be "cylinder" with geometry.model'),
+    ):
+        with pytest.raises(CaseError, match=re.escape(message)):
+            load_case(write(quarter), overrides)
 
 
 def test_rules_between_keys_are_checked_beside_other_problems(write: Write) -> None:

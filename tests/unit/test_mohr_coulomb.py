@@ -26,9 +26,14 @@ def params_of(friction, dilatancy=0.0, cohesion=0.0):
 
 def returned(trial, params):
     """Stresses (n, 3) after the return, freed volumetric strains (n,), whether nothing changed (n,)."""
-    results = [mohr_coulomb.return_map(*s, UNUSED, params) for s in trial.tolist()]
-    s1, s2, s3, _, freed, elastic = zip(*results, strict=True)
-    return np.array([s1, s2, s3]).T, np.array(freed), np.array(elastic)
+    *principal, _, freed, yields = mohr_coulomb.return_map(*trial.T, UNUSED, params)
+    elastic = yields <= 0.0
+    return np.where(elastic[:, None], trial, np.array(principal).T), np.where(elastic, 0.0, freed), elastic
+
+
+def one(s, params):
+    """Three stresses after the return of three sorted stresses."""
+    return returned(np.array([s]), params)[0][0]
 
 
 def random_trials(n, centre=0.0, seed=1):
@@ -122,22 +127,16 @@ def test_isochoric_return_below_the_apex_keeps_the_mean_stress_and_needs_no_modu
 
 
 def test_tension_is_cut_off_at_the_apex():
-    assert mohr_coulomb.return_map(2e3, 1e3, 1e3, UNUSED, params_of(33.0))[:3] == (0.0, 0.0, 0.0)
+    np.testing.assert_array_equal(one((2e3, 1e3, 1e3), params_of(33.0)), 0.0)
     cohesive = params_of(33.0, cohesion=1e3)
     apex = 1e3 / tan(radians(33.0))
-    np.testing.assert_allclose(mohr_coulomb.return_map(9e3, 8e3, 8e3, UNUSED, cohesive)[:3], apex)
+    np.testing.assert_allclose(one((9e3, 8e3, 8e3), cohesive), apex)
     np.testing.assert_allclose(mohr_coulomb.apex(UNUSED, cohesive), apex)
 
 
 def test_zero_stress_is_elastic():
-    assert mohr_coulomb.return_map(0.0, 0.0, 0.0, UNUSED, params_of(33.0)) == (
-        0.0,
-        0.0,
-        0.0,
-        UNUSED,
-        0.0,
-        True,
-    )
+    stress, freed, elastic = returned(np.zeros((1, 3)), params_of(33.0))
+    assert elastic.all() and not stress.any() and not freed.any()
 
 
 # ---------------------------------------------------------------------------------------- element tests
@@ -150,7 +149,7 @@ def drive(stress, strain_step, params, steps):
     for _ in range(steps):
         values, axes = np.linalg.eigh(stress + increment)
         axes = axes[:, ::-1]
-        stress = axes @ np.diag(mohr_coulomb.return_map(*values[::-1], UNUSED, params)[:3]) @ axes.T
+        stress = axes @ np.diag(one(values[::-1], params)) @ axes.T
     return stress
 
 
@@ -178,7 +177,7 @@ def test_triaxial_compression_fails_at_n_phi(psi):
         trial_strain = np.array([1e-5, 1e-5, -2e-5])
         for _ in range(60):
             trial = stress + stress_of(trial_strain)
-            new = np.array(mohr_coulomb.return_map(*trial, UNUSED, params)[:3])
+            new = one(trial, params)
             trial_strain[:2] -= 0.4 * (new[0] + 1e3) / K
         stress = new
     np.testing.assert_allclose(stress[0], -1e3, rtol=1e-6)
@@ -207,12 +206,24 @@ def softening(cohesion=0.0):
 @pytest.mark.parametrize(("eps", "phi", "psi"), [(0.0, 50.0, 25.0), (log(2.0) / 5.0, 41.5, 12.5), (20.0, 33.0, 0.0)])
 def test_softening_returns_with_the_angles_of_the_strain_so_far(eps, phi, psi, cohesion):
     trial = random_trials(500, seed=6)
-    results = [mohr_coulomb_softening.return_map(*s, (eps, 0.0), softening(cohesion)) for s in trial.tolist()]
+    *principal, (strain, _), opened, yields = mohr_coulomb_softening.return_map(
+        *trial.T, (np.full(len(trial), eps), 0.0), softening(cohesion)
+    )
     stress, freed, elastic = returned(trial, params_of(phi, psi, cohesion))
-    np.testing.assert_allclose([r[:3] for r in results], stress, atol=1e-8 * SCALE)
-    np.testing.assert_allclose([r[4] for r in results], freed, atol=1e-12)
-    np.testing.assert_array_equal([r[5] for r in results], elastic)
+    np.testing.assert_array_equal(yields <= 0.0, elastic)
+    np.testing.assert_allclose(np.array(principal).T[~elastic], stress[~elastic], atol=1e-8 * SCALE)
+    np.testing.assert_allclose(opened[~elastic], freed[~elastic], atol=1e-12)
     plastic = strain_of(trial - stress)
     deviatoric = plastic - plastic.mean(axis=1, keepdims=True)
     length = sqrt(2.0 / 3.0) * np.linalg.norm(deviatoric, axis=1)
-    np.testing.assert_allclose([r[3][0] - eps for r in results], length, atol=1e-12)
+    np.testing.assert_allclose((strain - eps)[~elastic], length[~elastic], atol=1e-12)
+
+
+@pytest.mark.parametrize("cohesion", [0.0, 1e3])
+def test_softening_may_yield_wherever_it_does(cohesion):
+    trial, params = random_trials(2_000, seed=7), softening(cohesion)
+    for eps in (0.0, 0.1, 20.0):
+        history = (np.full(len(trial), eps), 0.0)
+        yields = mohr_coulomb_softening.return_map(*trial.T, history, params)[-1] > 0.0
+        may = mohr_coulomb_softening.may_yield(trial[:, 0], trial[:, 2], history, params) > 0.0
+        assert yields.any() and not np.any(yields & ~may)

@@ -7,11 +7,13 @@ from math import radians
 import numpy as np
 import pytest
 
-from mpmcol.kernels.transfer_2d import WALL_GAP
+from mpmcol.grid import allocate_grid, node_coordinates, set_fixed
+from mpmcol.kernels.transfer import WALL_GAP
 from mpmcol.laws import LAWS
 from mpmcol.solver import Body, Solver
-from mpmcol.state import V0, Points, Settings, allocate_grid, node_coordinates, set_fixed
+from mpmcol.state import Points, Settings
 from tests import reference
+from tests.verification.blocks import by_id
 
 ELASTIC = {"density": 2000.0, "youngs_modulus": 1e6, "poissons_ratio": 0.25}
 PLASTIC = {
@@ -23,7 +25,7 @@ PLASTIC = {
     },
 }  # fmt: skip
 PLAIN = Settings(0.0, -9.81, 0.1, 0.3, 1.0, 1.0, 0.5, True, True, True, False)
-H, CELLS, ORIGIN = 0.1, (13, 10), (0.0, -0.2)
+H, CELLS, ORIGIN = 0.1, (13, 10, 8), (0.0, -0.2, 0.0)
 
 
 def body(law: str) -> Body:
@@ -43,15 +45,15 @@ def reference_material(law: str) -> reference.ReferenceMaterial:
     )
 
 
-def random_points(seed: int, opens: bool) -> Points:
+def random_points(seed: int, opens: bool, d: int) -> Points:
     """Points all over the grid, some next to walls, moving, stressed, deformed, a few of them open."""
     rng = np.random.default_rng(seed)
-    points = Points(300)
-    points.x[:] = rng.uniform((0.006, -0.194), (0.99, 0.49), (300, 2))
+    points = Points(300, d)
+    points.x[:] = rng.uniform((0.006, -0.194, 0.006)[:d], (0.99, 0.49, 0.49)[:d], (300, d))
     points.x[:20, 0] = rng.uniform(0.006, 0.02, 20)
-    points.v[:] = rng.normal(0.0, 0.3, (300, 2))
+    points.v[:] = rng.normal(0.0, 0.3, (300, d))
     points.m[:] = rng.uniform(1.0, 3.0, 300)
-    points.rows[:, V0] = points.m / 2000.0
+    points.V0[:] = points.m / 2000.0
     points.J[:] = rng.uniform(0.9, 1.1, 300)
     points.kind[:] = points.x[:, 1] < 0.0
     points.opening[:] = np.where(
@@ -59,20 +61,21 @@ def random_points(seed: int, opens: bool) -> Points:
     )
     points.history[:, 0] = rng.uniform(0.0, 0.3, 300)
     grad_v = np.zeros((300, 3, 3))
-    grad_v[:, :2, :2] = rng.normal(0.0, 1.0, (300, 2, 2))
+    grad_v[:, :d, :d] = rng.normal(0.0, 1.0, (300, d, d))
     points.grad_v = grad_v
     sigma = rng.normal(0.0, 300.0, (300, 6)) - np.array([400.0, 400.0, 400.0, 0.0, 0.0, 0.0])
+    sigma[:30, 3:] = 0.0  # principal axes along those of the grid
+    sigma[:15, 0] = sigma[:15, 1]  # and two or three equal principal stresses
+    sigma[:5, 2] = sigma[:5, 1]
     points.sigma = np.where((points.opening > 0.0)[:, None], 0.0, sigma)
     return points
 
 
 def as_reference(points: Points) -> reference.ReferencePoints:
-    sigma = np.zeros((len(points), 3, 3))
-    for (a, b), k in {(0, 0): 0, (1, 1): 1, (2, 2): 2, (0, 1): 3, (1, 0): 3}.items():
-        sigma[:, a, b] = points.sigma[:, k]
     return reference.ReferencePoints(
-        points.x.copy(), points.v.copy(), points.grad_v, sigma, points.J.copy(), points.opening.copy(),
-        points.m.copy(), points.V0.copy(), points.history.copy(), points.kind.astype(int),
+        points.x.copy(), points.v.copy(), points.grad_v, points.sigma[:, [[0, 3, 5], [3, 1, 4], [5, 4, 2]]],
+        points.J.copy(), points.opening.copy(), points.m.copy(), points.V0.copy(), points.history.copy(),
+        points.kind.astype(int),
     )  # fmt: skip
 
 
@@ -88,38 +91,41 @@ SWITCHES: list[dict] = [
     {"alpha_d": 0.7, "gravity_x": 2.0},
 ]
 SOFTENING = "mohr-coulomb-softening"
-COMBINATIONS = [(law, change) for law in LAWS if law != SOFTENING for change in SWITCHES]
-COMBINATIONS += [(SOFTENING, {}), (SOFTENING, {"axisymmetric": True})]
+COMBINATIONS = [(2, law, change) for law in LAWS if law != SOFTENING for change in SWITCHES]
+COMBINATIONS += [(2, SOFTENING, {}), (2, SOFTENING, {"axisymmetric": True})]
+COMBINATIONS += [(3, law, {}) for law in LAWS]
+COMBINATIONS += [(3, "mohr-coulomb", change | {"gravity_z": 1.0}) for change in SWITCHES[2:]]
 
 
-@pytest.mark.parametrize(("law", "change"), COMBINATIONS, ids=str)
-def test_steps_equal_the_reference(law: str, change: dict) -> None:
+@pytest.mark.parametrize(("d", "law", "change"), COMBINATIONS, ids=str)
+def test_steps_equal_the_reference(d: int, law: str, change: dict) -> None:
     settings = PLAIN._replace(**change)
-    points = random_points(seed=1, opens=law != "elastic")
+    points = random_points(seed=1, opens=law != "elastic", d=d)
     expected = as_reference(points)
-    grid = allocate_grid(ORIGIN, H, CELLS)
-    x, y = node_coordinates(grid)
-    fixed_x, fixed_y = (x < 1e-9) | (y < -0.199), y < -0.199
-    set_fixed(grid, fixed_x, fixed_y)
+    grid = allocate_grid(ORIGIN[:d], H, CELLS[:d])
+    x, y = node_coordinates(grid)[:2]
+    shape = (grid.n_x, grid.n_y, grid.n_z)[:d]
+    fixed = [np.broadcast_to(mask, shape) for mask in ((x < 1e-9) | (y < -0.199), y < -0.199, y < -0.199)[:d]]
+    set_fixed(grid, *fixed)
     solver = Solver(points, grid, settings, body(law), body("elastic"))
 
-    reference_grid = reference.ReferenceGrid(np.array(ORIGIN), H, (grid.n_x, grid.n_y))
+    reference_grid = reference.ReferenceGrid(np.array(ORIGIN[:d]), H, shape)
     materials = [reference_material(law), reference_material("elastic")]
+    gravity = np.array([settings.gravity_x, settings.gravity_y, settings.gravity_z])[:d]
     for _ in range(3):
         scheme = reference.ReferenceScheme(
-            solver.dt, np.array([settings.gravity_x, settings.gravity_y]), settings.alpha_d, settings.taylor,
-            settings.flip_fraction, settings.position_factor, settings.wall_impulse, settings.opening_strain,
-            settings.kernel_correction, settings.axisymmetric, m_min=1e-20 * points.m.min(),
+            solver.dt, gravity, settings.alpha_d, settings.taylor, settings.flip_fraction, settings.position_factor,
+            settings.wall_impulse, settings.opening_strain, settings.kernel_correction, settings.axisymmetric,
+            m_min=1e-20 * points.m.min(),
         )  # fmt: skip
         assert solver.advance(1.0, max_steps=1) == -1
-        expected = reference.step(expected, reference_grid, np.stack([fixed_x, fixed_y], -1), materials, scheme)
-        left = settings.axis_gap if settings.axisymmetric else WALL_GAP
-        expected.x[:, 0] = np.maximum(expected.x[:, 0], left * H)
-        expected.x[:, 1] = np.maximum(expected.x[:, 1], ORIGIN[1] + WALL_GAP * H)
+        expected = reference.step(expected, reference_grid, np.stack(fixed, -1), materials, scheme)
+        gap = np.full(d, WALL_GAP)
+        gap[0] = settings.axis_gap if settings.axisymmetric else WALL_GAP
+        expected.x[:] = np.maximum(expected.x, ORIGIN[:d] + gap * H)
 
-    rows = solver.points.rows[np.argsort(solver.points.id)]
-    solver.points.rows = rows
-    got = as_reference(solver.points)
+    points = by_id(solver)
+    got = as_reference(points)
     for name, scale in {
         "x": 1e-13,
         "v": 1e-12,

@@ -10,19 +10,10 @@ from typing import Any
 
 import numpy as np
 
+from mpmcol.grid import Grid, allocate_grid, node_coordinates, set_fixed
 from mpmcol.laws import elastic, mohr_coulomb
 from mpmcol.solver import Body, Solver
-from mpmcol.state import (
-    BASE,
-    KIND,
-    V0,
-    Grid,
-    Points,
-    Settings,
-    allocate_grid,
-    node_coordinates,
-    set_fixed,
-)
+from mpmcol.state import BASE, ID, KIND, V0, Points, Settings
 
 G = 9.81
 DENSITY, E, NU, PHI = 2650.0, 10e6, 0.2, 33.0
@@ -52,12 +43,12 @@ def sand_body(
     return Body(mohr_coulomb, mohr_coulomb.make_params(material), material.wave_speed**2)
 
 
-def lattice(lower: tuple[float, float], upper: tuple[float, float], spacing: float) -> np.ndarray:
-    """Centres (n, 2) of squares of side `spacing` that tile the rectangle."""
+def lattice(lower: tuple[float, ...], upper: tuple[float, ...], spacing: float) -> np.ndarray:
+    """Centres (n, d) of squares or cubes of side `spacing` that tile the rectangle or box."""
     axes = [
         low + spacing * (np.arange(round((high - low) / spacing)) + 0.5) for low, high in zip(lower, upper, strict=True)
     ]
-    return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2)
+    return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(lower))
 
 
 def points_at(
@@ -75,9 +66,9 @@ def points_at(
 def joined(*parts: Points) -> Points:
     """All points of several bodies, renumbered."""
     points = Points(sum(len(part) for part in parts))
-    number = points.rows[:, 7].copy()
+    number = points.id
     points.rows[:] = np.concatenate([part.rows for part in parts])
-    points.rows[:, 7] = number
+    points.rows[:, ID] = number
     return points
 
 
@@ -126,7 +117,7 @@ def advance_steps(solver: Solver, steps: int) -> None:
 
 def by_id(solver: Solver) -> Points:
     """The points in their first order."""
-    points = Points(len(solver.points))
+    points = Points(len(solver.points), solver.points.dimension)
     points.rows[:] = solver.points.rows[np.argsort(solver.points.id)]
     return points
 

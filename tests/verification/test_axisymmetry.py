@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mpmcol.state import node_records
+from mpmcol.grid import node_records
 from tests.verification.blocks import (
     DENSITY,
     NU,

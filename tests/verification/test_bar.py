@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from mpmcol.kernels.cycle_2d import DT
+from mpmcol.kernels.cycle import DT
 from tests.verification.blocks import (
     WEIGHTLESS,
     advance_steps,

@@ -5,10 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mpmcol.kernels.cycle_2d import L_UNBALANCED
-from mpmcol.kernels.transfer_2d import clear, p2g
+from mpmcol.grid import node_coordinates, node_records, set_fixed
+from mpmcol.kernels import transfer_2d
+from mpmcol.kernels.cycle import L_UNBALANCED
+from mpmcol.kernels.grid import clear
+from mpmcol.kernels.transfer import make_p2g
 from mpmcol.solver import Solver
-from mpmcol.state import COLUMN, Points, node_coordinates, node_records, set_fixed
+from mpmcol.state import COLUMN, Points
 from tests.verification.blocks import (
     DENSITY,
     K_ACTIVE,
@@ -88,7 +91,7 @@ def test_active_thrust_on_the_gate() -> None:
     solver = sand_behind_a_gate(10)
     solver.sort()
     clear(solver.grid, solver.tiles)
-    p2g(solver.points.rows.reshape(-1), solver.grid, solver.tiles, solver.settings)
+    make_p2g(transfer_2d)(solver.points.rows.reshape(-1), solver.grid, solver.tiles, solver.settings)
     force = node_records(solver.grid)[:, :, 4].sum(axis=1)
     thrust = 0.5 * K_ACTIVE * DENSITY * G * HEIGHT**2
     assert pytest.approx(0.2948, abs=5e-5) == K_ACTIVE

@@ -27,7 +27,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from mpmcol.kernels.cycle_2d import L_DAMPING, L_GRID, L_NODE_WORK, L_WALLS, L_WORK
+from mpmcol.kernels.cycle import L_DAMPING, L_GRID, L_NODE_WORK, L_WALLS, L_WORK
 from mpmcol.solver import Solver
 from mpmcol.state import COLUMN, Settings
 from tests.verification.blocks import (

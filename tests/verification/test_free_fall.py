@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from mpmcol.grid import node_records
 from mpmcol.solver import Solver
-from mpmcol.state import Points, Settings, node_records
+from mpmcol.state import Points, Settings
 from tests.verification.blocks import (
     PLAIN,
     G,

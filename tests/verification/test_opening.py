@@ -7,8 +7,9 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
+from mpmcol.grid import node_coordinates, set_fixed
 from mpmcol.solver import Solver
-from mpmcol.state import COLUMN, Points, node_coordinates, set_fixed
+from mpmcol.state import COLUMN, Points
 from tests.verification.blocks import (
     PLAIN,
     WEIGHTLESS,

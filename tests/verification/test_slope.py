@@ -12,8 +12,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from mpmcol.grid import Grid, allocate_grid, node_coordinates, node_records, set_fixed
 from mpmcol.solver import Solver
-from mpmcol.state import COLUMN, Grid, allocate_grid, node_coordinates, node_records, set_fixed
+from mpmcol.state import COLUMN
 from tests.verification.blocks import (
     DENSITY,
     PHI,

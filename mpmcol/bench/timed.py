@@ -2,7 +2,7 @@
 
 # Compiled functions take what Numba infers.
 # mypy: allow-untyped-defs
-# ruff: noqa: ANN001, ANN201
+# ruff: noqa: ANN001
 
 from __future__ import annotations
 
@@ -11,23 +11,23 @@ from functools import cache
 from types import ModuleType
 from typing import Any
 
-from mpmcol.bench import plain_2d as plain
+from mpmcol.bench import plain, plain_2d, plain_3d
 from mpmcol.bench.clock import seconds
-from mpmcol.bench.plain_stress_2d import make_update_stress
 from mpmcol.jit import driver, phase, prange
-from mpmcol.kernels.cycle_2d import DT, make_update_points, sum_nodes, sum_points
-from mpmcol.kernels.grid_2d import update_grid
-from mpmcol.kernels.transfer_2d import clear, gather, keep_off_walls, p2g
-from mpmcol.state import ROW
+from mpmcol.kernels.cycle import DT, TRANSFERS, make_update_points, sum_nodes, sum_points
+from mpmcol.kernels.grid import clear, update_grid
+from mpmcol.kernels.transfer import make_p2g
+from mpmcol.simd import lane
 
 VECTOR_PHASES = ("clear", "p2g", "update_grid", "update_points", "sums")
 PLAIN_PHASES = ("clear", "p2g", "update_grid", "g2p", "stress")
+PLAIN_TRANSFERS = {2: plain_2d, 3: plain_3d}
 
 
 @cache
-def make_vector_steps(column_law: ModuleType, base_law: ModuleType) -> Callable[..., Any]:
-    """The step of `kernels.cycle_2d` with a clock reading before and after each of VECTOR_PHASES."""
-    update_points = make_update_points(column_law, base_law)
+def make_vector_steps(dimension: int, column_law: ModuleType, base_law: ModuleType) -> Callable[..., Any]:
+    """The step of `kernels.cycle` with a clock reading before and after each of VECTOR_PHASES."""
+    p2g, update_points = make_p2g(TRANSFERS[dimension]), make_update_points(dimension, column_law, base_law)
 
     @driver
     def vector_steps(
@@ -57,9 +57,10 @@ def make_vector_steps(column_law: ModuleType, base_law: ModuleType) -> Callable[
 
 
 @cache
-def make_plain_steps(column_law: ModuleType, base_law: ModuleType) -> Callable[..., Any]:
+def make_plain_steps(dimension: int, column_law: ModuleType, base_law: ModuleType) -> Callable[..., Any]:
     """The plain loops with a clock reading before and after each of PLAIN_PHASES."""
-    update_stress = make_update_stress(column_law, base_law)
+    update_stress = plain.make_update_stress(dimension, column_law, base_law)
+    p2g, g2p = PLAIN_TRANSFERS[dimension].p2g, PLAIN_TRANSFERS[dimension].g2p
 
     @driver
     def plain_steps(
@@ -75,11 +76,11 @@ def make_plain_steps(column_law: ModuleType, base_law: ModuleType) -> Callable[.
             times[k, 0] = seconds()
             plain.clear(grid)
             times[k, 1] = seconds()
-            plain.p2g(points, grid, tiles, settings)
+            p2g(points, grid, tiles, settings)
             times[k, 2] = seconds()
             plain.update_grid(grid, settings, smallest_mass, dt, node_report)
             times[k, 3] = seconds()
-            plain.g2p(points, grid, tiles, settings, dt)
+            g2p(points, grid, tiles, settings, dt)
             times[k, 4] = seconds()
             update_stress(points, tiles, settings, column, base, c2_column, c2_base, dt, tile_report)
             clock[DT] = settings.cfl * grid.h / tile_report[:, 0].max()
@@ -88,29 +89,32 @@ def make_plain_steps(column_law: ModuleType, base_law: ModuleType) -> Callable[.
     return plain_steps
 
 
-@phase
-def _gather_all(rows, grid, tiles, settings, dt, report):
-    """G2P of all points without their stress.
+@cache
+def make_gather_alone(dimension: int) -> Callable[..., Any]:
+    """G2P of all points without their stress."""
+    transfer = TRANSFERS[dimension]
+    gather, limits, row = transfer.gather, transfer.limits, transfer.ROW
 
-    Reads: nodes. Writes: rows, report. Eq. (26)-(28).
-    """
-    nodes, start = grid.nodes, tiles.start
-    for t in prange(len(start) - 1):
-        travel = 0.0
-        for p in range(start[t], start[t + 1]):
-            moved, _ = gather(rows, p * ROW, nodes, grid, settings, dt)
-            travel = max(travel, moved)
-            keep_off_walls(rows, p * ROW, grid, settings)
-        report[t, 0] = travel
+    @phase
+    def gather_all(rows, grid, tiles, settings, dt, report):
+        """Reads: nodes. Writes: rows, report. Eq. (26)-(28)."""
+        nodes, start, bounds = grid.nodes, tiles.start, limits(grid, settings)
+        for t in prange(len(start) - 1):
+            total = 0.0
+            for p in range(start[t], start[t + 1]):
+                step, work = gather(rows, p * row, nodes, grid, settings, bounds, dt)
+                total += lane(step, 4) + lane(work, 4)
+            report[t, 0] = total
 
+    @driver
+    def gather_alone(rows, grid, tiles, settings, dt, report, times):
+        """G2P as often as `times` (n, 2) has rows, on records that nobody needs any more.
 
-@driver
-def gather_alone(rows, grid, tiles, settings, dt, report, times):
-    """G2P as often as `times` (n, 2) has rows, on records that nobody needs any more.
+        Reads: nodes. Writes: rows, report, times. Eq. (26)-(28).
+        """
+        for k in range(len(times)):
+            times[k, 0] = seconds()
+            gather_all(rows, grid, tiles, settings, dt, report)
+            times[k, 1] = seconds()
 
-    Reads: nodes. Writes: rows, report, times. Eq. (26)-(28).
-    """
-    for k in range(len(times)):
-        times[k, 0] = seconds()
-        _gather_all(rows, grid, tiles, settings, dt, report)
-        times[k, 1] = seconds()
+    return gather_alone

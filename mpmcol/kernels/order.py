@@ -1,0 +1,153 @@
+"""Points in order of tiles, so that tiles of one colour can be scattered in parallel and memory is read in line.
+
+The first node of a point's stencil decides its tile. A point may travel up to one cell before the next sort: its
+stencil then still keeps clear of every other tile of the same colour. Works in two and three dimensions.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mpmcol.basis import base_node
+from mpmcol.grid import TILE, Grid, tile_count
+from mpmcol.jit import device, kernel, prange
+from mpmcol.simd import LANES, load, store
+from mpmcol.state import KIND, X, Y, Z
+
+
+@kernel
+def sort_points(rows: np.ndarray, row: int, grid: Grid, count: np.ndarray, mark: np.ndarray):
+    """Put the records in `rows`, of `row` doubles each, in order of tile, kind and cell; returns the arrays of `Tiles`.
+
+    Reads: rows. Writes: rows, count (n_tiles,) and mark (n_tiles,) as scratch, zero on entry and on return.
+    Eq. (19)-(20) are sums over points in this order.
+    """
+    n = len(rows) // row
+    tiles = tile_count(grid.n_x), tile_count(grid.n_y), tile_count(grid.n_z)
+    buckets = TILE**3 if grid.n_z > 1 else TILE**2
+    tile_of, bucket_of = np.empty(n, np.int32), np.empty(n, np.uint8)
+    for p in prange(n):
+        tile_of[p], bucket_of[p] = _place(rows, p * row, grid, tiles, buckets)
+    occupied, start = _count(tile_of, count)
+    by_tile = np.empty(n, np.int32)
+    for p in range(n):
+        by_tile[count[tile_of[p]]] = p
+        count[tile_of[p]] += 1
+    order, split = tile_of, np.empty(len(occupied), np.int64)
+    for t in prange(len(occupied)):
+        split[t] = _order_tile(by_tile, bucket_of, buckets, start[t], start[t + 1], order)
+        count[occupied[t]] = 0
+    _permute(rows, row, order)
+    by_colour, colour_start = _colour(occupied, tiles)
+    return start, split, by_colour, colour_start, _reachable(occupied, grid, tiles, mark)
+
+
+@device
+def _place(rows, o, grid, tiles, buckets):
+    """Tile of a point and its bucket in the tile: column points cell by cell, then base points."""
+    i = base_node((rows[o + X] - grid.origin_x) / grid.h, grid.n_x)
+    j = base_node((rows[o + Y] - grid.origin_y) / grid.h, grid.n_y)
+    k = base_node((rows[o + Z] - grid.origin_z) / grid.h, grid.n_z) if grid.n_z > 1 else 0
+    tile = ((i // TILE) * tiles[1] + j // TILE) * tiles[2] + k // TILE
+    cell = (i % TILE) * TILE + j % TILE
+    if grid.n_z > 1:
+        cell = cell * TILE + k % TILE
+    return tile, int(rows[o + KIND]) * buckets + cell
+
+
+@device
+def _count(tile_of, count):
+    """Occupied tiles in order and where their points start; `count` becomes each tile's next free place."""
+    for tile in tile_of:
+        count[tile] += 1
+    occupied = np.flatnonzero(count)
+    start = np.zeros(len(occupied) + 1, np.int64)
+    for t in range(len(occupied)):
+        start[t + 1] = start[t] + count[occupied[t]]
+        count[occupied[t]] = start[t]
+    return occupied, start
+
+
+@device
+def _order_tile(by_tile, bucket_of, buckets, start, stop, order):
+    """Counting sort of one tile's points by bucket; returns where the base's points begin."""
+    place = np.zeros(2 * buckets + 1, np.int64)
+    for k in range(start, stop):
+        place[bucket_of[by_tile[k]] + 1] += 1
+    place[0] = start
+    for bucket in range(2 * buckets):
+        place[bucket + 1] += place[bucket]
+    split = place[buckets]
+    for k in range(start, stop):
+        bucket = bucket_of[by_tile[k]]
+        order[place[bucket]] = by_tile[k]
+        place[bucket] += 1
+    return split
+
+
+@device
+def _permute(rows, row, order):
+    """Bring record order[p] to place p for all p, cycle by cycle and without a second copy; uses up `order`."""
+    held = np.empty(4 * LANES)
+    for first in range(len(order)):
+        source = order[first]
+        if source < 0 or source == first:
+            continue
+        held[:row] = rows[first * row : (first + 1) * row]
+        target = np.int64(first)
+        while source != first:
+            for lane in range(0, row, LANES):
+                store(rows, target * row + lane, load(rows, source * row + lane))
+            order[target] = -1
+            target = np.int64(source)
+            source = order[target]
+        rows[target * row : (target + 1) * row] = held[:row]
+        order[target] = -1
+
+
+@device
+def _colour(occupied, tiles):
+    """Tiles grouped by the parity of their coordinates, and where each group starts."""
+    colours = 8 if tiles[2] > 1 else 4
+    by_colour, colour_start = np.empty(len(occupied), np.int64), np.zeros(colours + 1, np.int64)
+    k = 0
+    for colour in range(colours):
+        for t in range(len(occupied)):
+            x, y, z = _coordinates(occupied[t], tiles)
+            if x % 2 + 2 * (y % 2) + 4 * (z % 2) == colour:
+                by_colour[k] = t
+                k += 1
+        colour_start[colour + 1] = k
+    return by_colour, colour_start
+
+
+@device
+def _coordinates(tile, tiles):
+    """Position of a tile among the tiles, from its number."""
+    return tile // (tiles[1] * tiles[2]), tile // tiles[2] % tiles[1], tile % tiles[2]
+
+
+@device
+def _reachable(occupied, grid, tiles, mark):
+    """Addresses of the tiles whose nodes a point can touch before the next sort."""
+    around = 27 if tiles[2] > 1 else 9
+    active, found = np.empty(around * len(occupied), np.int64), 0
+    for tile in occupied:
+        x, y, z = _coordinates(tile, tiles)
+        for tx in range(max(x - 1, 0), min(x + 2, tiles[0])):
+            for ty in range(max(y - 1, 0), min(y + 2, tiles[1])):
+                for tz in range(max(z - 1, 0), min(z + 2, tiles[2])):
+                    number = (tx * tiles[1] + ty) * tiles[2] + tz
+                    if mark[number] == 0:
+                        mark[number] = 1
+                        active[found] = number * grid.tile_doubles
+                        found += 1
+    for t in range(found):
+        mark[active[t] // grid.tile_doubles] = 0
+    return np.sort(active[:found])
+
+
+def scratch(grid: Grid) -> tuple[np.ndarray, np.ndarray]:
+    """The `count` and `mark` arrays of `sort_points` for this grid."""
+    tiles = tile_count(grid.n_x) * tile_count(grid.n_y) * tile_count(grid.n_z)
+    return np.zeros(tiles, np.int64), np.zeros(tiles, np.uint8)

@@ -1,0 +1,66 @@
+"""What the transfers between points and grid share in two and three dimensions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from mpmcol.grid import Grid, Tiles
+from mpmcol.jit import device, phase, prange
+from mpmcol.simd import fma, load, splat, store, swap_halves, where_positive
+from mpmcol.state import Settings
+
+WALL_GAP = 0.1  # in h: a point closer to a wall would be stiffer than the default time step bears
+
+
+def make_p2g(transfer: ModuleType) -> Callable[..., None]:
+    """P2G over all points, with the dimension's stencil frozen in."""
+    scatter, row = transfer.scatter, transfer.ROW
+
+    @phase
+    def p2g(rows: np.ndarray, grid: Grid, tiles: Tiles, settings: Settings) -> None:
+        """Scatter mass, momentum and force, tiles of one colour in parallel, each node summed in a fixed order.
+
+        Reads: rows. Writes: nodes (m, mv, f). Eq. (13), (14), (19), (20).
+        """
+        nodes, start, by_colour, colour_start = grid.nodes, tiles.start, tiles.by_colour, tiles.colour_start
+        for colour in range(len(colour_start) - 1):
+            for k in prange(colour_start[colour], colour_start[colour + 1]):
+                tile = by_colour[k]
+                for p in range(start[tile], start[tile + 1]):
+                    scatter(rows, p * row, nodes, grid, settings)
+
+    return p2g
+
+
+@device
+def move(record: Any, mean: Any, momenta: Any, limits: Any, settings: Settings, dt: float) -> tuple[Any, Any]:
+    """New first row of a point's record, and its displacement (lanes 4 to 6), Eq. (26)-(27).
+
+    record: the old row. mean: weighted sums of v~ and a over the nodes. momenta: one in the lanes of the velocity.
+    limits: least and largest position in lanes 4 to 6.
+    """
+    share, forces, swapped = settings.flip_fraction, swap_halves(momenta), swap_halves(mean)
+    # Eq. 26 and its PIC counterpart
+    kept = where_positive(momenta, share, 1.0)
+    speed_up = fma(momenta * (1.0 - share), mean, momenta * (share * dt) * swapped)
+    # Eq. 27
+    step = fma(forces * (-settings.position_factor * dt * dt), mean, forces * dt * swapped)
+    moved = fma(record, kept, speed_up + step)
+    moved = where_positive(limits[0] - moved, limits[0], moved)
+    return where_positive(moved - limits[1], limits[1], moved), step
+
+
+@device
+def store_column(rows: np.ndarray, o: int, momenta: Any, gradient: Any) -> None:
+    """Write a column of the velocity gradient into the row of lanes at `o`, Eq. (28)."""
+    store(rows, o, where_positive(momenta, gradient, load(rows, o)))
+
+
+@device
+def power(row: Any, gradient: Any, dt: float) -> Any:
+    """Column of sigma times column of grad(v + v~) / 2, summed over lanes 4 to 6 the work on the nodes in this step."""
+    return row * fma(splat(-0.5 * dt), gradient, swap_halves(gradient))
