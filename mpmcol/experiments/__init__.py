@@ -27,7 +27,7 @@ from mpmcol.experiments import (
     paper_axisymmetric,
     paper_plane,
 )
-from mpmcol.experiments.base import Experiment, Law, Piece, Profile, ProfileScore, Score
+from mpmcol.experiments.base import Experiment, Law, Piece, Profile, ProfileScore, Score, column_kind
 from mpmcol.experiments.scores import score_laws, score_profile
 
 __all__ = [
@@ -38,6 +38,7 @@ __all__ = [
     "Profile",
     "ProfileScore",
     "Score",
+    "column_kind",
     "expected_runout",
     "find_experiment",
     "profile_score",
@@ -63,40 +64,49 @@ _FILES = (
 )
 EXPERIMENTS: dict[str, Experiment] = {file.EXPERIMENT.name: file.EXPERIMENT for file in _FILES}
 
-# The farthest-running laboratory law of each model; neither has a gap and both only grow.
+# The farthest-running laboratory law of each kind; neither has a gap and both only grow. A box, which spreads to
+# more sides than a plane column, runs no farther.
 _FARTHEST = {
     "plane": bougouin_lacaze_2018.EXPERIMENT.laws[0],
     "axisymmetric": lajeunesse_2004.EXPERIMENT.laws[0],
+    "box": bougouin_lacaze_2018.EXPERIMENT.laws[0],
 }
+_NO_BOX = Experiment("none", "no published collapse of a box", "box", "two-sided", "laboratory", "", ())
 
 
-def find_experiment(name: str, model: str) -> Experiment:
-    """The experiment of that name; "paper" is the paper's own for the model.
+def find_experiment(name: str, model: str, section: str = "cylinder") -> Experiment:
+    """The experiment of that name; "paper" is the paper's own for the model, and one without laws for a box.
 
     Raises:
-        UsageError: there is no such experiment, or it is of another model.
+        UsageError: there is no such experiment, or it is on another kind of column.
     """
-    experiment = EXPERIMENTS.get(f"paper-{model}" if name == "paper" else name)
+    kind = column_kind(model, section)
+    if name == "paper" and kind == "box":
+        return _NO_BOX
+    experiment = EXPERIMENTS.get(f"paper-{kind}" if name == "paper" else name)
     if experiment is None:
         near = get_close_matches(name, EXPERIMENTS, n=1)
         hint = f"; did you mean {near[0]!r}?" if near else f"; known: paper, {', '.join(EXPERIMENTS)}"
         raise UsageError(f"no experiment is called {name!r}{hint}")
-    if experiment.model != model:
-        raise UsageError(f"experiment {name!r} is {experiment.model}, the column is {model}")
+    if experiment.model != kind:
+        raise UsageError(f"experiment {name!r} is {experiment.model}, the column is {kind}")
     return experiment
 
 
-def score(measured: Any, a: float, model: str) -> list[Score]:
-    """Errors against every published law of the model ("plane" or "axisymmetric") at aspect ratio a.
+def score(measured: Any, a: float, model: str, section: str = "cylinder") -> list[Score]:
+    """Errors against every published law for columns of this kind (see `column_kind`) at aspect ratio a.
 
     Args:
         measured: a `Measurement`, or a mapping of quantities ("zeta", "beta", "stop_time") to a number or to
-            a mapping of front definitions to numbers.
+            a mapping of front definitions to numbers, or to the mean, min and max of a 3D result.
+        a: h_i / r_i.
+        model: "plane", "axisymmetric", "quarter" or "full".
+        section: of a 3D column, "cylinder" or "box".
 
     Where a law has no value at a, the score says so in its comment and has no error: nothing is extrapolated.
     A law that several entries share is scored once, under the first (the paper's) name.
     """
-    return score_laws(EXPERIMENTS, measured, a, model)
+    return score_laws(EXPERIMENTS, measured, a, column_kind(model, section))
 
 
 def profile_score(profile_x: ArrayLike, profile_y: ArrayLike, experiment: Experiment) -> ProfileScore | None:
@@ -109,21 +119,22 @@ def profile_score(profile_x: ArrayLike, profile_y: ArrayLike, experiment: Experi
 
 
 def profile_scores(
-    profile_x: ArrayLike, profile_y: ArrayLike, model: str, r_i: float, h_i: float
+    profile_x: ArrayLike, profile_y: ArrayLike, model: str, r_i: float, h_i: float, section: str = "cylinder"
 ) -> list[ProfileScore]:
     """A deposit profile against every digitised surface that fits the column (m), each once."""
     once = {  # under the first name that has it
         experiment.profiles: experiment
         for experiment in reversed(EXPERIMENTS.values())
-        if experiment.model == model and experiment.fits(r_i, h_i)
+        if experiment.model == column_kind(model, section) and experiment.fits(r_i, h_i)
     }
     found = [profile_score(profile_x, profile_y, experiment) for experiment in reversed(once.values())]
     return [entry for entry in found if entry is not None]
 
 
-def expected_runout(model: str, a: float) -> float:
+def expected_runout(model: str, a: float, section: str = "cylinder") -> float:
     """A generous zeta for sizing the domain, for every a > 0.
 
-    It is the farthest-running laboratory law of the model, with its power laws extended at both ends.
+    It is the farthest-running laboratory law for the column, with its power laws extended at both ends.
     """
-    return next(piece for piece in reversed(_FARTHEST[model].pieces) if a >= piece.lo)(a)
+    law = _FARTHEST[column_kind(model, section)]
+    return next(piece for piece in reversed(law.pieces) if a >= piece.lo)(a)

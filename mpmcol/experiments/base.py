@@ -13,6 +13,16 @@ RUNOUT_SCATTER = 0.10
 HEIGHT_SCATTER = 0.05
 
 
+def column_kind(model: str, section: str = "cylinder") -> str:
+    """Which experiments hold for a column: those on "plane" ones, on "axisymmetric" ones, or on a "box".
+
+    A cylinder is the same column in axisymmetry, as a quarter and in full.
+    """
+    if model in ("quarter", "full"):
+        return "axisymmetric" if section == "cylinder" else "box"
+    return model
+
+
 @dataclass(frozen=True)
 class Piece:
     """prefactor * a**exponent on lo <= a < hi."""
@@ -79,7 +89,7 @@ class Experiment:
 
     name: str
     title: str
-    model: Literal["plane", "axisymmetric"]
+    model: Literal["plane", "axisymmetric", "box"]  # kind of column, see `column_kind`
     release: Literal["one-sided", "two-sided"]
     kind: Literal["laboratory", "simulation"]
     material: str

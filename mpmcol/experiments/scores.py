@@ -11,12 +11,12 @@ from numpy.typing import ArrayLike
 from mpmcol.experiments.base import Experiment, Law, Profile, ProfileScore, Score
 
 
-def score_laws(experiments: Mapping[str, Experiment], measured: Any, a: float, model: str) -> list[Score]:
-    """Scores against every law of the model, each law once, under the first name that has it."""
+def score_laws(experiments: Mapping[str, Experiment], measured: Any, a: float, kind: str) -> list[Score]:
+    """Scores against every law on columns of this kind, each law once, under the first name that has it."""
     values = list(_values(measured))
     return [
         _score(experiment, law, front, value, a)
-        for experiment, law in _laws(experiments, model)
+        for experiment, law in _laws(experiments, kind)
         for quantity, front, value in values
         if quantity == law.quantity
     ]
@@ -31,10 +31,10 @@ def score_profile(profile_x: ArrayLike, profile_y: ArrayLike, experiment: Experi
     return (_score_in_metres if surface.unit == "m" else _score_normalised)(x, y, experiment, surface)
 
 
-def _laws(experiments: Mapping[str, Experiment], model: str) -> Iterator[tuple[Experiment, Law]]:
+def _laws(experiments: Mapping[str, Experiment], kind: str) -> Iterator[tuple[Experiment, Law]]:
     seen: set[Law] = set()
     for experiment in experiments.values():
-        for law in experiment.laws if experiment.model == model else ():
+        for law in experiment.laws if experiment.model == kind else ():
             if law not in seen:
                 seen.add(law)
                 yield experiment, law
@@ -46,7 +46,7 @@ def _values(measured: Any) -> Iterator[tuple[str, str, float]]:
     for quantity, value in values.items():
         fronts = value if isinstance(value, Mapping) else {"": value}
         for front, number in fronts.items():
-            yield quantity, front, number
+            yield quantity, front, number["mean"] if isinstance(number, Mapping) else number
 
 
 def _score(experiment: Experiment, law: Law, front: str, value: float, a: float) -> Score:

@@ -8,7 +8,15 @@ import numpy as np
 import pytest
 
 from mpmcol.errors import UsageError
-from mpmcol.experiments import EXPERIMENTS, Score, expected_runout, find_experiment, profile_score, score
+from mpmcol.experiments import (
+    EXPERIMENTS,
+    Score,
+    expected_runout,
+    find_experiment,
+    profile_score,
+    profile_scores,
+    score,
+)
 
 
 def value(name: str, quantity: str, a: float) -> float | None:
@@ -226,6 +234,34 @@ def test_paper_is_resolved_by_model_and_wrong_names_are_explained() -> None:
         find_experiment("lube-205", "plane")
     with pytest.raises(UsageError, match="axisymmetric, the column is plane"):
         find_experiment("lube-2004", "plane")
+
+
+@pytest.mark.parametrize("model", ["quarter", "full"])
+def test_a_cylinder_in_3d_has_the_experiments_of_the_axisymmetric_one(model: str) -> None:
+    values = measured(1.116, 1.0)
+    assert score(values, 0.9, model) == score(values, 0.9, "axisymmetric") != []
+    assert find_experiment("paper", model).name == "paper-axisymmetric"
+    assert find_experiment("lube-2004", model) is EXPERIMENTS["lube-2004"]
+    with pytest.raises(UsageError, match="plane, the column is axisymmetric"):
+        find_experiment("lube-2005", model)
+    assert expected_runout(model, 0.9) == expected_runout("axisymmetric", 0.9)
+    x, y = [0.0, 0.3], [0.08, 0.0]
+    assert profile_scores(x, y, model, 0.09, 0.09) == profile_scores(x, y, "axisymmetric", 0.09, 0.09)
+
+
+@pytest.mark.parametrize("model", ["quarter", "full"])
+def test_nothing_is_published_on_a_box(model: str) -> None:
+    assert score(measured(1.0, 1.0), 1.0, model, "box") == []
+    assert profile_scores([0.0, 0.3], [0.08, 0.0], model, 0.09, 0.09, "box") == []
+    assert find_experiment("paper", model, "box").laws == ()
+    with pytest.raises(UsageError, match="axisymmetric, the column is box"):
+        find_experiment("lube-2004", model, "box")
+    assert expected_runout(model, 0.9, "box") == expected_runout("plane", 0.9)
+
+
+def test_the_mean_of_a_3d_result_is_scored() -> None:
+    over_azimuth = {"zeta": {"front_height": {"mean": 1.1, "min": 1.0, "max": 1.3}}, "beta": 1.0}
+    assert score(over_azimuth, 0.9, "quarter") == score({"zeta": {"front_height": 1.1}, "beta": 1.0}, 0.9, "quarter")
 
 
 @pytest.mark.parametrize("model", ["plane", "axisymmetric"])
