@@ -1,0 +1,94 @@
+"""Profile and front of each section of a deposit, and the height of its pile."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from mpmcol.measure.sections import SECTOR, Array, Section, columns, grounded
+from mpmcol.measure.shape import ColumnShape
+
+FRONTS = ("front_max", "front_connected", "front_height")
+WALL_CELLS = 4  # width of the strip in which the height at the wall or axis is taken
+RINGS_PER_CELL = 32  # enough for the area of a bin: in 3D a lattice has points at many radii
+
+
+def profiles(sections: Sequence[Section], shape: ColumnShape) -> tuple[Array, Array]:
+    """Bin centres (bins,) and height (sections, bins), m; see `mpmcol.measure.deposit_profile`.
+
+    Where a sector of azimuth is narrower than a cell, it has only a point now and then, and the mean over all
+    azimuths stands for it.
+    """
+    bins = int(max(section.distance.max(initial=0.0) for section in sections) / shape.spacing) + 3
+    volume = [_share(np.abs(own.distance), own.mass / shape.density, shape.spacing, bins) for own in sections]
+    centre = shape.spacing * (np.arange(bins, dtype=np.float64) + 0.5)
+    height = np.array(volume) / _bin_area(bins, shape)
+    if shape.has_sectors:
+        narrow = centre * SECTOR < shape.spacing
+        height[:, narrow] = height[:, narrow].mean(axis=0)
+    return centre, height
+
+
+def fronts(section: Section, profile_x: Array, profile_y: Array, shape: ColumnShape) -> tuple[float, float, float]:
+    """The three fronts of a section, in the order of FRONTS, m; 0 where it has no points."""
+    half = shape.point_size / 2.0
+    farthest = float(section.distance.max() + half) if len(section.distance) else 0.0
+    ring = np.maximum(np.floor(section.distance / shape.spacing), 0.0).astype(np.intp)
+    pile = grounded(section.x[:, 1], ring, shape)
+    by_height = _front_by_height(profile_x, profile_y, max(0.5 * shape.spacing, 0.01 * shape.r_i))
+    return farthest, _connected_front(section.distance[pile], shape), min(by_height, farthest)
+
+
+def pile_height(sections: Sequence[Section], shape: ColumnShape) -> float:
+    """Top of the contiguous pile in the first WALL_CELLS cells: in one cell alone, a crack would cut it short.
+
+    In 3D the pile is contiguous within vertical columns of as many cells, 2 by 2: taken together all around the
+    axis, grains in flight on different sides would bridge each other's gaps.
+    """
+    near = np.concatenate([section.x[section.distance < WALL_CELLS * shape.spacing] for section in sections])
+    width = shape.spacing * WALL_CELLS ** (1.0 / (shape.dimension - 1))
+    pile = near[grounded(near[:, 1], columns(near, width, shape), shape), 1]
+    return float(pile.max() + shape.point_size / 2.0) if pile.size else 0.0
+
+
+def _share(distance: Array, volume: Array, spacing: float, bins: int) -> Array:
+    """Volume in each bin, every point sharing its own between the two nearest centres, mirrored at zero."""
+    position = distance / spacing + 0.5  # the centre of bin i is at i + 1; 0 is the mirror of bin 0
+    left = position.astype(np.intp)
+    outer = position - left
+    shared = np.zeros(bins + 1)
+    shared += np.bincount(left, volume * (1.0 - outer), bins + 1)
+    shared += np.bincount(left + 1, volume * outer, bins + 1)
+    shared[1] += shared[0]
+    return shared[1:]
+
+
+def _bin_area(bins: int, shape: ColumnShape) -> Array:
+    """Area of each bin, m or m2 per radian: what the points as released, of unit height, share with it.
+
+    That is h, or r h, but for the first bin of a cylinder.
+    """
+    size = shape.point_size if shape.dimension == 2 else shape.spacing / RINGS_PER_CELL
+    lattice = size * (np.arange((bins + 1) * round(shape.spacing / size), dtype=np.float64) + 0.5)
+    area = size * lattice if shape.is_round else np.full_like(lattice, size)
+    return _share(lattice, area, shape.spacing, bins + 2)[:bins]
+
+
+def _connected_front(distance: Array, shape: ColumnShape) -> float:
+    """Edge of the last point before the first gap wider than one cell, outward from the median point."""
+    if not distance.size:
+        return 0.0
+    ordered = np.sort(distance)[(distance.size - 1) // 2 :]
+    gap = np.diff(ordered, append=np.inf) - shape.point_size > shape.spacing
+    return float(ordered[np.argmax(gap)] + shape.point_size / 2.0)
+
+
+def _front_by_height(profile_x: Array, profile_y: Array, threshold: float) -> float:
+    """Where the profile first falls below the threshold outward of its peak, linear between bin centres."""
+    peak = int(np.argmax(profile_y))
+    if profile_y[peak] < threshold:
+        return 0.0
+    outer = peak + int(np.argmax(profile_y[peak:] < threshold))
+    pair = slice(outer - 1, outer + 1)
+    return float(np.interp(-threshold, -profile_y[pair], profile_x[pair]))

@@ -1,0 +1,45 @@
+"""The top surface of a column, and what of it has not moved since the release."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpmcol.measure.sections import Array, columns, locate
+from mpmcol.measure.shape import ColumnShape
+
+UNDISTURBED = 1e-3  # m: a point that moved less since release is undisturbed (the paper's Figure 9)
+
+
+def undisturbed_radius(x: Array, displacement: Array, shape: ColumnShape) -> float:
+    """Radius (m) within which no point of the top surface has moved by 1 mm since release; 0 if none.
+
+    It ends half-way between the last point at rest and the first that moved. The surface is the top points of
+    the columns as released; of a box, those of its section.
+    """
+    released = x - displacement
+    top = _top(released, shape)
+    distance, number = locate(released[top], shape)
+    order = np.argsort(distance[number >= 0], kind="stable")
+    top, distance = top[number >= 0][order], distance[number >= 0][order]
+    moved = np.linalg.norm(displacement[top], axis=1) >= UNDISTURBED
+    still = int(np.argmax(moved)) if moved.any() else len(top)
+    if still == 0:
+        return 0.0
+    return float(distance[still - 1 : still + 1].mean() if still < len(top) else distance[-1] + shape.point_size / 2.0)
+
+
+def top_view(x: Array, displacement: Array, shape: ColumnShape) -> tuple[Array, NDArray[np.bool_]]:
+    """A 3D column from above: (x, z) of the points seen, (k, 2), m, and which moved by 1 mm or more since release.
+
+    Seen are the top points of the columns as they are now (the paper's Figure 9 (d) and (h)).
+    """
+    top = _top(x, shape)
+    return x[top][:, [0, 2]], np.linalg.norm(displacement[top], axis=1) >= UNDISTURBED
+
+
+def _top(x: Array, shape: ColumnShape) -> NDArray[np.intp]:
+    """Rows of the topmost points of all vertical columns that are one point wide."""
+    column = columns(x, shape.point_size, shape)
+    order = np.lexsort((x[:, 1], column))
+    return order[np.diff(column[order], append=-1) != 0]
