@@ -117,7 +117,7 @@ def energy_chart(
 ) -> list[Path]:
     """Where the potential energy went since the first time, and the residual that the ledger leaves open.
 
-    `energies` has (n,) arrays in J per metre or per radian under "potential", "residual" and the names of
+    `energies` has (n,) arrays in J under "potential", "residual" and the names of
     SINK_STYLES. All is in per cent of the column's potential energy at release.
     """
     figure = Figure(figsize=(7.0, 6.0), layout="constrained")
@@ -145,13 +145,13 @@ def energy_chart(
 def _frame(axes: Axes, shape: ColumnShape, deposits: list[Measurement], experiment: Experiment) -> float:
     """Fit the axes to all that will be drawn and draw the column; returns height over length."""
     front = shape.r_i * (1.0 + sum(experiment.expected("zeta", shape.a) or (0.0, 0.0)))
-    length = 1e3 * max([front] + [deposit.front["front_max"] for deposit in deposits])
+    length = 1e3 * max([front] + [deposit.reach for deposit in deposits])
     top = 1e3 * max([shape.h_i] + [deposit.profile_y.max() for deposit in deposits])
     axes.set(
         xlim=(-0.03 * length, 1.03 * length),
         ylim=(-0.04 * length, top + 0.04 * length),
         xlabel=_distance_label(shape),
-        ylabel="height (mm)",
+        ylabel="mean height around the axis (mm)" if shape.has_sectors else "height (mm)",
         title=f"{shape.model}, $a$ = {shape.a:.3g}; experiment: {experiment.name}",
     )
     column = 1e3 * np.array([[0.0, shape.r_i, shape.r_i], [shape.h_i, shape.h_i, 0.0]])
@@ -161,8 +161,10 @@ def _frame(axes: Axes, shape: ColumnShape, deposits: list[Measurement], experime
 
 
 def _distance_label(shape: ColumnShape) -> str:
-    if shape.model == "axisymmetric":
+    if shape.is_round:
         return "radius (mm)"
+    if shape.dimension == 3:
+        return "distance from the axis along x (mm)"
     edge = "plane of symmetry" if shape.release == "two-sided" else "wall"
     return f"distance from the {edge} (mm)"
 
@@ -176,11 +178,17 @@ def _outline(deposit: Measurement) -> tuple[Array, Array]:
 
 
 def _draw_fronts(axes: Axes, deposit: Measurement) -> None:
-    """Marks on the lower edge of the axes, clear of the profiles."""
+    """Marks on the lower edge of the axes, clear of the profiles; in 3D a band over what front_height takes."""
+    ranges = deposit.front_range or {}
     for name, front in deposit.front.items():
         marker, lower_edge = f"k{FRONT_STYLES[name]['marker']}", axes.get_xaxis_transform()
         label = f"{name}: {1e3 * front:.1f} mm"
+        if name in ranges:
+            label += " ({:.1f} to {:.1f})".format(*(1e3 * end for end in ranges[name]))
         axes.plot(1e3 * front, 0.0, marker, label=label, transform=lower_edge, **HOLLOW)
+    if ranges:
+        low, high = ranges["front_height"]
+        axes.axvspan(1e3 * low, 1e3 * high, color="0.9", zorder=-1, label="front_height around the axis")
 
 
 def _draw_experiment(axes: Axes, shape: ColumnShape, experiment: Experiment) -> None:

@@ -41,7 +41,7 @@ def chart_run(
         raise UsageError(f"{results.folder}: the run ended before the column was released; there is nothing to chart")
     history = {name: column[released] for name, column in results.history.items()}
     gravity: float = results.case.geometry.gravity
-    experiment = find_experiment(results.case.score.experiment, shape.model)
+    experiment = find_experiment(results.case.score.experiment, shape.model, shape.section)
     time, height, fronts = history["time"], history["height"], {name: history[name] for name in FRONT_STYLES}
     taken = _readable(results, say)
     deposits = [(taken[i], results.measure(i)) for i in _chosen(taken, times)]

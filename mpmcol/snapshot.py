@@ -33,7 +33,7 @@ UNITS = {
     "id": "1",
 }
 EXTENSIVE = {"mass", "volume"}
-PER = {"plane": "/m", "axisymmetric": "/rad"}
+PER = {"plane": "/m", "axisymmetric": "/rad"}  # in 3D, all that is modelled
 ATTRIBUTES = {"velocity": "Vectors", "stress": "Tensors", "id": "GlobalIds"}
 DAMAGE = (OSError, KeyError, ValueError, TypeError, AttributeError, IndexError, RuntimeError, MemoryError)
 
@@ -47,8 +47,8 @@ class Snapshot:
     time: s since the release, or since the start if the run ended while equilibrating. arrays: "position" (n, 3) m,
     "velocity" (n, 3) m/s, "displacement" since the release (n, 3) m,
     "stress" (n, 6: xx yy zz xy yz xz) Pa, tension positive,
-    "volume_ratio" (n) J, "opening_strain" (n), "mass" (n) and "volume" (n) per metre or per radian,
-    "material" (n) 0 column and 1 base, "id" (n), and the law's history variables by name.
+    "volume_ratio" (n) J, "opening_strain" (n), "mass" (n) and "volume" (n) per metre or per radian, in 3D
+    of all that is modelled, "material" (n) 0 column and 1 base, "id" (n), and the law's history variables by name.
     """
 
     time: float

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from itertools import groupby
 from pathlib import Path
@@ -109,8 +110,9 @@ def _scores(measured: Measurement, shape: ColumnShape, stop: float | None) -> tu
     from mpmcol.experiments import profile_scores, score
 
     values: dict[str, Any] = {"zeta": measured.zeta, "beta": measured.beta}
-    scores = score(values if stop is None else {**values, "stop_time": stop}, shape.a, shape.model)
-    return scores, profile_scores(measured.profile_x, measured.profile_y, shape.model, shape.r_i, shape.h_i)
+    scores = score(values if stop is None else {**values, "stop_time": stop}, shape.a, shape.model, shape.section)
+    profile = measured.profile_x, measured.profile_y
+    return scores, profile_scores(*profile, shape.model, shape.r_i, shape.h_i, shape.section)
 
 
 def _record(
@@ -128,14 +130,22 @@ def _record(
 def _csv(state: State, measured: Measurement, stop: float | None, scores: list[Score]) -> str:
     """Columns depend on the kind of column only, so that the rows of many runs can be put together."""
     row: dict[str, Any] = state.as_dict() | {"at_rest": str(state.at_rest).lower()}
-    for name, value in measured.scalars().items():
-        row.update({f"{name}.{k}": v for k, v in value.items()} if isinstance(value, dict) else {name: value})
+    row |= dict(_flat("", measured.scalars()))
     row["stop_time"] = stop
     for score in scores:
         if score.quantity != "stop_time":
             words = ("error", score.experiment, score.quantity, score.front_definition)
             row[".".join(filter(None, words))] = score.error
     return ",".join(row) + "\n" + ",".join(map(_cell, row.values()))
+
+
+def _flat(prefix: str, values: dict[str, Any]) -> Iterator[tuple[str, Any]]:
+    """The entries of nested dictionaries under their dotted names."""
+    for name, value in values.items():
+        if isinstance(value, dict):
+            yield from _flat(f"{prefix}{name}.", value)
+        else:
+            yield f"{prefix}{name}", value
 
 
 def _cell(value: Any) -> str:
@@ -146,18 +156,24 @@ def _cell(value: Any) -> str:
 
 def _deposit_lines(measured: Measurement, shape: ColumnShape, stop: float | None) -> list[str]:
     still = measured.undisturbed_radius
-    fronts = [
-        f"{name:<20} {1e3 * front:9.1f} mm   zeta {measured.zeta[name]:7.3f}" for name, front in measured.front.items()
-    ]
+    kind = shape.release if shape.dimension == 2 else shape.section
     return [
-        f"{shape.model}, {shape.release}, a = {shape.a:.3g}, r_i = {1e3 * shape.r_i:.4g} mm",
-        *fronts,
+        f"{shape.model}, {kind}, a = {shape.a:.3g}, r_i = {1e3 * shape.r_i:.4g} mm",
+        *(_front_line(name, measured) for name in measured.front),
         f"{'spread of zeta':<20} {measured.spread:9.3f}",
         f"{'height':<20} {1e3 * measured.height:9.1f} mm   beta {measured.beta:7.3f}",
         f"{'area factor':<20} {measured.area_factor:9.3f}",
         f"{'undisturbed radius':<20} " + (EMPTY if still is None else f"{1e3 * still:9.1f} mm"),
         *([] if stop is None else [f"{'front stops at':<20} {stop:9.2f} sqrt(h_i/g)"]),
     ]
+
+
+def _front_line(name: str, measured: Measurement) -> str:
+    line = f"{name:<20} {1e3 * measured.front[name]:9.1f} mm   zeta {measured.zeta[name]:7.3f}"
+    if measured.zeta_range is None:
+        return line
+    low, high = measured.zeta_range[name]
+    return f"{line}   {low:.3f} to {high:.3f} around the axis"
 
 
 def _score_heading(state: State) -> str:

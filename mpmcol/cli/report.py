@@ -21,15 +21,20 @@ def closing_table(results: Results) -> str:
 
 
 def _measured(results: Results) -> Iterator[str]:
-    summary, case = results.summary, results.case
-    experiment = find_experiment(case.score.experiment, case.geometry.model)
+    summary, shape = results.summary, results.shape
+    experiment = find_experiment(results.case.score.experiment, shape.model, shape.section)
     errors = {
         (s["quantity"], s["front_definition"]): s for s in summary["errors"] if s["experiment"] == experiment.name
     }
     yield f"{'':48s}{'m':>8s}{'':>8s}   against {experiment.name}"
     for name, front in summary["front"].items():
         against = _against(errors.get(("zeta", name)))
-        yield _line(f"zeta, {name} ({FRONT_TEXT[name]})", f"{front:.4f}", summary["zeta"][name], against)
+        zeta, label = summary["zeta"][name], f"zeta, {name} ({FRONT_TEXT[name]})"
+        if isinstance(zeta, dict):
+            yield _line(label, f"{front['mean']:.4f}", zeta["mean"], against)
+            yield f"{'':64s}   {zeta['min']:.3f} to {zeta['max']:.3f} around the axis"
+        else:
+            yield _line(label, f"{front:.4f}", zeta, against)
     yield _line("spread of zeta, the uncertainty of the front", "", summary["spread"], "")
     against = _against(errors.get(("beta", "")))
     yield _line("beta, height at the wall or axis", f"{summary['height']:.4f}", summary["beta"], against)

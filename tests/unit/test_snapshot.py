@@ -162,7 +162,7 @@ def test_files_are_ordered_by_number_and_strangers_are_ignored(tmp_path: Path):
 
 
 def test_units_follow_the_model(tmp_path: Path):
-    for model, per in {"plane": "/m", "axisymmetric": "/rad"}.items():
+    for model, per in {"plane": "/m", "axisymmetric": "/rad", "quarter": "", "full": ""}.items():
         path = write_snapshot(tmp_path, 0, make(0), {**META, "model": model})
         with h5py.File(path) as file:
             units = {name: values.attrs["units"] for name, values in file["VTKHDF/PointData"].items()}
