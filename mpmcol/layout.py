@@ -15,7 +15,6 @@ from mpmcol.experiments import expected_runout
 from mpmcol.geometries import GEOMETRIES
 from mpmcol.measure import ColumnShape
 
-LAWS_OF = {"cylinder": "axisymmetric", "box": "plane"}  # model whose experiments say how far a column may run
 RUNOUT_MARGIN = 0.5  # r_i beyond the farthest-running experiment
 EMPTY_FACTOR = 2.0  # on the runout over a rigid base, where the empty part of the domain costs nothing
 HEADROOM_CELLS = 6
@@ -168,7 +167,7 @@ def refuse_if_too_large(layout: Layout) -> None:
 def _domain(case: Case, h: float) -> tuple[float, float]:
     """Length and height of the domain above the base, m: as asked for, or from the expected runout."""
     geometry = case.geometry
-    runout = expected_runout(LAWS_OF.get(geometry.shape, geometry.shape), geometry.a)
+    runout = expected_runout(geometry.model, geometry.a, geometry.section)
     runout *= EMPTY_FACTOR if geometry.base == "rigid" else 1.0
     widest = max(geometry.r_i, geometry.depth or 0.0)
     length = geometry.domain_length or widest + geometry.r_i * (runout + RUNOUT_MARGIN) + END_CELLS * h
@@ -195,4 +194,6 @@ def column_shape(case: Case, layout: Layout) -> ColumnShape:
         spacing=layout.h,
         density=case.material.density,
         point_size=layout.point_size,
+        section=case.geometry.section,
+        depth=layout.depth,
     )

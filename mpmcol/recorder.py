@@ -103,7 +103,7 @@ class Recorder:
         return {
             "title": self.case.title, "case": resolved_toml(self.case), "threads": threads, "model": shape.model,
             "release": shape.release, "spacing": shape.spacing, "point_size": shape.point_size, "r_i": shape.r_i,
-            "h_i": shape.h_i, **versions(),
+            "h_i": shape.h_i, "section": shape.section, "depth": shape.half_depth, **versions(),
         }  # fmt: skip
 
 

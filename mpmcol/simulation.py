@@ -122,8 +122,10 @@ class Run:
         solver, recorder = self.solver, self.recorder
         measured = measure_snapshot(Results(self.folder).snapshot(), recorder.shape)
         geometry = self.case.geometry
-        scores = score(measured, geometry.a, geometry.model)
-        profiles = profile_scores(measured.profile_x, measured.profile_y, geometry.model, geometry.r_i, geometry.h_i)
+        scores = score(measured, geometry.a, geometry.model, geometry.section)
+        profiles = profile_scores(
+            measured.profile_x, measured.profile_y, geometry.model, geometry.r_i, geometry.h_i, geometry.section
+        )
         work = max(self.collapse_steps * len(self.scene.points), 1)
         self.wall_s["output"] = recorder.seconds
         return {

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from mpmcol.case.words import shown
-from mpmcol.experiments import EXPERIMENTS
+from mpmcol.experiments import EXPERIMENTS, column_kind
 
 
 @dataclass(frozen=True)
@@ -60,8 +60,8 @@ def _rising(times: tuple[float, ...] | None) -> bool:
     return times is None or (len(times) > 0 and all(a < b for a, b in itertools.pairwise(times)))
 
 
-def _experiment_fits(name: str, model: str) -> bool:
-    return name not in EXPERIMENTS or EXPERIMENTS[name].model == model
+def _experiment_fits(name: str, model: str, section: str) -> bool:
+    return name not in EXPERIMENTS or EXPERIMENTS[name].model == column_kind(model, section)
 
 
 _IN_SPACE = ("quarter", "full")
@@ -131,5 +131,9 @@ RULES = (
         'must be "elastic" or the column\'s own, {1}',
     ),
     Rule(("output.times",), _rising, "must be rising times, at least one"),
-    Rule(("score.experiment", "geometry.model"), _experiment_fits, "is no experiment for {1}"),
+    Rule(
+        ("score.experiment", "geometry.model", "geometry.section"),
+        _experiment_fits,
+        "is no experiment for {1} and {2}",
+    ),
 )
