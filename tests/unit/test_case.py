@@ -391,7 +391,8 @@ def test_neither_height_nor_aspect(write: Write) -> None:
 def test_an_experiment_must_be_about_the_model() -> None:
     problem = only_problem("bui-rods", "geometry.model=axisymmetric")
     assert problem.message == (
-        '[score] experiment = "bui-2008": is no experiment for geometry.model = "axisymmetric" and geometry.section = "cylinder"'
+        '[score] experiment = "bui-2008": is no experiment for geometry.model = "axisymmetric" '
+        'and geometry.section = "cylinder"'
     )
 
 
