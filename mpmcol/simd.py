@@ -45,8 +45,9 @@ class _Vec8Model(models.PrimitiveModel):
 
 
 def load(array: np.ndarray, index: int) -> np.ndarray:
-    """Eight consecutive doubles of a flat array, starting at `index`."""
-    return array[index : index + LANES].copy()
+    """Eight consecutive doubles of a flat array, starting at `index`; behind its end, whatever memory holds there."""
+    found = array[index : index + LANES]
+    return np.pad(found, (0, LANES - len(found)))
 
 
 def store(array: np.ndarray, index: int, value: np.ndarray) -> None:

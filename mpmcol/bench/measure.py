@@ -11,10 +11,11 @@ from typing import NamedTuple
 import numpy as np
 
 from mpmcol.bench import timed
+from mpmcol.bench.machine import measure_machine
 from mpmcol.bench.plain import PlainGrid, PlainPoints, plain_grid, plain_points
 from mpmcol.bench.report import Row, Scene, Spread
 from mpmcol.bench.scenes import make_solver
-from mpmcol.grid import Tiles
+from mpmcol.grid import NODE, Tiles
 from mpmcol.jit import set_threads
 from mpmcol.kernels.grid import NODE_REPORT
 from mpmcol.solver import Solver
@@ -95,7 +96,10 @@ def measure_scene(model: str, points: int, threads: int, effort: Effort) -> Scen
     scale = 1e9 / len(solver.points)
     rows = [_paired(name, vector, plain, scale) for name in vector[0]]
     rows.append(Row("sort", Spread.of([scale * value for value in sort]), None, None))
-    return Scene(model, points, len(solver.points), threads, tuple(rows), memory, 1e6 * python)
+    nodes = _active_nodes(solver) / len(solver.points)
+    machine = measure_machine(threads, solver.points.rows.nbytes + _active_nodes(solver) * NODE * 8)
+    bound = machine.bound(solver.points.dimension, nodes)
+    return Scene(model, points, len(solver.points), threads, tuple(rows), memory, 1e6 * python, *machine, bound)
 
 
 def _vector_phases(times: np.ndarray, gather: float) -> dict[str, float]:
@@ -134,9 +138,13 @@ def bytes_per_point(solver: Solver) -> float:
     """Bytes of all arrays that a run holds and touches, over its points; the sort's own arrays included."""
     tiles, n = _tiles(solver), len(solver.points)
     sort = n * (2 * 4 + 1)  # tile (then final order), order by tile, bucket
-    nodes = len(tiles.active) * solver.grid.tile_doubles * 8
+    nodes = _active_nodes(solver) * NODE * 8
     arrays = (solver.points.rows, *tiles, *solver._scratch, *solver._reports, solver.grid.fixed)
     return (sum(array.nbytes for array in arrays) + nodes + sort) / n
+
+
+def _active_nodes(solver: Solver) -> int:
+    return len(_tiles(solver).active) * solver.grid.tile_doubles // NODE
 
 
 def _python_seconds(solver: Solver, steps: int, rounds: int) -> float:

@@ -13,7 +13,7 @@ from typing import Any
 
 from mpmcol.errors import UsageError
 
-SCHEMA = 1
+SCHEMA = 2
 SLOWDOWN = 1.5
 
 
@@ -55,6 +55,9 @@ class Scene:
     rows: tuple[Row, ...]
     bytes_per_point: float
     python_us: float  # what a step costs more if Python is asked for every single one
+    bandwidth: float  # of this machine on as many bytes, GB/s
+    vector_rate: float  # of this machine, multiply-adds of eight lanes per ns
+    bound: float  # least time of a step that these two allow, ns per point
 
     @property
     def key(self) -> tuple[str, int, int]:
@@ -62,10 +65,14 @@ class Scene:
         return self.model, self.points, self.threads
 
     @property
+    def step(self) -> float:
+        """Median of the whole step with vector kernels, ns per point."""
+        return next(row.vector.median for row in self.rows if row.phase == "step")
+
+    @property
     def python_share(self) -> float:
         """Cost of Python for every step over the cost of the step."""
-        step = next(row.vector.median for row in self.rows if row.phase == "step")
-        return 1e3 * self.python_us / (step * self.n_points)
+        return 1e3 * self.python_us / (self.step * self.n_points)
 
 
 @dataclass(frozen=True)
@@ -142,6 +149,8 @@ def scene_lines(scene: Scene) -> list[str]:
         columns,
         *(_row_line(row) for row in scene.rows),
         f"{'memory':<16}{scene.bytes_per_point:7.0f} bytes a point",
+        f"{'bound':<16}{scene.bound:7.1f} ns: {100.0 * scene.bound / scene.step:.0f} % of the step, from "
+        f"{scene.bandwidth:.0f} GB/s and {scene.vector_rate:.1f} vector multiply-adds per ns",
         f"{'Python':<16}{scene.python_us:7.1f} us per call of one step, {100.0 * scene.python_share:.1f} % of the step",
         "",
     ]

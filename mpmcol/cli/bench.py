@@ -10,7 +10,7 @@ import click
 if TYPE_CHECKING:
     from mpmcol.bench.report import Report
 
-SIZES = (8_000, 20_000, 100_000, 500_000)
+SIZES = (20_000, 100_000, 500_000, 2_000_000)
 QUICK_SIZES = (2_000,)
 FILE = click.Path(path_type=Path)
 
@@ -21,12 +21,12 @@ def parse_counts(context: click.Context, parameter: click.Parameter, text: str |
         return None
     parts = text.split(",")
     if not all(part.isdecimal() and int(part) > 0 for part in parts):
-        raise click.BadParameter(f"{text!r}: expected whole numbers above 0, such as 8000,100000")
+        raise click.BadParameter(f"{text!r}: expected whole numbers above 0, such as 20000,100000")
     return tuple(int(part) for part in parts)
 
 
 @click.command()
-@click.option("--points", metavar="N,...", callback=parse_counts, help="[default: 8000,20000,100000,500000]")
+@click.option("--points", metavar="N,...", callback=parse_counts, help="[default: 20000,100000,500000,2000000]")
 @click.option("--threads", metavar="N,...", callback=parse_counts, help="[default: 1 and all]")
 @click.option("--model", type=click.Choice(["plane", "axisymmetric", "quarter"]), help="[default: all]")
 @click.option("--quick", is_flag=True, help="Few points and steps: shows that it works, not how fast it is.")

@@ -137,10 +137,10 @@ def _reachable(occupied, grid, tiles, mark):
         for tx in range(max(x - 1, 0), min(x + 2, tiles[0])):
             for ty in range(max(y - 1, 0), min(y + 2, tiles[1])):
                 for tz in range(max(z - 1, 0), min(z + 2, tiles[2])):
-                    number = (tx * tiles[1] + ty) * tiles[2] + tz
-                    if mark[number] == 0:
-                        mark[number] = 1
-                        active[found] = number * grid.tile_doubles
+                    address = grid.ax[tx * TILE] + grid.ay[ty * TILE] + grid.az[tz * TILE]
+                    if mark[address // grid.tile_doubles] == 0:
+                        mark[address // grid.tile_doubles] = 1
+                        active[found] = address
                         found += 1
     for t in range(found):
         mark[active[t] // grid.tile_doubles] = 0

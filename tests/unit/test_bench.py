@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from mpmcol.bench import plain_2d
 from mpmcol.bench.clock import seconds
+from mpmcol.bench.machine import POINT_OPERATIONS, Machine
 from mpmcol.bench.measure import QUICK, bytes_per_point, make_twin, measure_scene, plain_steps, vector_steps
+from mpmcol.bench.plain import plain_points
 from mpmcol.bench.report import Report, Scene, Spread, compare, load_report, make_report
 from mpmcol.bench.scenes import MODELS, make_solver
 from mpmcol.cli import main
@@ -49,7 +50,7 @@ def test_plain_loops_give_the_numbers_of_the_kernels(model: str) -> None:
     twin = make_twin(solver)
     vector_steps(solver, 20)
     plain_steps(solver, twin, 20)
-    expected = plain_2d.plain_points(solver.points.rows)
+    expected = plain_points(solver.points)
     assert (expected.opening > 0.0).any() and (expected.opening == 0.0).any()
     for name in expected._fields:
         got, wanted = getattr(twin.points, name), getattr(expected, name)
@@ -70,7 +71,8 @@ def test_the_scene_has_the_points_asked_for_and_yields() -> None:
     for points in (2000, 30_000):
         solver = make_solver("plane", points)
         assert len(solver.points) == pytest.approx(points, rel=0.1)
-    assert 350.0 < bytes_per_point(make_solver("plane", 100_000)) < 500.0
+    assert 200.0 < bytes_per_point(make_solver("plane", 100_000)) < 250.0
+    assert 270.0 < bytes_per_point(make_solver("quarter", 100_000)) < 400.0
 
 
 def test_the_compiled_clock_is_the_monotonic_clock() -> None:
@@ -84,6 +86,13 @@ def test_a_scene_reports_every_phase(scene: Scene) -> None:
     for row in scene.rows:
         assert 0.0 < row.vector.min <= row.vector.median <= row.vector.max or row.phase == "stress"
         assert (row.plain is None) == (row.phase == "sort")
+
+
+def test_the_bound_is_below_the_step_and_more_with_more_traffic(scene: Scene) -> None:
+    assert 0.0 < scene.bound
+    machine = Machine(bandwidth=10.0, vector_rate=8.0)
+    assert machine.bound(2, 0.0) == pytest.approx(max(3 * 24 * 8 / 10.0, POINT_OPERATIONS[2] / 8.0))
+    assert machine.bound(3, 1.0) - machine.bound(3, 0.0) == pytest.approx(6 * 64 / 10.0)
 
 
 def test_a_report_survives_its_json(scene: Scene, tmp_path: Path) -> None:
@@ -113,7 +122,7 @@ def test_the_command_prints_writes_and_compares(tmp_path: Path) -> None:
     arguments = ["--quick", "--model", "plane", "--points", "1000", "--threads", "1"]
     first = CliRunner().invoke(bench, [*arguments, "--json", str(tmp_path / "new.json")])
     assert first.exit_code == 0, first.output
-    for phase in (*PHASES, "memory", "Python"):
+    for phase in (*PHASES, "memory", "bound", "Python"):
         assert f"\n{phase} " in first.output
     written = load_report(tmp_path / "new.json")
     (tmp_path / "fast.json").write_text(slower(written, "p2g", 1e-3).to_json())
@@ -122,7 +131,7 @@ def test_the_command_prints_writes_and_compares(tmp_path: Path) -> None:
     assert flagged.exit_code == 1 and "p2g" in flagged.output
     calm = CliRunner().invoke(main, ["bench", *arguments, "--against", str(tmp_path / "slow.json")])
     assert calm.exit_code == 0 and "Nothing is" in calm.output
-    assert json.loads((tmp_path / "new.json").read_text())["schema"] == 1
+    assert json.loads((tmp_path / "new.json").read_text())["schema"] == 2
 
 
 @pytest.mark.parametrize("arguments", [["--points", "0"], ["--points", "8k"], ["--threads", "1,,2"]])

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 PROGRAM = """
 import numpy as np
@@ -16,7 +17,7 @@ from mpmcol.jit import JIT_DISABLED
 from mpmcol.scene import build_scene
 from mpmcol.solver import Solver
 
-scene = build_scene(load_case("quickstart", ["grid.spacing=0.015", "geometry.aspect=0.5"]))
+scene = build_scene(load_case(CASE, OVERRIDES))
 solver = Solver(scene.points, scene.grid, scene.collapse.settings, scene.collapse.column, scene.base)
 assert solver.advance(1.0, max_steps=3) == -1
 order = np.argsort(solver.points.id)
@@ -25,9 +26,17 @@ print(JIT_DISABLED)
 """
 
 
-def test_plain_python_gives_what_the_compiled_kernels_give(tmp_path: Path) -> None:
+TINY = {
+    "quickstart": ["grid.spacing=0.015", "geometry.aspect=0.5"],
+    "lube-quarter": ["grid.spacing=0.03", "geometry.aspect=0.5", "geometry.base=rigid"],
+}
+
+
+@pytest.mark.parametrize("case", list(TINY))
+def test_plain_python_gives_what_the_compiled_kernels_give(case: str, tmp_path: Path) -> None:
     for disabled in ("0", "1"):
         program = PROGRAM.replace("OUT", repr(str(tmp_path / f"{disabled}.npy")))
+        program = program.replace("CASE", repr(case)).replace("OVERRIDES", repr(TINY[case]))
         environment = os.environ | {"NUMBA_DISABLE_JIT": disabled}
         child = subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True)
         assert child.returncode == 0, child.stderr

@@ -77,7 +77,7 @@ def walled_grid(
 ) -> Grid:
     """A grid whose named sides ("left right bottom top") fix the normal or all components of velocity."""
     grid = allocate_grid(origin, h, cells)
-    x, y = node_coordinates(grid)
+    x, y = np.broadcast_arrays(*node_coordinates(grid))
     on = {
         "left": x < origin[0] + 0.5 * h,
         "right": x > origin[0] + (cells[0] - 0.5) * h,

@@ -27,7 +27,7 @@ def nodal_velocity(x, v, grad_v, h, taylor):
     solver = make_solver(points, walled_grid((0.0, 0.0), h, (round(1.0 / h),) * 2), WEIGHTLESS._replace(taylor=taylor))
     advance_steps(solver, 1)
     nodes = node_records(solver.grid)
-    return nodes[:, :, 0], nodes[:, :, 1:3], np.stack(node_coordinates(solver.grid), axis=-1)
+    return nodes[:, :, 0], nodes[:, :, 1:3], np.stack(np.broadcast_arrays(*node_coordinates(solver.grid)), axis=-1)
 
 
 def scattered() -> np.ndarray:
