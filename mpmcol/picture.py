@@ -1,9 +1,9 @@
-"""One picture of a snapshot: what it shows, and everything around the points: scales, title, time."""
+"""One picture of a snapshot: its points as a view shows them, and what is around them: scales, title, time."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,18 +12,22 @@ from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Normalize
+from matplotlib.colors import Normalize, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from PIL import Image
 
 from mpmcol.errors import OutputError
-from mpmcol.snapshot import Snapshot, read_meta, read_snapshot
+from mpmcol.projection import circle, silhouette, whole
+from mpmcol.snapshot import Meta, Snapshot, read_meta, read_snapshot
 
 COLORS = "viridis"
 BASE_COLOR = "#b5b5b5"
 EDGE: dict[str, Any] = {"color": "0.15", "linewidth": 1.2}
+RELEASED: dict[str, Any] = {"color": "0.35", "linewidth": 1, "linestyle": (0, (5, 4))}
 HEAD, FOOT = 0.1, 0.17
+
+Extent = tuple[float, float, float, float]
 
 
 def canvas_size(size: tuple[int, int]) -> tuple[int, int]:
@@ -32,17 +36,30 @@ def canvas_size(size: tuple[int, int]) -> tuple[int, int]:
 
 
 @dataclass(frozen=True)
-class View:
+class View(ABC):
     """What a picture shows, the same in every frame of an animation: lengths in m, `size` in pixels.
 
     extent: left, right, bottom, top. limit: displacement at the upper end of the colour scale. The material is
     drawn over the full width, between a line of text above (HEAD of the height) and the scales below (FOOT).
     """
 
-    extent: tuple[float, float, float, float]
+    extent: Extent
     limit: float
     size: tuple[int, int]
-    meta: dict[str, str | int | float]
+    meta: Meta
+
+    @property
+    @abstractmethod
+    def note(self) -> str:
+        """What the title must add about the model."""
+
+    @abstractmethod
+    def points(self, snapshot: Snapshot) -> tuple[np.ndarray, np.ndarray]:
+        """Positions (m, 3) to the right, upward and toward the viewer, m, and colours (m, 3) of the points shown."""
+
+    @abstractmethod
+    def draw_surroundings(self, axes: Axes, snapshot: Snapshot) -> None:
+        """Add what is around the points, in the coordinates of the first two columns of `points`."""
 
     @property
     def point_pixels(self) -> float:
@@ -50,31 +67,37 @@ class View:
         left, right, _, _ = self.extent
         return max(1.3 * float(self.meta["point_size"]) / (right - left) * self.size[0], 1.0)
 
-
-def frame(paths: Iterable[Path], size: tuple[int, int]) -> View:
-    """The view that holds the column as released and in all the snapshots, and the full depth of the base."""
-    boxes, limit = [], 0.0
-    for path in paths:
-        snapshot = read_snapshot(path)
-        column = snapshot.x[snapshot.column]
-        boxes.append([*column.max(axis=0), -snapshot.x[:, 1].min()])
-        limit = max(limit, float(snapshot.displacement_magnitude[snapshot.column].max()))
-        meta = _drawable_meta(path)
-        boxes.append([float(meta["r_i"]), float(meta["h_i"]), 0.0])
-    right, top, depth = np.max(boxes, axis=0).astype(float)
-    limit = max(limit, float(meta["point_size"]))
-    return View(_fit((0.0, right, -depth, top), canvas_size(size)), limit, size, meta)
+    def colors(self, snapshot: Snapshot) -> np.ndarray:
+        """Red, green and blue (n, 3), 0 to 1, of all the points: those of the column by their displacement."""
+        colors = colormaps[COLORS](snapshot.displacement_magnitude / self.limit)[:, :3]
+        colors[~snapshot.column] = to_rgb(BASE_COLOR)
+        return colors
 
 
-def _drawable_meta(path: Path) -> dict[str, str | int | float]:
-    meta = read_meta(path)
+def read_drawable(path: Path) -> tuple[Snapshot, Meta]:
+    """The points of a snapshot file that have a place (in a failed run some have none), and what it says of its run.
+
+    Raises OutputError for an unreadable file, and where a picture needs to know more.
+    """
+    snapshot, meta = read_snapshot(path), read_meta(path)
     missing = sorted({"title", "model", "point_size", "r_i", "h_i"} - meta.keys())
     if missing:
         raise OutputError(f"{path}: cannot be drawn, it does not say its {', '.join(missing)}; write it with them")
-    return meta
+    finite = np.isfinite(snapshot.arrays["position"]).all(axis=1)
+    return replace(snapshot, arrays={name: values[finite] for name, values in snapshot.arrays.items()}), meta
 
 
-def _fit(extent: tuple[float, float, float, float], canvas: tuple[int, int]) -> tuple[float, float, float, float]:
+def released_outline(snapshot: Snapshot, meta: Meta, projection: np.ndarray) -> np.ndarray:
+    """Outline (m, 2), projected, m, of the column of a 3D model as it was released; of any convex section."""
+    r_i, h_i, point_size = (float(meta[name]) for name in ("r_i", "h_i", "point_size"))
+    released = (snapshot.arrays["position"] - snapshot.arrays["displacement"])[snapshot.column]
+    x, _ = whole(released, str(meta["model"]))
+    if np.hypot(x[:, 0], x[:, 2]).max() < r_i + point_size:  # a cylinder, whose rim is smoother than its points
+        return silhouette(np.concatenate([circle(r_i, 0.0), circle(r_i, h_i)]), projection, 0.0)
+    return silhouette(x, projection, point_size)
+
+
+def fit(extent: Extent, canvas: tuple[int, int]) -> Extent:
     """Widen the extent, about its centre, by a margin and to the proportions of the canvas (equal axes)."""
     left, right, bottom, top = extent
     scale = 1.08 * max((right - left) / canvas[0], (top - bottom) / canvas[1])
@@ -85,65 +108,47 @@ def _fit(extent: tuple[float, float, float, float], canvas: tuple[int, int]) -> 
 
 def compose(snapshot: Snapshot, view: View, painted: Path | None) -> Image.Image:
     """The finished picture: points, scale bar, colour bar, title and time."""
-    width, height = view.size
-    # Text and lines keep their share of the picture: every page is 7.2 inches high.
-    figure = Figure(figsize=(7.2 * width / height, 7.2), dpi=height / 7.2)
-    canvas = FigureCanvasAgg(figure)
-    axes = figure.add_axes((0, int(FOOT * height) / height, 1, canvas_size(view.size)[1] / height))
+    figure = page(view.size)
+    axes = figure.add_axes((0, int(FOOT * view.size[1]) / view.size[1], 1, canvas_size(view.size)[1] / view.size[1]))
     axes.set_axis_off()
     if painted is None:
         _scatter(axes, snapshot, view, figure.dpi)
     else:
         axes.imshow(np.asarray(Image.open(painted)), extent=view.extent, interpolation="auto")
     axes.set(xlim=view.extent[:2], ylim=view.extent[2:], aspect="auto")
-    _add_surroundings(axes, view)
-    _add_floor(axes, view, has_base=not snapshot.column.all())
-    _add_text(figure, snapshot, view)
+    view.draw_surroundings(axes, snapshot)
+    add_heading(figure, f"{view.meta['title']}{view.note}", snapshot)
     _add_scale_bar(figure, view)
     _add_color_bar(figure, view)
+    return printed(figure, view.size)
+
+
+def page(size: tuple[int, int]) -> Figure:
+    """An empty figure of `size` pixels; text and lines keep their share of it: every page is 7.2 inches high."""
+    width, height = size
+    return Figure(figsize=(7.2 * width / height, 7.2), dpi=height / 7.2)
+
+
+def printed(figure: Figure, size: tuple[int, int]) -> Image.Image:
+    """The figure as an image of exactly `size` pixels."""
+    canvas = FigureCanvasAgg(figure)
     canvas.draw()
-    return Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB").crop((0, 0, width, height))
+    return Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB").crop((0, 0, *size))
+
+
+def add_heading(figure: Figure, title: str, snapshot: Snapshot) -> None:
+    """Title at the left, time and stage at the right of the top of a page."""
+    y = 1 - HEAD / 2
+    stage = "" if snapshot.stage == "collapse" else f"{snapshot.stage}, "
+    figure.text(0.03, y, title, size=16, va="center", parse_math=False)
+    figure.text(0.97, y, f"{stage}t = {snapshot.time:.3f} s", size=16, va="center", ha="right")
 
 
 def _scatter(axes: Axes, snapshot: Snapshot, view: View, dpi: float) -> None:
+    x, colors = view.points(snapshot)
+    order = np.argsort(x[:, 2], kind="stable")
     area = (view.point_pixels * 72 / dpi) ** 2
-    style: dict[str, Any] = {"s": area, "marker": "s", "linewidths": 0}
-    column, base = snapshot.x[snapshot.column], snapshot.x[~snapshot.column]
-    axes.scatter(base[:, 0], base[:, 1], color=BASE_COLOR, **style)
-    moved = snapshot.displacement_magnitude[snapshot.column]
-    axes.scatter(column[:, 0], column[:, 1], c=moved, cmap=COLORS, vmin=0, vmax=view.limit, **style)
-
-
-def _add_surroundings(axes: Axes, view: View) -> None:
-    """Where the column stood (dashed), and the wall (solid) or the axis of symmetry (dash-dot)."""
-    r_i, h_i = float(view.meta["r_i"]), float(view.meta["h_i"])
-    axes.plot([0, r_i, r_i], [h_i, h_i, 0], color="0.35", linewidth=1, linestyle=(0, (5, 4)))
-    symmetric = view.meta["model"] == "axisymmetric" or _is_half(view)
-    axes.plot([0, 0], [0, 2 * h_i], linestyle="dashdot" if symmetric else "solid", **EDGE)
-
-
-def _add_floor(axes: Axes, view: View, has_base: bool) -> None:
-    """A line where there is no base; a base, which goes on beyond the picture, gets a torn edge."""
-    left, right, bottom, _ = view.extent
-    end = right + left / 2  # beyond the material by half of the margin that is left of the wall
-    if not has_base:
-        axes.plot([0, end], [0, 0], **EDGE)
-        return
-    y = np.linspace(bottom, float(view.meta["point_size"]), 16)
-    zigzag = 0.003 * (right - left) * np.where(np.arange(16) % 2, 1, -1)
-    axes.fill_betweenx(y, end + zigzag, right, color="white", linewidth=0)
-
-
-def _is_half(view: View) -> bool:
-    return view.meta.get("release") == "two-sided"
-
-
-def _add_text(figure: Figure, snapshot: Snapshot, view: View) -> None:
-    y = 1 - HEAD / 2
-    stage = "" if snapshot.stage == "collapse" else f"{snapshot.stage}, "
-    title = str(view.meta["title"]) + (" (half model by symmetry)" if _is_half(view) else "")
-    figure.text(0.03, y, title, size=16, va="center", parse_math=False)
-    figure.text(0.97, y, f"{stage}t = {snapshot.time:.3f} s", size=16, va="center", ha="right")
+    axes.scatter(x[order, 0], x[order, 1], s=area, c=colors[order], marker="s", linewidths=0)
 
 
 def _add_scale_bar(figure: Figure, view: View) -> None:

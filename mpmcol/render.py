@@ -1,4 +1,4 @@
-"""Pictures and animations of a results folder: the points coloured by how far they moved.
+"""Pictures and animations of a results folder, from the side, in space or from above, coloured by displacement.
 
 The points are painted by pyvista in a child process, because without a working OpenGL VTK does not fail but dies;
 then, or where EGL is missing, Matplotlib paints the same points. Matplotlib always draws what is around them.
@@ -13,16 +13,26 @@ import os
 import subprocess
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
 from PIL import Image
 
+from mpmcol import view_3d, view_side
 from mpmcol.errors import OutputError, UsageError
 from mpmcol.files import atomic_write
-from mpmcol.picture import View, canvas_size, compose, frame
-from mpmcol.snapshot import list_snapshots, read_snapshot
+from mpmcol.picture import View, canvas_size, compose, read_drawable
+from mpmcol.results import Results, measure_snapshot
+from mpmcol.snapshot import list_snapshots
+from mpmcol.view_top import top_view
+
+Frame = Callable[[Sequence[Path], tuple[int, int]], View]
+
+FRAMES: dict[str, Frame] = {"side": view_side.frame, "3d": view_3d.frame}
+# The default of each model comes first.
+VIEWS = {"plane": ("side",), "axisymmetric": ("side", "top"), "quarter": ("3d", "top"), "full": ("3d", "top")}
 
 CHILD = (sys.executable, "-m", "mpmcol._render")
 INSTALL = "install libegl1 libgl1-mesa-dri (Debian, Ubuntu) or mesa-libEGL mesa-dri-drivers (RHEL)"
@@ -41,29 +51,31 @@ def render(
     results_folder: Path,
     *,
     gif: bool,
+    view: str | None = None,
     snapshot: int = -1,
     size: tuple[int, int] = (1280, 720),
     out: Path | None = None,
 ) -> Rendered:
     """Draw one snapshot as a PNG and, with `gif`, all of them as an animation beside it.
 
-    snapshot: which one, from 0, or from -1 backwards. out: the PNG (default: `snapshot-<number>.png` in the
-    results folder); the animation takes the same name with .gif (default: `collapse.gif`).
-    Raises UsageError for a snapshot that is not there or another kind of `out`, OutputError for unreadable files
-    and where nothing can be written.
+    view: "side", "3d" or "top", as far as the run's model has it (default: side or 3d). snapshot: which one, from 0,
+    or from -1 backwards. out: the PNG (default: `snapshot-<number>.png`, from above `topview.png`, in the results
+    folder); the animation takes the same name with .gif (default: `collapse.gif`).
+    Raises UsageError for a view or snapshot that is not there or another kind of `out`, OutputError for unreadable
+    files and where nothing can be written.
     """
     paths = list_snapshots(results_folder)
     chosen = _choose(paths, snapshot, results_folder)
-    target = out or results_folder / f"snapshot-{chosen.stem}.png"
-    if target.suffix != ".png":
-        raise UsageError(f"{target}: a picture is written as PNG; give a name that ends in .png")
-    if not target.parent.exists():
-        raise OutputError(f"{target}: the folder {target.parent} does not exist; create it, or name another one")
-    pictures, note = _draw([chosen], size)
+    view = _choose_view(view, gif, chosen)
+    target = _target(out or results_folder / ("topview.png" if view == "top" else f"snapshot-{chosen.stem}.png"))
+    if view == "top":
+        atomic_write(target, _encoded([_from_above(results_folder, chosen, size)], "PNG"))
+        return Rendered([target], "matplotlib", "")
+    pictures, note = _draw([chosen], FRAMES[view], size)
     atomic_write(target, _encoded(pictures, "PNG"))
     written = [target]
     if gif:
-        pictures, note = _draw(paths, size)
+        pictures, note = _draw(paths, FRAMES[view], size)
         written.append(out.with_suffix(".gif") if out else results_folder / "collapse.gif")
         atomic_write(written[-1], _animation(pictures))
     return Rendered(written, "matplotlib" if note else "pyvista", note)
@@ -77,7 +89,34 @@ def _choose(paths: Sequence[Path], snapshot: int, folder: Path) -> Path:
     return paths[snapshot]
 
 
-def _draw(paths: Sequence[Path], size: tuple[int, int]) -> tuple[list[Image.Image], str]:
+def _choose_view(asked: str | None, gif: bool, path: Path) -> str:
+    model = str(read_drawable(path)[1]["model"])
+    views = VIEWS.get(model)
+    if views is None:
+        raise OutputError(f"{path}: cannot be drawn, its model {model!r} is none of {', '.join(VIEWS)}")
+    view = asked or views[0]
+    if view not in views:
+        raise UsageError(f"there is no {view} view of a model of kind {model}; choose {' or '.join(views)}")
+    if gif and view == "top":
+        raise UsageError("the top view is drawn as PNG only; leave the GIF out, or choose another view")
+    return view
+
+
+def _target(path: Path) -> Path:
+    if path.suffix != ".png":
+        raise UsageError(f"{path}: a picture is written as PNG; give a name that ends in .png")
+    if not path.parent.exists():
+        raise OutputError(f"{path}: the folder {path.parent} does not exist; create it, or name another one")
+    return path
+
+
+def _from_above(folder: Path, path: Path, size: tuple[int, int]) -> Image.Image:
+    snapshot, meta = read_drawable(path)
+    undisturbed = measure_snapshot(snapshot, Results(folder).shape).undisturbed_radius
+    return top_view(snapshot, meta, size, undisturbed)
+
+
+def _draw(paths: Sequence[Path], frame: Frame, size: tuple[int, int]) -> tuple[list[Image.Image], str]:
     """One finished picture for each snapshot file, and the note of the painter."""
     view = frame(paths, size)
     with tempfile.TemporaryDirectory() as folder:
@@ -85,19 +124,19 @@ def _draw(paths: Sequence[Path], size: tuple[int, int]) -> tuple[list[Image.Imag
         note = _paint(paths, images, view)
         painted = [None if note else image for image in images]
         pairs = zip(paths, painted, strict=True)
-        return [compose(read_snapshot(path), view, image) for path, image in pairs], note
+        return [compose(read_drawable(path)[0], view, image) for path, image in pairs], note
 
 
 def _paint(paths: Sequence[Path], images: Sequence[Path], view: View) -> str:
     """Paint the points with pyvista into `images`; return "" or, where that cannot be, why and what to do."""
     if not _has_egl():
         return f"drawn with Matplotlib, since this machine has no libEGL; for pyvista's pictures {INSTALL}"
+    files = [_write_points(path, image.with_suffix(".npz"), view) for path, image in zip(paths, images, strict=True)]
     job = {
-        "snapshots": [str(path.resolve()) for path in paths],
+        "points": files,
         "images": [str(path) for path in images],
         "extent": view.extent,
         "size": canvas_size(view.size),
-        "limit": view.limit,
         "point_pixels": view.point_pixels,
     }
     environment = os.environ | {"VTK_DEFAULT_OPENGL_WINDOW": "vtkEGLRenderWindow"}
@@ -121,6 +160,13 @@ def _paint(paths: Sequence[Path], images: Sequence[Path], view: View) -> str:
         return f"drawn with Matplotlib, since OpenGL failed (signal {-child.returncode}); {INSTALL}"
     lines = child.stderr.strip().splitlines() or ["no message"]
     return f"drawn with Matplotlib, since pyvista failed ({lines[-1]}); install pyvista anew: pip install pyvista"
+
+
+def _write_points(path: Path, target: Path, view: View) -> str:
+    """Write what the child paints of a snapshot; returns the name of the file."""
+    x, colors = view.points(read_drawable(path)[0])
+    np.savez(target, x=x.astype(np.float32), colors=np.rint(255.0 * colors).astype(np.uint8))
+    return str(target)
 
 
 def _has_egl() -> bool:

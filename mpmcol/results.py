@@ -25,7 +25,7 @@ CASE_FILE, RESULT_FILE, HISTORY_FILE = "case.resolved.toml", "result.json", "his
 # the case last, so that a folder half emptied is still known for a run's
 OWN_FILES = (
     RESULT_FILE, HISTORY_FILE, "run.vtkhdf", "run.vtkhdf.series", "snapshots", "profile.png", "front.png", "energy.png",
-    "collapse.gif", CASE_FILE,
+    "collapse.gif", "topview.png", CASE_FILE,
 )  # fmt: skip
 HISTORY = (
     "stage", "step", "time", "dt", "kinetic", "potential", "elastic", "plastic", "damping", "walls", "transfer",

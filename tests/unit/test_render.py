@@ -17,9 +17,10 @@ from mpmcol import picture
 from mpmcol import render as module
 from mpmcol.cli.render import render as command
 from mpmcol.errors import OutputError, UsageError
-from mpmcol.picture import View, canvas_size, frame
+from mpmcol.picture import View, canvas_size
 from mpmcol.render import render
 from mpmcol.snapshot import Meta, Snapshot, list_snapshots, read_snapshot, write_snapshot
+from mpmcol.view_side import frame
 
 SIZE = (480, 270)
 STEPS = 4
@@ -237,6 +238,18 @@ def test_snapshot_without_what_a_picture_needs(tmp_path: Path, without_egl: None
     write_snapshot(tmp_path, 0, Snapshot(0.0, 0, "collapse", arrays), {"title": "a", "model": "plane"})
     with pytest.raises(OutputError, match="does not say its h_i, point_size, r_i"):
         render(tmp_path, gif=False)
+
+
+def test_points_without_a_place_are_left_out(folder: Path, tmp_path: Path, without_egl: None):
+    """The last state of a failed run is the one to look at."""
+    last = list_snapshots(folder)[-1]
+    snapshot = read_snapshot(last)
+    snapshot.arrays["position"][::50] = np.nan
+    snapshot.arrays["displacement"][::50] = np.nan
+    write_snapshot(tmp_path, 0, replace(snapshot, stage="failed"), META)
+    assert frame(list_snapshots(tmp_path), SIZE).limit == frame([last], SIZE).limit
+    render(tmp_path, gif=False, size=SIZE)
+    assert coloured(pixels(tmp_path / "snapshot-000000.png")).any()
 
 
 def test_command(folder: Path, tmp_path: Path, without_egl: None):
