@@ -27,17 +27,17 @@ import numpy as np
 from mpmcol.measure.front import FRONTS, fronts, pile_height, profiles
 from mpmcol.measure.sections import Array, Section, cut
 from mpmcol.measure.shape import ColumnShape
-from mpmcol.measure.surface import top_view, undisturbed_radius
+from mpmcol.measure.surface import UNDISTURBED, undisturbed_radius
 
 __all__ = [
     "FRONTS",
+    "UNDISTURBED",
     "Array",
     "ColumnShape",
     "Measurement",
     "deposit_profile",
     "measure",
     "stop_time",
-    "top_view",
     "undisturbed_radius",
 ]
 

@@ -29,15 +29,6 @@ def undisturbed_radius(x: Array, displacement: Array, shape: ColumnShape) -> flo
     return float(distance[still - 1 : still + 1].mean() if still < len(top) else distance[-1] + shape.point_size / 2.0)
 
 
-def top_view(x: Array, displacement: Array, shape: ColumnShape) -> tuple[Array, NDArray[np.bool_]]:
-    """A 3D column from above: (x, z) of the points seen, (k, 2), m, and which moved by 1 mm or more since release.
-
-    Seen are the top points of the columns as they are now (the paper's Figure 9 (d) and (h)).
-    """
-    top = _top(x, shape)
-    return x[top][:, [0, 2]], np.linalg.norm(displacement[top], axis=1) >= UNDISTURBED
-
-
 def _top(x: Array, shape: ColumnShape) -> NDArray[np.intp]:
     """Rows of the topmost points of all vertical columns that are one point wide."""
     column = columns(x, shape.point_size, shape)

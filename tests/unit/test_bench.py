@@ -89,7 +89,7 @@ def test_a_scene_reports_every_phase(scene: Scene) -> None:
 
 
 def test_the_bound_is_below_the_step_and_more_with_more_traffic(scene: Scene) -> None:
-    assert 0.0 < scene.bound
+    assert scene.bound > 0.0
     machine = Machine(bandwidth=10.0, vector_rate=8.0)
     assert machine.bound(2, 0.0) == pytest.approx(max(3 * 24 * 8 / 10.0, POINT_OPERATIONS[2] / 8.0))
     assert machine.bound(3, 1.0) - machine.bound(3, 0.0) == pytest.approx(6 * 64 / 10.0)

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mpmcol.measure import FRONTS, ColumnShape, top_view, undisturbed_radius
+from mpmcol.measure import FRONTS, ColumnShape, undisturbed_radius
 from tests.deposits_3d import BOX, DENSITY, FULL, QUARTER, ROUND, S, at, cylinder, lattice, measured
 
 
@@ -38,18 +38,6 @@ def test_one_place_of_the_top_surface_ends_what_is_undisturbed() -> None:
     displacement[spot] = (0.0, 0.0, 0.002)
     found = undisturbed_radius(points + displacement, displacement, QUARTER)
     assert found == pytest.approx(np.hypot(points[spot, 0], points[spot, 2]), abs=0.2 * S)
-
-
-def test_top_view_sees_the_top_points_of_now_and_which_moved() -> None:
-    points = cylinder()
-    displacement = np.zeros_like(points)
-    fallen = (np.hypot(points[:, 0], points[:, 2]) > 0.07) & (points[:, 1] > 0.03)
-    displacement[fallen] = (0.1, 0.0, 0.1)  # off the column, and so what lay under it is seen
-    view, moved = top_view(points + displacement, displacement, QUARTER)
-    there = np.hypot(*view.T)
-    assert np.array_equal(moved, there > 0.1)
-    columns = len(points) // round(QUARTER.h_i / S)
-    assert (~moved).sum() == columns and moved.sum() == fallen.sum() // round(0.03 / S)
 
 
 @pytest.mark.parametrize(
