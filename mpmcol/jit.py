@@ -29,7 +29,7 @@ from numba.extending import register_jitable
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-COMPILED_SOURCES = ("kernels", "laws", "bench", "simd.py", "basis.py", "grid.py", "state.py", "jit.py")
+COMPILED_SOURCES = ("kernels", "laws", "bench", "simd", "basis.py", "grid.py", "state.py", "jit.py")
 _STALE_AFTER_S = 7 * 24 * 3600.0
 _FLAGS: dict[str, Any] = {"error_model": "numpy", "nogil": True}
 
@@ -82,6 +82,23 @@ os.environ["NUMBA_CACHE_DIR"] = str(CACHE_FOLDER)
 _config: Any = numba.config
 _config.CACHE_DIR = str(CACHE_FOLDER)
 JIT_DISABLED = bool(_config.DISABLE_JIT)
+
+
+def variant(*frozen: Any) -> Callable[[F], F]:
+    """Give a function that a factory makes a name of its own, from the modules, functions or numbers frozen into it.
+
+    Machine code knows its parts by name, argument types and a number that counts compilations within one process.
+    Code from the disk was numbered by other processes: of two functions of one factory that were both the first
+    compiled in theirs, a third process would call one for the other, without a word.
+    """
+    labels = [str(getattr(part, "__name__", part)).rpartition(".")[2] for part in frozen]
+
+    def rename(function: F) -> F:
+        function.__qualname__ = "_".join([function.__qualname__, *labels])
+        function.__name__ = "_".join([function.__name__, *labels])
+        return function
+
+    return rename
 
 
 def device(function: F) -> F:

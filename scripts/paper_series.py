@@ -1,6 +1,6 @@
 """Run the paper's Mohr-Coulomb series at its grid spacing and at half of it, and keep the table of the README.
 
-    python scripts/paper_series.py OUT [--threads N] [--only channel|cylinder] [--halved] [--aspect A,...]
+    python scripts/paper_series.py OUT [--threads N] [--only channel|cylinder|quarter] [--halved] [--aspect A,...]
 
 Finished runs in OUT and rows already in scripts/paper_series.csv are kept, so the script can be stopped, started
 again, and run beside another one that takes other members. Prints the table of all rows.
@@ -22,12 +22,13 @@ from mpmcol.simulation import run
 
 SERIES = {
     "channel": ("lube-channel", 0.002, (1.0, 2.0, 3.0, 5.0, 7.0, 10.0)),
-    "cylinder": ("lube-cylinder", 0.005, (0.55, 0.9, 2.75, 5.0, 7.0)),
+    "cylinder": ("lube-cylinder", 0.005, (0.55, 0.9, 1.7, 2.75, 5.0, 7.0)),
+    "quarter": ("lube-quarter", 0.005, (0.55, 0.9, 1.7, 2.75, 7.0)),
 }
 TABLE = Path(__file__).with_suffix(".csv")
 COLUMNS = (
-    "case", "a", "h_mm", "points", *FRONTS, "zeta_law", "beta", "beta_law", "J_min", "J_max", "end_over_tau", "steps",
-    "ns_per_point_step", "minutes", "version",
+    "case", "a", "h_mm", "points", *FRONTS, "front_max_range", "zeta_law", "beta", "beta_law", "J_min", "J_max",
+    "end_over_tau", "steps", "ns_per_point_step", "minutes", "version",
 )  # fmt: skip
 
 Member = tuple[str, float, float]  # case, aspect ratio, spacing (m)
@@ -57,11 +58,13 @@ def simulate(member: Member, out: Path, threads: int | None) -> Results:
 def make_row(member: Member, results: Results) -> dict[str, Any]:
     """What the table keeps of a run."""
     summary, measured, (case, a, spacing) = results.summary, results.measure(), member
-    experiment = find_experiment("paper", results.case.geometry.model)
+    geometry, ranges = results.case.geometry, measured.zeta_range
+    experiment = find_experiment("paper", geometry.model, geometry.section)
     laws = {quantity: experiment.expected(quantity, a) for quantity in ("zeta", "beta")}
     return {
         "case": case, "a": f"{a:g}", "h_mm": f"{spacing * 1e3:g}", "points": summary["points"],
         **{name: f"{measured.zeta[name]:.4f}" for name in FRONTS}, "beta": f"{measured.beta:.4f}",
+        "front_max_range": "-".join(f"{zeta:.3f}" for zeta in ranges["front_max"]) if ranges else "",
         **{f"{name}_law": "" if law is None else f"{law[0]:.4f}" for name, law in laws.items()},
         "J_min": f"{summary['worst_J'][0]:.4f}", "J_max": f"{summary['worst_J'][1]:.4f}",
         "end_over_tau": f"{summary['time_over_tau']:.2f}", "steps": summary["steps"],
@@ -98,6 +101,8 @@ def markdown(rows: list[dict[str, Any]]) -> str:
     lines.append("|---" * 9 + "|")
     for row in rows:
         zeta = [against(row[name], row["zeta_law"]) for name in FRONTS]
+        if row["front_max_range"]:  # over azimuth
+            zeta[0] += f" {row['front_max_range']}"
         laws = [f"{float(row[law]):.3f}" if row[law] else "none" for law in ("zeta_law", "beta_law")]
         cells = [row["case"], row["a"], row["h_mm"], *zeta, laws[0], against(row["beta"], row["beta_law"]), laws[1]]
         lines.append("| " + " | ".join(cells) + " |")

@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mpmcol.grid import TILE, Grid, Tiles, tile_count
-from mpmcol.jit import device, phase, prange
+from mpmcol.jit import device, phase, prange, variant
 from mpmcol.kernels.cycle import STRESSES
 from mpmcol.kernels.grid import MASS_FLOOR
 from mpmcol.state import Points, Settings
@@ -154,6 +154,7 @@ def make_update_stress(dimension: int, column_law: ModuleType, base_law: ModuleT
     )
 
     @phase
+    @variant(dimension, column_law, base_law)
     def update_stress(points, tiles, settings, column, base, c2_column, c2_base, dt, report):
         """Volume, stress and time step of all points.
 
@@ -177,6 +178,7 @@ def _make_point_stress(dimension: int, formula: Callable[..., Any]) -> Callable[
     """The update of one point."""
 
     @device
+    @variant(formula)
     def in_plane(points, p, params, settings, c2, dt):
         """Update point `p`; returns its stress work (J) and c_p + |v_p| (m/s)."""
         v, L, sigma, J, opening, q = points.v, points.L, points.sigma, points.J, points.opening, points.history
@@ -189,6 +191,7 @@ def _make_point_stress(dimension: int, formula: Callable[..., Any]) -> Callable[
         return work, sqrt(c2 * J[p]) + sqrt(v[p, 0] ** 2 + v[p, 1] ** 2)
 
     @device
+    @variant(formula)
     def in_space(points, p, params, settings, c2, dt):
         """Update point `p`; returns its stress work (J) and c_p + |v_p| (m/s)."""
         v, L, sigma, J, opening, q = points.v, points.L, points.sigma, points.J, points.opening, points.history

@@ -13,7 +13,7 @@ from typing import Any
 
 from mpmcol.bench import plain, plain_2d, plain_3d
 from mpmcol.bench.clock import seconds
-from mpmcol.jit import driver, phase, prange
+from mpmcol.jit import driver, phase, prange, variant
 from mpmcol.kernels.cycle import DT, TRANSFERS, make_update_points, sum_nodes, sum_points
 from mpmcol.kernels.grid import clear, update_grid
 from mpmcol.kernels.transfer import make_p2g
@@ -30,6 +30,7 @@ def make_vector_steps(dimension: int, column_law: ModuleType, base_law: ModuleTy
     p2g, update_points = make_p2g(TRANSFERS[dimension]), make_update_points(dimension, column_law, base_law)
 
     @driver
+    @variant(dimension, column_law, base_law)
     def vector_steps(
         rows, grid, tiles, settings, column, base, c2_column, c2_base, smallest_mass, reports, clock, ledger, times
     ):
@@ -63,6 +64,7 @@ def make_plain_steps(dimension: int, column_law: ModuleType, base_law: ModuleTyp
     p2g, g2p = PLAIN_TRANSFERS[dimension].p2g, PLAIN_TRANSFERS[dimension].g2p
 
     @driver
+    @variant(dimension, column_law, base_law)
     def plain_steps(
         points, grid, tiles, settings, column, base, c2_column, c2_base, smallest_mass, reports, clock, times
     ):
@@ -96,6 +98,7 @@ def make_gather_alone(dimension: int) -> Callable[..., Any]:
     gather, limits, row = transfer.gather, transfer.limits, transfer.ROW
 
     @phase
+    @variant(dimension)
     def gather_all(rows, grid, tiles, settings, dt, report):
         """Reads: nodes. Writes: rows, report. Eq. (26)-(28)."""
         nodes, start, bounds = grid.nodes, tiles.start, limits(grid, settings)
@@ -107,6 +110,7 @@ def make_gather_alone(dimension: int) -> Callable[..., Any]:
             report[t, 0] = total
 
     @driver
+    @variant(dimension)
     def gather_alone(rows, grid, tiles, settings, dt, report, times):
         """G2P as often as `times` (n, 2) has rows, on records that nobody needs any more.
 

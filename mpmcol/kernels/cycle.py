@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mpmcol.grid import Grid
-from mpmcol.jit import device, driver, phase, prange
+from mpmcol.jit import device, driver, phase, prange, variant
 from mpmcol.kernels import stress_2d, stress_3d, transfer_2d, transfer_3d
 from mpmcol.kernels.grid import (
     DAMPING,
@@ -69,6 +69,7 @@ def make_update_points(dimension: int, column_law: ModuleType, base_law: ModuleT
     base_stress = make_update_stresses(dimension, base_law)
 
     @phase
+    @variant(dimension, column_law, base_law)
     def update_points(rows, grid, tiles, settings, column, base, c2_column, c2_base, dt, report):
         """Move all points and update their stress.
 
@@ -99,6 +100,7 @@ def make_update_stresses(dimension: int, law: ModuleType) -> Callable[..., Any]:
     update_stress, row = STRESSES[dimension].make_update_stress(law), TRANSFERS[dimension].ROW
 
     @device
+    @variant(dimension, law)
     def update_stresses(rows, first, stop, params, settings, box, c2, dt):
         """Returns the stress work (J), the largest c_p + |v_p| (m/s), the row of the first bad point or NO_FAULT."""
         work, speed, fault = splat(0.0), splat(0.0), NO_FAULT
@@ -172,6 +174,7 @@ def make_cycle(dimension: int, column_law: ModuleType, base_law: ModuleType) -> 
     update_points = make_update_points(dimension, column_law, base_law)
 
     @driver
+    @variant(dimension, column_law, base_law)
     def cycle(
         rows,
         grid,

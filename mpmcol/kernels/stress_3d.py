@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from mpmcol import state
-from mpmcol.jit import device
+from mpmcol.jit import device, variant
 from mpmcol.kernels.principal import determinant, direction, lone_value, second_invariant
 from mpmcol.kernels.stress import increment, inspect, load_eight, open_or_close, return_pair, store_eight
 from mpmcol.simd import any_positive, root, where_positive
@@ -26,6 +26,7 @@ def make_formula(law: ModuleType) -> Callable[..., Any]:
     may_yield, return_map, apex = law.may_yield, law.return_map, law.apex
 
     @device
+    @variant(law)
     def formula(s, L, V0, J, opening, history, params, settings, dt):
         """New stress, J, opening, history, and the stress work (J), from L xx xy xz yx yy yz zx zy zz, Eq. 29-34."""
         l_xx, l_xy, l_xz, l_yx, l_yy, l_yz, l_zx, l_zy, l_zz = L
@@ -67,6 +68,7 @@ def make_update_stress(law: ModuleType) -> Callable[..., Any]:
     formula = make_formula(law)
 
     @device
+    @variant(law)
     def update_stress(
         rows: np.ndarray, o: int, count: int, params: Any, settings: Settings, box: Any, c2: float, dt: float
     ) -> tuple[Any, Any, Any]:

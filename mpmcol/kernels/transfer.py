@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from mpmcol.grid import Grid, Tiles
-from mpmcol.jit import device, phase, prange
+from mpmcol.jit import device, phase, prange, variant
 from mpmcol.simd import fma, load, splat, store, swap_halves, where_positive
 from mpmcol.state import Settings
 
@@ -21,6 +21,7 @@ def make_p2g(transfer: ModuleType) -> Callable[..., None]:
     scatter, row = transfer.scatter, transfer.ROW
 
     @phase
+    @variant(transfer)
     def p2g(rows: np.ndarray, grid: Grid, tiles: Tiles, settings: Settings) -> None:
         """Scatter mass, momentum and force, tiles of one colour in parallel, each node summed in a fixed order.
 

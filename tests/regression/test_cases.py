@@ -20,7 +20,7 @@ COARSE = {
     "lube-channel-loose": ("grid.spacing=0.01", "geometry.aspect=1"),
     "lube-channel-dense": ("grid.spacing=0.01", "geometry.aspect=1"),
     "lube-cylinder": ("grid.spacing=0.01",),
-    "lube-quarter": ("grid.spacing=0.01",),
+    "lube-quarter": ("grid.spacing=0.02",),
     "bui-rods": ("grid.spacing=0.01",),
 }
 # steps, zeta by front_max, front_connected, front_height, beta

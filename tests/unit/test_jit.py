@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import ast
+import os
 import shutil
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -27,7 +30,9 @@ def copied_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return package
 
 
-@pytest.mark.parametrize("name", ["basis.py", "simd.py", "laws/mohr_coulomb.py", "kernels/stress_2d.py", "jit.py"])
+@pytest.mark.parametrize(
+    "name", ["basis.py", "simd/compiled.py", "laws/mohr_coulomb.py", "kernels/stress_2d.py", "jit.py"]
+)
 def test_an_edited_helper_gets_a_cache_folder_of_its_own(copied_package: Path, name: str) -> None:
     before = jit.source_digest()
     assert before == jit.source_digest()
@@ -52,6 +57,61 @@ def test_every_file_with_compiled_code_is_hashed() -> None:
     for path, tree in parsed(PACKAGE.rglob("*.py")):
         if path.name != "jit.py" and decorated(tree, DECORATORS):
             assert path.relative_to(PACKAGE).parts[0] in jit.COMPILED_SOURCES, path
+
+
+# ------------------------------------------------------------------------------------- code kept on the disk
+
+FACTORY = """
+import sys
+from mpmcol.jit import driver, phase, prange, variant
+
+def make(number):
+    @phase
+    @variant(number)
+    def fill(out):
+        for k in prange(len(out)):
+            out[k] = number
+
+    @driver
+    @variant(number)
+    def run(out):
+        fill(out)
+        return out.sum()
+
+    return run
+
+import numpy as np
+print([make(int(number))(np.zeros(10)) for number in sys.argv[1:]])
+"""
+
+
+def test_products_of_one_factory_are_not_taken_for_one_another(tmp_path: Path) -> None:
+    """Each is the first that its process compiles; then a third process loads both."""
+    (tmp_path / "factory.py").write_text(FACTORY)
+    environment = os.environ | {"MPMCOL_CACHE_DIR": str(tmp_path), "PYTHONPATH": str(PACKAGE.parent)}
+
+    def printed(*numbers: str) -> str:
+        command = [sys.executable, "factory.py", *numbers]
+        child = subprocess.run(command, env=environment, cwd=tmp_path, capture_output=True, text=True, check=True)
+        return child.stdout.strip()
+
+    assert [printed("1"), printed("2"), printed("1", "2")] == ["[10.0]", "[20.0]", "[10.0, 20.0]"]
+
+
+def test_everything_that_a_factory_compiles_has_a_name_of_its_own() -> None:
+    found = 0
+    for path, tree in parsed([*KERNELS, *(PACKAGE / "bench").glob("*.py")]):
+        inner = {
+            function
+            for outer in ast.walk(tree)
+            if isinstance(outer, ast.FunctionDef)
+            for function in decorated(ast.Module(outer.body, []), DECORATORS)
+        }
+        for function in inner:
+            names = {decorator.func.id for decorator in function.decorator_list if isinstance(decorator, ast.Call)}
+            assert "variant" in names, f"{path.name}: {function.name} needs @variant(...)"
+        found += len(inner)
+    assert found >= 12
 
 
 # ------------------------------------------------------------------------------------------------- sources
@@ -127,7 +187,7 @@ def test_a_store_to_a_plain_name_is_allowed() -> None:
 def test_numba_is_known_to_jit_simd_and_the_clock_only() -> None:
     assert imports_numba(ast.parse("from numba.core import types")) and imports_numba(ast.parse("import numba"))
     users = {path.relative_to(PACKAGE) for path, tree in parsed(PACKAGE.rglob("*.py")) if imports_numba(tree)}
-    assert {user.as_posix() for user in users} == {"jit.py", "simd.py", "bench/clock.py"}
+    assert {user.as_posix() for user in users} == {"jit.py", "simd/compiled.py", "bench/clock.py"}
 
 
 def test_kernels_say_what_they_read_write_and_which_equations_they_are() -> None:

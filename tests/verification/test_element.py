@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from mpmcol.jit import driver
+from mpmcol.jit import driver, variant
 from mpmcol.kernels import stress_2d, stress_3d
 from mpmcol.solver import Body
 from tests.verification.blocks import K_ACTIVE, NU, PHI, WEIGHTLESS, E, elastic_body, sand_body
@@ -33,6 +33,7 @@ def make_path(d: int, law: ModuleType) -> Callable[..., Any]:
     formula = (stress_2d if d == 2 else stress_3d).make_formula(law)
 
     @driver
+    @variant(d, law)
     def path(sigma, gradient, params, settings, steps):
         J, opening, history = 1.0, 0.0, (0.0, 0.0)
         for _ in range(steps):

@@ -1,9 +1,4 @@
-"""A vector of eight doubles as a Numba type, so that kernels read like formulas and compile to packed code.
-
-LLVM splits the vectors by itself on machines whose registers are narrower. Every function here has a plain
-Python body that works on NumPy arrays of eight numbers: the twin that runs under NUMBA_DISABLE_JIT=1. `root`,
-`where_positive` and `any_positive` take single numbers too, so that a formula written with them serves both.
-"""
+"""The same operations compiled: a Numba type for LLVM's `<8 x double>`, intrinsics, and what replaces what."""
 
 # Numba adds the first argument of an intrinsic by itself.
 # mypy: disable-error-code="call-arg"
@@ -12,6 +7,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable
+from functools import wraps
 from typing import Any
 
 import numpy as np
@@ -19,12 +15,30 @@ from llvmlite import ir
 from numba.core import cgutils, types
 from numba.extending import intrinsic, models, overload, register_model
 
-LANES = 8
+from mpmcol.jit import variant
+from mpmcol.simd.vectors import (
+    LANES,
+    SWAPPED,
+    any_positive,
+    fma,
+    lane,
+    larger,
+    largest_lane,
+    load,
+    root,
+    splat,
+    store,
+    sum_lanes,
+    swap_halves,
+    transpose,
+    vector,
+    where_positive,
+)
+
 _DOUBLE = ir.DoubleType()
 _INT = ir.IntType(32)
 _VECTOR = ir.VectorType(_DOUBLE, LANES)
 _ZERO = ir.Constant(_VECTOR, [0.0] * LANES)
-_SWAPPED = [0, 4, 5, 6, 1, 2, 3, 7]
 
 
 class Vec8Type(types.Type):
@@ -42,87 +56,6 @@ _EIGHT = types.UniTuple(vec8, LANES)
 class _Vec8Model(models.PrimitiveModel):
     def __init__(self, manager, numba_type):
         super().__init__(manager, numba_type, _VECTOR)
-
-
-def load(array: np.ndarray, index: int) -> np.ndarray:
-    """Eight consecutive doubles of a flat array, starting at `index`; behind its end, whatever memory holds there."""
-    found = array[index : index + LANES]
-    return np.pad(found, (0, LANES - len(found)))
-
-
-def store(array: np.ndarray, index: int, value: np.ndarray) -> None:
-    """Write eight doubles to a flat array, starting at `index`."""
-    array[index : index + LANES] = value
-
-
-def splat(x: float) -> np.ndarray:
-    """The same number in all lanes."""
-    return np.full(LANES, x)
-
-
-def vector(x0: float, x1: float, x2: float, x3: float, x4: float, x5: float, x6: float, x7: float) -> np.ndarray:
-    """A vector from its eight lanes."""
-    return np.array([x0, x1, x2, x3, x4, x5, x6, x7], dtype=np.float64)
-
-
-def lane(value: np.ndarray, index: int) -> float:
-    """One lane of a vector."""
-    return value[index]
-
-
-def swap_halves(value: np.ndarray) -> np.ndarray:
-    """Lanes 1 to 3 (momentum, velocity) and 4 to 6 (force, acceleration) exchanged."""
-    return value[_SWAPPED]
-
-
-def transpose(
-    r0: np.ndarray, r1: np.ndarray, r2: np.ndarray, r3: np.ndarray,
-    r4: np.ndarray, r5: np.ndarray, r6: np.ndarray, r7: np.ndarray,
-) -> tuple[np.ndarray, ...]:  # fmt: skip
-    """Lane k of the eight vectors becomes vector k."""
-    return tuple(np.array([r0, r1, r2, r3, r4, r5, r6, r7]).T)
-
-
-def fma(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
-    """a * b + c, rounded once where it is compiled."""
-    return a * b + c
-
-
-def root(a: Any) -> Any:
-    """Square root."""
-    return np.sqrt(a)
-
-
-def where_positive(condition: Any, a: Any, b: Any) -> Any:
-    """a where the condition is above zero, else b, lane by lane; a number that is none is not above zero."""
-    return np.where(condition > 0.0, a, b)
-
-
-def any_positive(condition: Any) -> bool:
-    """Whether a lane is above zero."""
-    return bool(np.any(condition > 0.0))
-
-
-def larger(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """The larger one in each lane; b where either is not a number."""
-    return np.where(a > b, a, b)
-
-
-def largest_lane(a: np.ndarray) -> float:
-    """The largest of all lanes; lanes that are not numbers are passed over where they can be."""
-    for width in (4, 2, 1):
-        a = larger(a[:width], a[width : 2 * width])
-    return float(a[0])
-
-
-def sum_lanes(a: np.ndarray) -> float:
-    """Sum of all lanes: halves first, always in the same order."""
-    for width in (4, 2, 1):
-        a = a[:width] + a[width : 2 * width]
-    return float(a[0])
-
-
-# ---------------------------------------------------------------------------------------- what is compiled
 
 
 def _pointer(context, builder, array_type, array, index):
@@ -154,8 +87,8 @@ def _store(typingctx, array, index, value):
 def _vector(typingctx, x0, x1, x2, x3, x4, x5, x6, x7):
     def codegen(context, builder, signature, args):
         value = _ZERO
-        for lane, number in enumerate(args):
-            value = builder.insert_element(value, number, _INT(lane))
+        for place, number in enumerate(args):
+            value = builder.insert_element(value, number, _INT(place))
         return value
 
     return vec8(*[types.float64] * LANES), codegen
@@ -254,7 +187,7 @@ def _ternary(emit: Callable[..., Any]) -> Any:
 
 
 _splat = _unary(_emit_splat, argument=types.float64)
-_swap_halves = _unary(lambda builder, a: _shuffle(builder, a, a, _SWAPPED))
+_swap_halves = _unary(lambda builder, a: _shuffle(builder, a, a, SWAPPED))
 _root = _unary(lambda builder, a: _call(builder, "llvm.sqrt.v8f64", a))
 _magnitude = _unary(lambda builder, a: _call(builder, "llvm.fabs.v8f64", a))
 _negative = _unary(lambda builder, a: builder.fneg(a))
@@ -283,16 +216,23 @@ def _wide_overload(x):
 
 
 def _declare(function: Callable[..., Any], implementation: Any) -> None:
-    """Let compiled code use `implementation`, a factory like those that `overload` takes, for `function`."""
-    overload(function)(implementation)
+    """Let compiled code use what `implementation`, a factory like those that `overload` takes, gives for `function`."""
+
+    @wraps(implementation)
+    def named(*arguments):
+        compiled = implementation(*arguments)
+        return compiled and variant(function)(compiled)
+
+    overload(function)(named)
 
 
 def _declare_arithmetic(operation: Callable[..., Any], operation8: Any) -> None:
     """An operator of two vectors, or of a vector and a number."""
 
-    @overload(operation)
     def typed(a, b):
         return (lambda a, b: operation8(_wide(a), _wide(b))) if vec8 in (a, b) else None
+
+    _declare(operation, typed)
 
 
 for _operation, _operation8 in _ARITHMETIC.items():
