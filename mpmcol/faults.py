@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from mpmcol.kernels.cycle import column_box
 from mpmcol.kernels.stress import J_MAX, J_MIN
+from mpmcol.kernels.update import column_box
 from mpmcol.solver import Solver
 
 TIME_STEP = "lower time.cfl (0.5 is the default, about 0.7 the limit), or refine grid.spacing"

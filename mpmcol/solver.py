@@ -12,6 +12,7 @@ from mpmcol.grid import Grid, Tiles
 from mpmcol.kernels import cycle
 from mpmcol.kernels.grid import NODE_REPORT
 from mpmcol.kernels.order import scratch, sort_points
+from mpmcol.kernels.update import TILE_REPORT
 from mpmcol.state import BASE, COLUMN, ROW, Points, Settings
 
 CALL_SECONDS = 0.2  # Python handles signals only between calls
@@ -75,7 +76,7 @@ class Solver:
         self.clock[cycle.TRAVELLED] = 0.0
         self._reports = (
             np.zeros((len(self.tiles.active), NODE_REPORT)),
-            np.zeros((len(self.tiles.split), cycle.TILE_REPORT)),
+            np.zeros((len(self.tiles.split), TILE_REPORT)),
         )
 
     def advance(self, end: float, max_steps: int = 2**62) -> int:

@@ -20,8 +20,8 @@ import numpy as np
 
 from mpmcol.grid import TILE, Grid, Tiles, tile_count
 from mpmcol.jit import device, phase, prange, variant
-from mpmcol.kernels.cycle import STRESSES
 from mpmcol.kernels.grid import MASS_FLOOR
+from mpmcol.kernels.update import STRESSES
 from mpmcol.state import Points, Settings
 
 

@@ -14,9 +14,10 @@ from typing import Any
 from mpmcol.bench import plain, plain_2d, plain_3d
 from mpmcol.bench.clock import seconds
 from mpmcol.jit import driver, phase, prange, variant
-from mpmcol.kernels.cycle import DT, TRANSFERS, make_update_points, sum_nodes, sum_points
+from mpmcol.kernels.cycle import DT, sum_nodes, sum_points
 from mpmcol.kernels.grid import clear, update_grid
 from mpmcol.kernels.transfer import make_p2g
+from mpmcol.kernels.update import TRANSFERS, make_update_points
 from mpmcol.simd import lane
 
 VECTOR_PHASES = ("clear", "p2g", "update_grid", "update_points", "sums")

@@ -1,0 +1,109 @@
+"""All that happens to a point after the grid update, tile by tile: G2P, stress, and a look at whether it is sound."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from types import ModuleType
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from mpmcol.grid import Grid
+from mpmcol.jit import device, phase, prange, variant
+from mpmcol.kernels import stress_2d, stress_3d, transfer_2d, transfer_3d
+from mpmcol.simd import LANES, any_positive, lane, larger, largest_lane, splat, sum_lanes, vector, where_positive
+from mpmcol.state import Settings
+
+# what a tile of points reports
+SPEED, TRAVEL, WORK, NODE_WORK, FAULT, TILE_REPORT = range(6)
+
+EDGE_CELLS = 2  # material this close to an open end of the domain stops the run
+NO_FAULT = -1.0
+TRANSFERS = {2: transfer_2d, 3: transfer_3d}
+STRESSES = {2: stress_2d, 3: stress_3d}
+
+
+class Box(NamedTuple):
+    """Where material may be, m: the open ends of the domain are EDGE_CELLS beyond."""
+
+    x_low: float
+    x_high: float
+    y_high: float
+    z_low: float
+    z_high: float
+
+
+@device
+def column_box(grid: Grid, settings: Settings) -> Box:
+    """The box that the column must not leave."""
+    edge, far = EDGE_CELLS * grid.h, np.inf
+    return Box(
+        grid.origin_x + edge if settings.open_low_sides else -far,
+        grid.origin_x + (grid.n_x - 1) * grid.h - edge,
+        grid.origin_y + (grid.n_y - 1) * grid.h - edge,
+        grid.origin_z + edge if settings.open_low_sides else -far,
+        grid.origin_z + (grid.n_z - 1) * grid.h - edge,
+    )
+
+
+def make_update_points(dimension: int, column_law: ModuleType, base_law: ModuleType) -> Callable[..., None]:
+    """G2P and stress, tile by tile, with the dimension and the laws of column and base frozen in."""
+    gather, limits, row = TRANSFERS[dimension].gather, TRANSFERS[dimension].limits, TRANSFERS[dimension].ROW
+    column_stress = make_update_stresses(dimension, column_law)
+    base_stress = make_update_stresses(dimension, base_law)
+
+    @phase
+    @variant(dimension, column_law, base_law)
+    def update_points(rows, grid, tiles, settings, column, base, c2_column, c2_base, dt, report):
+        """Move all points and update their stress.
+
+        Reads: nodes (v~, a). Writes: rows, report (n_tiles, 5). Eq. (26)-(34), and c_p + |v_p| of Eq. (35)-(36).
+        """
+        nodes, start, split = grid.nodes, tiles.start, tiles.split
+        inside, anywhere = column_box(grid, settings), Box(-np.inf, np.inf, np.inf, -np.inf, np.inf)
+        bounds, inv_h = limits(grid, settings), 1.0 / grid.h
+        for t in prange(len(split)):
+            travel, node_work = splat(0.0), splat(0.0)
+            for p in range(start[t], start[t + 1]):
+                step, taken = gather(rows, p * row, nodes, grid, settings, bounds, dt)
+                travel, node_work = larger(travel, abs(step)), node_work + taken
+            report[t, TRAVEL] = inv_h * max(lane(travel, 4), lane(travel, 5), lane(travel, 6))
+            report[t, NODE_WORK] = lane(node_work, 4) + lane(node_work, 5) + lane(node_work, 6)
+            work, speed, fault = column_stress(rows, start[t], split[t], column, settings, inside, c2_column, dt)
+            base_work, base_speed, base_fault = base_stress(
+                rows, split[t], start[t + 1], base, settings, anywhere, c2_base, dt
+            )
+            report[t, WORK], report[t, SPEED] = work + base_work, max(speed, base_speed)
+            report[t, FAULT] = fault if fault != NO_FAULT else base_fault
+
+    return update_points
+
+
+def make_update_stresses(dimension: int, law: ModuleType) -> Callable[..., Any]:
+    """The stress update of a range of points, eight at a time."""
+    update_stress, row = STRESSES[dimension].make_update_stress(law), TRANSFERS[dimension].ROW
+
+    @device
+    @variant(dimension, law)
+    def update_stresses(rows, first, stop, params, settings, box, c2, dt):
+        """Returns the stress work (J), the largest c_p + |v_p| (m/s), the row of the first bad point or NO_FAULT."""
+        work, speed, fault = splat(0.0), splat(0.0), NO_FAULT
+        for p in range(first, stop, LANES):
+            count = min(stop - p, LANES)
+            real = float(count) - vector(0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5)
+            spent, fastest, sound = update_stress(rows, p * row, count, params, settings, box, c2, dt)
+            work = work + where_positive(real, spent, 0.0)
+            speed = larger(speed, where_positive(real, fastest, 0.0))
+            bad = where_positive(real, 1.0 - sound, 0.0)
+            if fault == NO_FAULT and any_positive(bad):
+                fault = p + _first_positive(bad)
+        return sum_lanes(work), largest_lane(speed), fault
+
+    return update_stresses
+
+
+@device
+def _first_positive(value):
+    """Number of the first lane above zero, as a real number."""
+    first = vector(0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0)
+    return -largest_lane(where_positive(value, -first, -float(LANES)))
