@@ -5,6 +5,8 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass
 
+import numpy as np
+
 from mpmcol.case import Case
 from mpmcol.grid import NODE
 from mpmcol.jit import set_threads
@@ -24,6 +26,7 @@ class Estimate:
     points: int
     column_points: int
     nodes: int  # that stand near material at the start
+    tiles_of_colour: tuple[int, ...]  # tiles that hold points, by colour: those of one colour are scattered in parallel
     dt: float  # s
     steps: int  # usual number
     most_steps: int  # if the case's longest durations are needed
@@ -47,7 +50,9 @@ def estimate(case: Case, threads: int | None = None) -> Estimate:
     compiled = time.perf_counter() - started
     dt, points = solver.dt, len(scene.points)
     pace = _seconds_per_step(solver)
-    nodes = len(solver.tiles.active) * scene.grid.tile_doubles // NODE if solver.tiles else 0
+    assert solver.tiles is not None  # `prepare` sorts
+    tiles = tuple(np.diff(solver.tiles.colour_start).tolist())
+    nodes = len(solver.tiles.active) * scene.grid.tile_doubles // NODE
 
     tau = scene.layout.fall_time(case.geometry.gravity)
     transit = scene.layout.wave_time(stage.column.wave_speed2)
@@ -60,6 +65,7 @@ def estimate(case: Case, threads: int | None = None) -> Estimate:
         points=points,
         column_points=scene.column_points,
         nodes=nodes,
+        tiles_of_colour=tiles,
         dt=dt,
         steps=steps,
         most_steps=most_steps,
