@@ -70,6 +70,16 @@ def return_pair(a, b, z, history, params, return_map):
 
 
 @device
+def settle(yields, new_history, history, freed, opening, ratio, settings):
+    """History, opening strain and volume ratio after the return; as they were where nothing yields."""
+    history = where_positive(yields, new_history[0], history[0]), where_positive(yields, new_history[1], history[1])
+    if settings.opening_strain:
+        freed = where_positive(yields, freed, 0.0)
+        opening, ratio = opening + freed, ratio / (1.0 + freed)
+    return history, opening, ratio
+
+
+@device
 def inspect(J, v2, c2):
     """Wave speed plus speed (Eq. 35-36), and one where a point is finite and slower than its waves."""
     c2_p = c2 * J

@@ -10,7 +10,7 @@ import numpy as np
 
 from mpmcol import state
 from mpmcol.jit import device, variant
-from mpmcol.kernels.stress import increment, inspect, load_eight, open_or_close, return_pair, store_eight
+from mpmcol.kernels.stress import increment, inspect, load_eight, open_or_close, return_pair, settle, store_eight
 from mpmcol.simd import any_positive, root, where_positive
 from mpmcol.state import Settings
 
@@ -53,10 +53,7 @@ def make_formula(law: ModuleType) -> Callable[..., Any]:
             t_xx = where_positive(yields, centre + scale * half, t_xx)
             t_yy = where_positive(yields, centre - scale * half, t_yy)
             t_zz, t_xy = where_positive(yields, r_z, t_zz), where_positive(yields, scale * t_xy, t_xy)
-            history = where_positive(yields, q[0], history[0]), where_positive(yields, q[1], history[1])
-            if settings.opening_strain:
-                freed = where_positive(yields, freed, 0.0)
-                opening, ratio = opening + freed, ratio / (1.0 + freed)
+            history, opening, ratio = settle(yields, q, history, freed, opening, ratio, settings)
         work = (s_xx + t_xx) * l_xx + (s_yy + t_yy) * l_yy + (s_zz + t_zz) * l_zz + 2.0 * (s_xy + t_xy) * shear
         return (t_xx, t_yy, t_zz, t_xy), J * ratio, opening, history, 0.5 * V0 * J * work
 

@@ -14,7 +14,7 @@ import numpy as np
 from mpmcol import state
 from mpmcol.jit import device, variant
 from mpmcol.kernels.principal import determinant, direction, lone_value, second_invariant
-from mpmcol.kernels.stress import increment, inspect, load_eight, open_or_close, return_pair, store_eight
+from mpmcol.kernels.stress import increment, inspect, load_eight, open_or_close, return_pair, settle, store_eight
 from mpmcol.simd import any_positive, root, where_positive
 from mpmcol.state import Settings
 
@@ -52,10 +52,7 @@ def make_formula(law: ModuleType) -> Callable[..., Any]:
             returned, q, freed, yields = _return(p, d, j2, history, params, return_map)
             yields = where_positive(stays, 0.0, yields)
             t = _choose(yields, returned, t)
-            history = where_positive(yields, q[0], history[0]), where_positive(yields, q[1], history[1])
-            if settings.opening_strain:
-                freed = where_positive(yields, freed, 0.0)
-                opening, ratio = opening + freed, ratio / (1.0 + freed)
+            history, opening, ratio = settle(yields, q, history, freed, opening, ratio, settings)
         work = (s[0] + t[0]) * e_xx + (s[1] + t[1]) * e_yy + (s[2] + t[2]) * e_zz
         work = work + 2.0 * ((s[3] + t[3]) * e[3] + (s[4] + t[4]) * e[4] + (s[5] + t[5]) * e[5])
         return t, J * ratio, opening, history, 0.5 * V0 * J * work

@@ -10,7 +10,7 @@ import numpy as np
 
 from mpmcol.grid import Grid, Tiles
 from mpmcol.jit import device, phase, prange, variant
-from mpmcol.simd import fma, load, splat, store, swap_halves, where_positive
+from mpmcol.simd import fma, load, splat, store, swap_halves, vector, where_positive
 from mpmcol.state import Settings
 
 WALL_GAP = 0.1  # in h: a point closer to a wall would be stiffer than the default time step bears
@@ -38,27 +38,39 @@ def make_p2g(transfer: ModuleType) -> Callable[..., None]:
 
 
 @device
-def move(record: Any, mean: Any, momenta: Any, limits: Any, settings: Settings, dt: float) -> tuple[Any, Any]:
+def momenta(d: int) -> Any:
+    """One in the lanes of momentum of `d` dimensions."""
+    return vector(0.0, 1.0, 1.0, d - 2, 0.0, 0.0, 0.0, 0.0)
+
+
+@device
+def forces(d: int) -> Any:
+    """One in the lanes of force of `d` dimensions."""
+    return swap_halves(momenta(d))
+
+
+@device
+def move(record: Any, mean: Any, d: int, limits: Any, settings: Settings, dt: float) -> tuple[Any, Any]:
     """New first row of a point's record, and its displacement (lanes 4 to 6), Eq. (26)-(27).
 
-    record: the old row. mean: weighted sums of v~ and a over the nodes. momenta: one in the lanes of the velocity.
-    limits: least and largest position in lanes 4 to 6.
+    record: the old row. mean: weighted sums of v~ and a over the nodes of `d` dimensions. limits: least and largest
+    position in lanes 4 to 6.
     """
-    share, forces, swapped = settings.flip_fraction, swap_halves(momenta), swap_halves(mean)
+    share, swapped = settings.flip_fraction, swap_halves(mean)
     # Eq. 26 and its PIC counterpart
-    kept = where_positive(momenta, share, 1.0)
-    speed_up = fma(momenta * (1.0 - share), mean, momenta * (share * dt) * swapped)
+    kept = where_positive(momenta(d), share, 1.0)
+    speed_up = fma(momenta(d) * (1.0 - share), mean, momenta(d) * (share * dt) * swapped)
     # Eq. 27
-    step = fma(forces * (-settings.position_factor * dt * dt), mean, forces * dt * swapped)
+    step = fma(forces(d) * (-settings.position_factor * dt * dt), mean, forces(d) * dt * swapped)
     moved = fma(record, kept, speed_up + step)
     moved = where_positive(limits[0] - moved, limits[0], moved)
     return where_positive(moved - limits[1], limits[1], moved), step
 
 
 @device
-def store_column(rows: np.ndarray, o: int, momenta: Any, gradient: Any) -> None:
+def store_column(rows: np.ndarray, o: int, d: int, gradient: Any) -> None:
     """Write a column of the velocity gradient into the row of lanes at `o`, Eq. (28)."""
-    store(rows, o, where_positive(momenta, gradient, load(rows, o)))
+    store(rows, o, where_positive(momenta(d), gradient, load(rows, o)))
 
 
 @device

@@ -10,23 +10,11 @@ from mpmcol import state
 from mpmcol.basis import spline
 from mpmcol.grid import Grid
 from mpmcol.jit import device
-from mpmcol.kernels.transfer import WALL_GAP, move, power, store_column
+from mpmcol.kernels.transfer import WALL_GAP, forces, momenta, move, power, store_column
 from mpmcol.simd import fma, lane, load, splat, store, vector
 from mpmcol.state import HOOP, V0, J, M, Settings, X, Y
 
 ROW = state.ROW[2]
-
-
-@device
-def momenta() -> Any:
-    """One in the lanes of momentum."""
-    return vector(0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-
-
-@device
-def forces() -> Any:
-    """One in the lanes of force."""
-    return vector(0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0)
 
 
 @device
@@ -55,11 +43,11 @@ def scatter(rows: np.ndarray, o: int, nodes: np.ndarray, grid: Grid, settings: S
     hoop = volume * rows[o + HOOP] / rows[o + X] if settings.axisymmetric else 0.0
 
     # Eq. 19, 20, 14: mass, momentum at the point, weight (and the hoop stress of axisymmetry)
-    momentum = splat(m) * momenta()
+    momentum = splat(m) * momenta(2)
     weight = vector(m, 0.0, 0.0, 0.0, m * settings.gravity_x - hoop, m * settings.gravity_y, 0.0, 0.0)
     at_point = fma(load(rows, o), momentum, weight)
     # Eq. 20: m L (x_i - x_p); Eq. 13: -V sigma . grad w
-    taylor, force = settings.taylor * momentum, (-volume * inv_h) * forces()
+    taylor, force = settings.taylor * momentum, (-volume * inv_h) * forces(2)
     row_x, row_y = load(rows, o + 8), load(rows, o + 16)
     a_x, f_x, a_y, f_y = row_x * taylor, row_x * force, row_y * taylor, row_y * force
 
@@ -114,10 +102,10 @@ def gather(
         hoop = (l_zz - 0.5 * dt * lane(mean, 4) / rows[o + X]) * rows[o + HOOP]
         work = work + vector(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, hoop, 0.0)
     work = (dt * rows[o + J] * rows[o + V0]) * work
-    record, step = move(load(rows, o), mean, momenta(), bounds, settings, dt)
+    record, step = move(load(rows, o), mean, 2, bounds, settings, dt)
     store(rows, o, record)
-    store_column(rows, o + 8, momenta(), grad_x)
-    store_column(rows, o + 16, momenta(), grad_y)
+    store_column(rows, o + 8, 2, grad_x)
+    store_column(rows, o + 16, 2, grad_y)
     rows[o + 11] = l_zz
     return step, work
 

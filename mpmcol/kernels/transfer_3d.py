@@ -10,23 +10,11 @@ from mpmcol import state
 from mpmcol.basis import spline
 from mpmcol.grid import Grid
 from mpmcol.jit import device
-from mpmcol.kernels.transfer import WALL_GAP, move, power, store_column
+from mpmcol.kernels.transfer import WALL_GAP, forces, momenta, move, power, store_column
 from mpmcol.simd import fma, load, splat, store, vector
 from mpmcol.state import V0, J, M, Settings, X, Y, Z
 
 ROW = state.ROW[3]
-
-
-@device
-def momenta() -> Any:
-    """One in the lanes of momentum."""
-    return vector(0.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0)
-
-
-@device
-def forces() -> Any:
-    """One in the lanes of force."""
-    return vector(0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 0.0)
 
 
 @device
@@ -54,11 +42,11 @@ def scatter(rows: np.ndarray, o: int, nodes: np.ndarray, grid: Grid, settings: S
     m, volume = rows[o + M], rows[o + J] * rows[o + V0]
 
     # Eq. 19, 20, 14: mass, momentum at the point, weight
-    momentum = splat(m) * momenta()
+    momentum = splat(m) * momenta(3)
     weight = vector(m, 0.0, 0.0, 0.0, m * settings.gravity_x, m * settings.gravity_y, m * settings.gravity_z, 0.0)
     at_point = fma(load(rows, o), momentum, weight)
     # Eq. 20: m L (x_i - x_p); Eq. 13: -V sigma . grad w
-    taylor, force = settings.taylor * momentum, (-volume * inv_h) * forces()
+    taylor, force = settings.taylor * momentum, (-volume * inv_h) * forces(3)
     row_x, row_y, row_z = load(rows, o + 8), load(rows, o + 16), load(rows, o + 24)
     a_x, f_x, a_y, f_y, a_z, f_z = (
         row_x * taylor,
@@ -131,11 +119,11 @@ def gather(
 
     work = power(load(rows, o + 8), grad_x, dt) + power(load(rows, o + 16), grad_y, dt)
     work = (dt * rows[o + J] * rows[o + V0]) * (work + power(load(rows, o + 24), grad_z, dt))
-    record, step = move(load(rows, o), mean, momenta(), bounds, settings, dt)
+    record, step = move(load(rows, o), mean, 3, bounds, settings, dt)
     store(rows, o, record)
-    store_column(rows, o + 8, momenta(), grad_x)
-    store_column(rows, o + 16, momenta(), grad_y)
-    store_column(rows, o + 24, momenta(), grad_z)
+    store_column(rows, o + 8, 3, grad_x)
+    store_column(rows, o + 16, 3, grad_y)
+    store_column(rows, o + 24, 3, grad_z)
     return step, work
 
 
