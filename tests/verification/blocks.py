@@ -1,7 +1,7 @@
 """Scenes of the verification problems: lattices of points, grids with rollers, solvers of sand and elastic.
 
 The elastic body of every problem is made of points of kind BASE and the sand of points of kind COLUMN, so
-that all problems share one compiled cycle.
+that all problems of a dimension share one compiled cycle.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ G = 9.81
 DENSITY, E, NU, PHI = 2650.0, 10e6, 0.2, 33.0
 PLAIN = Settings(0.0, -G, 0.0, 0.5, 1.0, 1.0, 0.5, True, True, True, False)
 WEIGHTLESS = PLAIN._replace(gravity_y=0.0)
+SIDES = (("left", "right"), ("bottom", "top"), ("back", "front"))  # low and high end of x, y, z
 K_ACTIVE = (1.0 - np.sin(np.radians(PHI))) / (1.0 + np.sin(np.radians(PHI)))
 
 
@@ -54,10 +55,11 @@ def lattice(lower: tuple[float, ...], upper: tuple[float, ...], spacing: float) 
 def points_at(
     x: np.ndarray, spacing: float, kind: int = BASE, density: float = DENSITY, axisymmetric: bool = False
 ) -> Points:
-    """Resting points at `x` (n, 2), each standing for a square of side `spacing`."""
-    points = Points(len(x))
+    """Resting points at `x` (n, d), each standing for a square or cube of side `spacing`."""
+    n, d = x.shape
+    points = Points(n, d)
     points.x[:] = x
-    points.rows[:, V0] = spacing**2 * (x[:, 0] if axisymmetric else 1.0)
+    points.rows[:, V0] = spacing**d * (x[:, 0] if axisymmetric else 1.0)
     points.m[:] = density * points.V0
     points.rows[:, KIND] = kind
     return points
@@ -65,7 +67,7 @@ def points_at(
 
 def joined(*parts: Points) -> Points:
     """All points of several bodies, renumbered."""
-    points = Points(sum(len(part) for part in parts))
+    points = Points(sum(len(part) for part in parts), parts[0].dimension)
     number = points.id
     points.rows[:] = np.concatenate([part.rows for part in parts])
     points.rows[:, ID] = number
@@ -73,24 +75,18 @@ def joined(*parts: Points) -> Points:
 
 
 def walled_grid(
-    origin: tuple[float, float], h: float, cells: tuple[int, int], rollers: str = "", no_slip: str = ""
+    origin: tuple[float, ...], h: float, cells: tuple[int, ...], rollers: str = "", no_slip: str = ""
 ) -> Grid:
-    """A grid whose named sides ("left right bottom top") fix the normal or all components of velocity."""
+    """A grid whose named sides ("left right bottom top back front") fix the normal or all components of velocity."""
     grid = allocate_grid(origin, h, cells)
-    x, y = np.broadcast_arrays(*node_coordinates(grid))
-    on = {
-        "left": x < origin[0] + 0.5 * h,
-        "right": x > origin[0] + (cells[0] - 0.5) * h,
-        "bottom": y < origin[1] + 0.5 * h,
-        "top": y > origin[1] + (cells[1] - 0.5) * h,
-    }
-    nothing = np.zeros_like(on["left"])
-    fixed_x, fixed_y = nothing.copy(), nothing.copy()
-    for side, mask in on.items():
-        along_x = side in ("left", "right")
-        fixed_x |= mask & ((side in no_slip) | (along_x & (side in rollers)))
-        fixed_y |= mask & ((side in no_slip) | ((not along_x) & (side in rollers)))
-    set_fixed(grid, fixed_x, fixed_y)
+    held: list[Any] = [False] * len(cells)
+    for axis, x in enumerate(node_coordinates(grid)):
+        ends = x < origin[axis] + 0.5 * h, x > origin[axis] + (cells[axis] - 0.5) * h
+        for side, nodes in zip(SIDES[axis], ends, strict=True):
+            for component in range(len(cells)):
+                if side in no_slip or (component == axis and side in rollers):
+                    held[component] = held[component] | nodes
+    set_fixed(grid, *held)
     return grid
 
 
@@ -123,19 +119,19 @@ def by_id(solver: Solver) -> Points:
 
 
 def kinetic_energy(points: Points) -> float:
-    """J per metre or radian."""
+    """J (per metre or radian in two dimensions)."""
     return float(0.5 * np.sum(points.m * np.sum(points.v**2, axis=1)))
 
 
 def potential_energy(points: Points, gravity: float = G) -> float:
-    """J per metre or radian, from y = 0."""
+    """J (per metre or radian in two dimensions), from y = 0."""
     return float(gravity * np.sum(points.m * points.x[:, 1]))
 
 
 def elastic_energy(points: Points, youngs_modulus: float = E, poissons_ratio: float = NU) -> float:
-    """Stored energy of linear elasticity, J per metre or radian."""
+    """Stored energy of linear elasticity, J (per metre or radian in two dimensions)."""
     s = points.sigma
     trace = s[:, :3].sum(axis=1)
-    norm2 = np.sum(s[:, :3] ** 2, axis=1) + 2.0 * s[:, 3] ** 2
+    norm2 = np.sum(s[:, :3] ** 2, axis=1) + 2.0 * np.sum(s[:, 3:] ** 2, axis=1)
     density = ((1.0 + poissons_ratio) * norm2 - poissons_ratio * trace**2) / (2.0 * youngs_modulus)
     return float(np.sum(points.V * density))

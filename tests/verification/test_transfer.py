@@ -1,14 +1,20 @@
-"""Points to grid: the Taylor term makes linear velocity fields exact, beside walls too."""
+"""Points to grid and back: mass, linear velocity fields and stress are carried exactly, beside walls too."""
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 import pytest
 
 from mpmcol.grid import node_coordinates, node_records
+from mpmcol.kernels.transfer import WALL_GAP
+from mpmcol.solver import Solver
+from mpmcol.state import Points
 from tests.verification.blocks import (
     WEIGHTLESS,
     advance_steps,
+    by_id,
     lattice,
     make_solver,
     points_at,
@@ -16,65 +22,134 @@ from tests.verification.blocks import (
 )
 
 CELLS = 8
-V0, L = np.array([0.4, -0.3]), np.array([[0.5, -1.1], [0.8, 0.2]])
+V0, L = np.array([0.4, -0.3, 0.6]), np.array([[0.5, -1.1, 0.3], [0.8, 0.2, -0.7], [-0.4, 0.9, 0.6]])
+both_dimensions = pytest.mark.parametrize("d", [2, 3])
 
 
-def nodal_velocity(x, v, grad_v, h, taylor):
-    """Mass (n, n), velocity and coordinates (n, n, 2) of the nodes after P2G of stress-free points."""
+class Nodes(NamedTuple):
+    """All nodes after one step: coordinates, velocity and acceleration are (nodes, d)."""
+
+    x: np.ndarray
+    m: np.ndarray
+    v: np.ndarray  # after the update
+    a: np.ndarray
+
+
+def moving(x: np.ndarray, v: np.ndarray, grad_v: np.ndarray, h: float) -> Points:
+    """Points at `x` (n, d) with velocities `v` and gradients `grad_v` ([n,] d, d)."""
+    d = x.shape[1]
     points = points_at(x, h / 2)
     points.v[:] = v
-    points.grad_v = np.pad(np.broadcast_to(grad_v, (len(x), 2, 2)), ((0, 0), (0, 1), (0, 1)))
-    solver = make_solver(points, walled_grid((0.0, 0.0), h, (round(1.0 / h),) * 2), WEIGHTLESS._replace(taylor=taylor))
+    points.grad_v = np.pad(np.broadcast_to(grad_v, (len(x), d, d)), ((0, 0), (0, 3 - d), (0, 3 - d)))
+    return points
+
+
+def one_step(points: Points, h: float, **change: float) -> tuple[Solver, Nodes]:
+    """The solver and its nodes after a step of weightless points in the unit square or cube."""
+    d = points.dimension
+    grid = walled_grid((0.0,) * d, h, (round(1.0 / h),) * d)
+    solver = make_solver(points, grid, WEIGHTLESS._replace(**change))
     advance_steps(solver, 1)
-    nodes = node_records(solver.grid)
-    return nodes[:, :, 0], nodes[:, :, 1:3], np.stack(np.broadcast_arrays(*node_coordinates(solver.grid)), axis=-1)
+    records = node_records(grid).reshape(-1, 8)
+    x = np.stack(np.broadcast_arrays(*node_coordinates(grid)), axis=-1).reshape(-1, d)
+    return solver, Nodes(x, records[:, 0], records[:, 1 : 1 + d], records[:, 4 : 4 + d])
 
 
-def scattered() -> np.ndarray:
-    """Points everywhere, a third of them in the strips half a cell wide beside the walls."""
+def scattered(d: int) -> np.ndarray:
+    """Points everywhere, for each axis a hundred more in the strip half a cell wide beside one of its walls."""
     rng = np.random.default_rng(4)
-    x = rng.uniform(0.001, 0.999, (600, 2))
+    x = rng.uniform(0.001, 0.999, (600 if d == 2 else 5000, d))
     strip = 0.5 / CELLS
-    x[:100, 0], x[100:200, 1] = rng.uniform(0.001, strip, 100), rng.uniform(1.0 - strip, 0.999, 100)
+    for axis in range(d):
+        some = slice(100 * axis, 100 * (axis + 1))
+        x[some, axis] = rng.uniform(0.001, strip, 100) if axis != 1 else rng.uniform(1.0 - strip, 0.999, 100)
     return x
 
 
-def linear_error(taylor: float) -> float:
-    x = scattered()
-    mass, v, nodes = nodal_velocity(x, V0 + x @ L.T, L, 1.0 / CELLS, taylor)
-    assert np.all(mass > 0.0)
-    return float(np.abs(v - V0 - nodes @ L.T).max())
+def linear_field(d: int) -> Points:
+    x = scattered(d)
+    return moving(x, V0[:d] + x @ L[:d, :d].T, L[:d, :d], 1.0 / CELLS)
 
 
-def test_taylor_p2g_is_exact_for_linear_fields_up_to_the_walls() -> None:
-    assert linear_error(taylor=1.0) < 1e-12
+def linear_error(taylor: float, d: int) -> float:
+    _, nodes = one_step(linear_field(d), 1.0 / CELLS, taylor=taylor)
+    assert np.all(nodes.m > 0.0)
+    return float(np.abs(nodes.v - V0[:d] - nodes.x @ L[:d, :d].T).max())
 
 
-def test_flip_p2g_is_not() -> None:
-    assert linear_error(taylor=0.0) > 1e-2
+@both_dimensions
+def test_taylor_p2g_is_exact_for_linear_fields_up_to_the_walls(d: int) -> None:
+    assert linear_error(1.0, d) < 1e-12
 
 
-def test_the_taylor_term_adds_no_momentum() -> None:
-    x = scattered()
+@both_dimensions
+def test_flip_p2g_is_not(d: int) -> None:
+    assert linear_error(0.0, d) > 1e-2
+
+
+@both_dimensions
+def test_g2p_is_exact_for_linear_fields_up_to_the_walls(d: int) -> None:
+    """Velocity (by PIC, which forgets the old one), gradient and way of every point; a wall keeps its gap."""
+    points = linear_field(d)
+    start, v = points.x.copy(), points.v.copy()
+    solver, _ = one_step(points, 1.0 / CELLS, flip_fraction=0.0)
+    after = by_id(solver)
+    np.testing.assert_allclose(after.v, v, atol=1e-12)
+    np.testing.assert_allclose(after.grad_v[:, :d, :d], np.broadcast_to(L[:d, :d], (len(v), d, d)), atol=1e-10)
+    gap = WALL_GAP / CELLS
+    np.testing.assert_allclose(after.x, np.clip(start + solver.time * v, gap, 1.0 - gap), atol=1e-14)
+
+
+@both_dimensions
+def test_mass_and_its_centre_are_carried_up_to_the_walls(d: int) -> None:
+    """The weights of a point add up to one, and their centre is the point."""
+    points = points_at(scattered(d), 0.5 / CELLS)
+    points.m[:] = np.random.default_rng(6).uniform(0.5, 2.0, len(points))
+    moment = points.m @ points.x
+    _, nodes = one_step(points, 1.0 / CELLS)
+    assert nodes.m.sum() == pytest.approx(points.m.sum(), rel=1e-13)
+    np.testing.assert_allclose(nodes.m @ nodes.x, moment, rtol=1e-13)
+
+
+@both_dimensions
+def test_stress_makes_no_net_force_and_its_own_moment(d: int) -> None:
+    """sum f = 0 and sum f x = -sum V sigma: the gradients of a point's weights add up to zero and to one per length."""
+    points = points_at(scattered(d), 0.5 / CELLS)
+    rng = np.random.default_rng(7)
+    points.sigma = rng.normal(0.0, 1e3, (len(points), 6))
+    xx, yy, zz, xy, yz, xz = points.V @ points.sigma
+    moment = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])[:d, :d]
+    _, nodes = one_step(points, 1.0 / CELLS)
+    force = nodes.m[:, None] * nodes.a
+    scale = points.V.sum() * 1e3
+    np.testing.assert_allclose(force.sum(axis=0), 0.0, atol=1e-12 * scale * CELLS)
+    np.testing.assert_allclose(force.T @ nodes.x, -moment, atol=1e-12 * scale)
+
+
+@both_dimensions
+def test_the_taylor_term_adds_no_momentum(d: int) -> None:
+    x = scattered(d)
     v = np.random.default_rng(5).normal(size=x.shape)
-    mass, nodal, _ = nodal_velocity(x, v, L, 1.0 / CELLS, taylor=1.0)
-    momentum = np.einsum("ij,ijk->k", mass, nodal)
-    np.testing.assert_allclose(momentum / mass.sum(), v.mean(axis=0), rtol=1e-12)
+    _, nodes = one_step(moving(x, v, L[:d, :d], 1.0 / CELLS), 1.0 / CELLS)
+    np.testing.assert_allclose(nodes.m @ nodes.v / nodes.m.sum(), v.mean(axis=0), rtol=1e-11)
 
 
+@pytest.mark.parametrize(("d", "cells"), [(2, (10, 20, 40)), (3, (10, 20))])
 @pytest.mark.parametrize("taylor", [0.0, 1.0], ids=["flip", "taylor-flip"])
-def test_p2g_of_a_smooth_field_is_second_order(taylor: float) -> None:
-    def error(cells: int) -> float:
-        h = 1.0 / cells
-        x = lattice((0.0, 0.0), (1.0, 1.0), h / 2)
-        k = np.array([4.0, 3.0])
-        phase = x @ k
-        v = np.stack([np.sin(phase), np.cos(phase)], axis=1)
-        grad = np.stack([np.cos(phase), -np.sin(phase)], axis=1)[:, :, None] * k
-        _, nodal, nodes = nodal_velocity(x, v, grad, h, taylor)
-        inner, at = (slice(2, -2), slice(2, -2)), nodes @ k
-        return float(np.abs(nodal - np.stack([np.sin(at), np.cos(at)], axis=-1))[inner].max())
+def test_p2g_of_a_smooth_field_is_second_order(taylor: float, d: int, cells: tuple[int, ...]) -> None:
+    k = np.array([4.0, 3.0, -2.0])[:d]
 
-    errors = [error(10), error(20), error(40)]
+    def field(x: np.ndarray) -> np.ndarray:
+        phase = x @ k
+        return np.stack([np.sin(phase), np.cos(phase), np.sin(phase)], axis=1)[:, :d]
+
+    def error(cells: int) -> float:
+        x = lattice((0.0,) * d, (1.0,) * d, 0.5 / cells)
+        turned = field(x + (0.5 * np.pi) * k / (k @ k))  # a quarter of a wave on: the derivative by the phase
+        _, nodes = one_step(moving(x, field(x), turned[:, :, None] * k, 1.0 / cells), 1.0 / cells, taylor=taylor)
+        inner = np.all((nodes.x > 1.5 / cells) & (nodes.x < 1.0 - 1.5 / cells), axis=1)
+        return float(np.abs(nodes.v - field(nodes.x))[inner].max())
+
+    errors = [error(count) for count in cells]
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
     assert np.all((orders > 1.9) & (orders < 2.1)), (errors, orders)
