@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pytest
 
 from mpmcol.grid import node_coordinates, node_records, set_fixed
-from mpmcol.kernels import transfer_2d
-from mpmcol.kernels.cycle import L_UNBALANCED
+from mpmcol.kernels.cycle import L_UNBALANCED, TRANSFERS
 from mpmcol.kernels.grid import clear
 from mpmcol.kernels.transfer import make_p2g
 from mpmcol.solver import Solver
@@ -31,13 +32,15 @@ HEIGHT = 1.0
 WEIGHT = DENSITY * G * HEIGHT
 DAMPED = PLAIN._replace(alpha_d=0.5)
 STIFF = elastic_body(youngs_modulus=1e8)
+both_dimensions = pytest.mark.parametrize("d", [2, 3])
 
 
-def settled_column(cells: int) -> tuple[Points, np.ndarray]:
+@cache
+def settled_column(cells: int, d: int) -> tuple[Points, np.ndarray]:
     """Elastic points at rest and their initial heights."""
     h = HEIGHT / cells
-    x = lattice((0.0, 0.0), (2.0 * h, HEIGHT), h / 2)
-    grid = walled_grid((0.0, 0.0), h, (2, cells + 3), rollers="left right bottom")
+    x = lattice((0.0,) * d, (2.0 * h, HEIGHT, 2.0 * h)[:d], h / 2)
+    grid = walled_grid((0.0,) * d, h, (2, cells + 3, 2)[:d], rollers="left right bottom back front")
     solver = make_solver(points_at(x, h / 2), grid, DAMPED, body=STIFF)
     advance_to(solver, 30.0 * 4.0 * HEIGHT / np.sqrt(STIFF.wave_speed2))
     assert solver.ledger[L_UNBALANCED] < 1e-4
@@ -50,33 +53,40 @@ def stress_error(points: Points, initial_height: np.ndarray) -> float:
     return float(np.abs(points.sigma[:, 1] - exact) @ points.V / (WEIGHT * points.V.sum()))
 
 
-def test_stress_is_within_half_a_percent_at_ten_cells_and_second_order() -> None:
-    errors = [stress_error(*settled_column(cells)) for cells in (5, 10, 20)]
+@both_dimensions
+def test_stress_is_within_half_a_percent_at_ten_cells_and_second_order(d: int) -> None:
+    errors = [stress_error(*settled_column(cells, d)) for cells in (5, 10, 20)]
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
     assert errors[1] < 0.005
     assert np.all((orders > 1.85) & (orders < 2.15)), (errors, orders)
 
 
-def test_settlement_and_lateral_stress() -> None:
-    points, initial_height = settled_column(20)
+@both_dimensions
+def test_settlement_and_lateral_stress(d: int) -> None:
+    points, initial_height = settled_column(20, d)
     modulus = STIFF.wave_speed2 * DENSITY
     top = initial_height > HEIGHT - 1.0 / 40.0
     settlement = np.mean(initial_height[top] - points.x[top, 1])
     assert settlement == pytest.approx(WEIGHT * HEIGHT / (2.0 * modulus), rel=0.003)
     np.testing.assert_allclose(points.sigma[:, 0], NU / (1.0 - NU) * points.sigma[:, 1], rtol=1e-10)
     np.testing.assert_allclose(points.sigma[:, 2], points.sigma[:, 0], rtol=1e-10)
+    np.testing.assert_allclose(points.sigma[:, 3:], 0.0, atol=1e-8 * WEIGHT)
 
 
-def sand_behind_a_gate(cells: int, width: int = 4) -> Solver:
+def sand_behind_a_gate(cells: int, d: int, width: int = 4) -> Solver:
     """Sand at rest between the wall and a smooth gate `width` cells away, its weight brought up in stages.
+
+    In 3D it stands in the corner of two walls, with the gate along x and z.
 
     Weight that comes at once makes the stress overshoot; that leaves a thrust of 1.10 times the active one.
     """
     h = HEIGHT / cells
-    points = points_at(lattice((0.0, 0.0), (width * h, HEIGHT), h / 2), h / 2, kind=COLUMN)
-    grid = walled_grid((0.0, 0.0), h, (width + 5, cells + 4))
-    x, y = node_coordinates(grid)
-    set_fixed(grid, (x < 0.5 * h) | (x > (width - 0.5) * h), y < 0.5 * h)
+    x = lattice((0.0,) * d, (width * h, HEIGHT, width * h)[:d], h / 2)
+    points = points_at(x, h / 2, kind=COLUMN)
+    grid = walled_grid((0.0,) * d, h, (width + 5, cells + 4, width + 5)[:d])
+    x, y, *z = node_coordinates(grid)
+    gate = [(c < 0.5 * h) | (c > (width - 0.5) * h) for c in (x, *z)]
+    set_fixed(grid, gate[0], y < 0.5 * h, *gate[1:])
     solver = make_solver(points, grid, DAMPED)
     period = 4.0 * HEIGHT / np.sqrt(solver.bodies[COLUMN].wave_speed2)
     for stage in range(1, 51):
@@ -86,18 +96,20 @@ def sand_behind_a_gate(cells: int, width: int = 4) -> Solver:
     return solver
 
 
-def test_active_thrust_on_the_gate() -> None:
+@both_dimensions
+def test_active_thrust_on_the_gate(d: int) -> None:
     """1/2 K_a rho g H^2 with K_a = 0.2948, as the sum of the forces on the nodes of the gate and beyond."""
-    solver = sand_behind_a_gate(10)
+    solver, width = sand_behind_a_gate(10, d, width=4), 0.4 * HEIGHT
     solver.sort()
     clear(solver.grid, solver.tiles)
-    make_p2g(transfer_2d)(solver.points.rows.reshape(-1), solver.grid, solver.tiles, solver.settings)
-    force = node_records(solver.grid)[:, :, 4].sum(axis=1)
-    thrust = 0.5 * K_ACTIVE * DENSITY * G * HEIGHT**2
+    make_p2g(TRANSFERS[d])(solver.points.rows.reshape(-1), solver.grid, solver.tiles, solver.settings)
+    thrust = 0.5 * K_ACTIVE * DENSITY * G * HEIGHT**2 * width ** (d - 2)
     assert pytest.approx(0.2948, abs=5e-5) == K_ACTIVE
-    assert force[4:].sum() == pytest.approx(thrust, rel=0.01)
-    assert force[0] == pytest.approx(-thrust, rel=0.01)
     points = solver.points
-    inner = (points.x[:, 1] < 0.8 * HEIGHT) & (points.x[:, 0] < 0.2 * HEIGHT)
-    ratio = points.sigma[inner, 0].sum() / points.sigma[inner, 1].sum()
-    assert ratio == pytest.approx(K_ACTIVE, rel=0.01)
+    inner = (points.x[:, 1] < 0.8 * HEIGHT) & np.all(points.x[:, ::2] < 0.5 * width, axis=1)
+    for axis in (0, 2)[: d - 1]:
+        force = np.moveaxis(node_records(solver.grid)[..., 4 + axis], axis, 0).reshape(10, -1).sum(axis=1)
+        assert force[4:].sum() == pytest.approx(thrust, rel=0.01)
+        assert force[0] == pytest.approx(-thrust, rel=0.01)
+        ratio = points.sigma[inner, axis].sum() / points.sigma[inner, 1].sum()
+        assert ratio == pytest.approx(K_ACTIVE, rel=0.01)

@@ -8,6 +8,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from tests.verification.blocks import advance_steps
 from tests.verification.test_energy import DAMPED, collapse
 
@@ -17,13 +19,13 @@ IN_ANOTHER_PROCESS = """
 from mpmcol.jit import set_threads
 from tests.verification.test_determinism import fingerprint
 for threads in (1, 2, 4):
-    print(set_threads(threads), fingerprint())
+    print(set_threads(threads), fingerprint(2), fingerprint(3))
 """
 
 
-def fingerprint(chunk: int = STEPS) -> str:
-    """Hash of all points, the clock and the ledger after STEPS steps, `chunk` steps a call."""
-    solver = collapse(DAMPED)
+def fingerprint(d: int, chunk: int = STEPS) -> str:
+    """Hash of all points, the clock and the ledger after STEPS steps in d dimensions, `chunk` steps a call."""
+    solver = collapse(DAMPED, d)
     for done in range(0, STEPS, chunk):
         advance_steps(solver, min(chunk, STEPS - done))
     assert solver.steps == STEPS
@@ -43,10 +45,11 @@ def test_equal_for_1_2_and_4_threads() -> None:
         check=True,
         timeout=120,
     )
-    threads, prints = zip(*(line.split() for line in run.stdout.splitlines()), strict=True)
+    threads, *prints = zip(*(line.split() for line in run.stdout.splitlines()), strict=True)
     assert threads == ("1", "2", "4")
-    assert set(prints) == {fingerprint()}
+    assert [set(each) for each in prints] == [{fingerprint(2)}, {fingerprint(3)}]
 
 
-def test_equal_however_the_calls_are_cut() -> None:
-    assert fingerprint(chunk=1) == fingerprint(chunk=7) == fingerprint()
+@pytest.mark.parametrize("d", [2, 3])
+def test_equal_however_the_calls_are_cut(d: int) -> None:
+    assert fingerprint(d, chunk=1) == fingerprint(d, chunk=7) == fingerprint(d)

@@ -24,19 +24,24 @@ from tests.verification.blocks import (
 
 H = 0.1
 STIFF = elastic_body(density=1000.0, youngs_modulus=1e9, poissons_ratio=0.0)  # c_p = 1000 m/s
+THROWN = (0.7, 1.5, -0.4)  # m/s
+both_dimensions = pytest.mark.parametrize("d", [2, 3])
 
 
-def thrown_block(v: tuple[float, float], settings: Settings = PLAIN) -> tuple[Solver, Points]:
-    """A stress-free block of 3 x 3 cells in the middle of a large grid, and its points at the start."""
-    points = points_at(lattice((2.03, 4.01), (2.33, 4.31), H / 2), H / 2, density=1000.0)
+def thrown_block(v: tuple[float, ...], settings: Settings = PLAIN) -> tuple[Solver, Points]:
+    """A stress-free block of three cells a side in the middle of a large grid, and its points at the start."""
+    d = len(v)
+    x = lattice((2.03, 4.01, 2.07)[:d], (2.33, 4.31, 2.37)[:d], H / 2)
+    points = points_at(x, H / 2, density=1000.0)
     points.v[:] = v
-    solver = make_solver(points, walled_grid((0.0, 0.0), H, (45, 90)), settings, body=STIFF)
+    solver = make_solver(points, walled_grid((0.0,) * d, H, (45, 90, 45)[:d]), settings, body=STIFF)
     return solver, by_id(solver)
 
 
-def test_parabola_is_exact_over_10_000_steps() -> None:
-    v0, g = np.array([0.7, 1.5]), np.array([0.0, -G])
-    solver, start = thrown_block((0.7, 1.5))
+@both_dimensions
+def test_parabola_is_exact_over_10_000_steps(d: int) -> None:
+    v0, g = np.array(THROWN[:d]), np.array([2.0, -G, -3.0][:d])
+    solver, start = thrown_block(THROWN[:d], PLAIN._replace(gravity_x=2.0, gravity_z=-3.0))
     advance_steps(solver, 10_000)
     points, t = by_id(solver), solver.time
     np.testing.assert_allclose(points.x, start.x + v0 * t + 0.5 * g * t**2, rtol=1e-12)
@@ -44,19 +49,20 @@ def test_parabola_is_exact_over_10_000_steps() -> None:
     np.testing.assert_allclose(points.J, 1.0, rtol=1e-12)
 
 
-def test_mass_and_momentum_are_kept_to_round_off() -> None:
-    solver, start = thrown_block((0.7, 1.5))
+@both_dimensions
+def test_mass_and_momentum_are_kept_to_round_off(d: int) -> None:
+    solver, start = thrown_block(THROWN[:d])
     rng = np.random.default_rng(2)
     solver.points.v[:] += rng.normal(0.0, 1.0, start.v.shape)
-    solver.points.grad_v = np.pad(rng.normal(0.0, 1.0, (len(start), 2, 2)), ((0, 0), (0, 1), (0, 1)))
+    solver.points.grad_v = np.pad(rng.normal(0.0, 1.0, (len(start), d, d)), ((0, 0), (0, 3 - d), (0, 3 - d)))
     solver.points.sigma = rng.normal(0.0, 1e3, (len(start), 6))
     mass, momentum = start.m.sum(), start.m @ solver.points.v
     advance_steps(solver, 500)
-    nodes = node_records(solver.grid)
-    expected = momentum + mass * np.array([0.0, -G]) * solver.time
-    assert nodes[:, :, 0].sum() == pytest.approx(mass, rel=1e-13)
+    nodes = node_records(solver.grid).reshape(-1, 8)
+    expected = momentum + mass * np.array([0.0, -G, 0.0][:d]) * solver.time
+    assert nodes[:, 0].sum() == pytest.approx(mass, rel=1e-13)
     np.testing.assert_allclose(solver.points.m @ solver.points.v, expected, rtol=1e-11)
-    np.testing.assert_allclose(np.einsum("ij,ijk->k", nodes[:, :, 0], nodes[:, :, 1:3]), expected, rtol=1e-11)
+    np.testing.assert_allclose(nodes[:, 0] @ nodes[:, 1 : 1 + d], expected, rtol=1e-11)
 
 
 @pytest.mark.parametrize(("factor", "share"), [(1.0, -0.5), (0.5, 0.0), (0.0, 0.5)], ids=["paper", "trapezoid", "end"])

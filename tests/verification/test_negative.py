@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mpmcol.solver import Solver
-from mpmcol.state import VX, J, Settings, X
+from mpmcol.state import VX, VZ, J, Settings, X, Z
 from tests.verification.blocks import (
     WEIGHTLESS,
     E,
@@ -22,27 +22,31 @@ from tests.verification.blocks import (
 
 H = 0.1
 TRANSIT = 1.0 / 64.7
+both_dimensions = pytest.mark.parametrize("d", [2, 3])
 
 
-def ringing_block(settings: Settings) -> Solver:
-    """A free elastic square of 10 x 10 cells with a small random motion."""
-    points = points_at(lattice((0.5, 0.5), (1.5, 1.5), H / 2), H / 2)
-    points.v[:] = np.random.default_rng(7).normal(0.0, 0.05, (len(points), 2))
-    return make_solver(points, walled_grid((0.0, 0.0), H, (20, 20)), settings, body=elastic_body())
+def ringing_block(settings: Settings, d: int = 2) -> Solver:
+    """A free elastic square of 10 x 10 cells, or cube of 5 x 5 x 5, with a small random motion."""
+    end = {2: 1.5, 3: 1.0}[d]
+    points = points_at(lattice((0.5,) * d, (end,) * d, H / 2), H / 2)
+    points.v[:] = np.random.default_rng(7).normal(0.0, 0.05, (len(points), d))
+    return make_solver(points, walled_grid((0.0,) * d, H, (20,) * d), settings, body=elastic_body())
 
 
 def energy(solver: Solver) -> float:
     return kinetic_energy(solver.points) + elastic_energy(solver.points, E)
 
 
-def test_a_step_beyond_the_stability_limit_is_caught() -> None:
-    solver = ringing_block(WEIGHTLESS._replace(cfl=1.5))
+@both_dimensions
+def test_a_step_beyond_the_stability_limit_is_caught(d: int) -> None:
+    solver = ringing_block(WEIGHTLESS._replace(cfl=1.5), d)
     faults = [solver.advance(np.inf, max_steps=100) for _ in range(5)]
     assert max(faults) >= 0
 
 
-def test_a_step_within_it_is_not() -> None:
-    solver = ringing_block(WEIGHTLESS)
+@both_dimensions
+def test_a_step_within_it_is_not(d: int) -> None:
+    solver = ringing_block(WEIGHTLESS, d)
     start = energy(solver)
     for k in range(10):
         advance_to(solver, 5.0 * TRANSIT * (k + 1))
@@ -63,17 +67,21 @@ def test_damping_makes_the_difference_between_ringing_and_rest() -> None:
     assert left[0.5] < 0.01
 
 
-L_XX, S_XX = 9, 12
+L_XX, S_XX, L_ZZ, S_ZZ = 9, 12, 27, 30
+LANES = {"velocity": VX, "gradient": L_XX, "stress": S_XX, "J": J, "position": X}
+LANES_ALONG_Z = {"velocity": VZ, "gradient": L_ZZ, "stress": S_ZZ, "position": Z}
+PLACES = [(2, LANES[name]) for name in LANES] + [(3, lane) for lane in (*LANES.values(), *LANES_ALONG_Z.values())]
+NAMES = [*LANES, *(f"{name} in 3D" for name in LANES), *(f"{name} along z" for name in LANES_ALONG_Z)]
 
 
-@pytest.mark.parametrize("lane", [VX, L_XX, S_XX, J, X], ids=["velocity", "gradient", "stress", "J", "position"])
-def test_a_number_that_is_none_is_found_within_one_step(lane: int) -> None:
-    solver = ringing_block(WEIGHTLESS)
+@pytest.mark.parametrize(("d", "lane"), PLACES, ids=NAMES)
+def test_a_number_that_is_none_is_found_within_one_step(d: int, lane: int) -> None:
+    solver = ringing_block(WEIGHTLESS, d)
     assert solver.advance(np.inf, max_steps=3) == -1
     solver.points.rows[123, lane] = np.nan
     start = solver.points.x.copy()
     fault = solver.advance(np.inf, max_steps=1)
     assert fault >= 0
     assert not np.all(np.isfinite(solver.points.rows[fault]))
-    if lane != X:
+    if lane not in (X, Z):
         assert np.linalg.norm(start[fault] - start[123]) < 4.0 * H
