@@ -1,0 +1,132 @@
+"""Sorting: points in tiles, cells and kinds, tiles in colours that share no node, and every node in reach listed."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mpmcol.basis import base_node
+from mpmcol.grid import NODE, TILE, Grid, Tiles, allocate_grid, tile_count
+from mpmcol.kernels.order import scratch, sort_points
+from mpmcol.state import COLUMN, ID, ROW, Points
+
+H, ORIGIN = 0.1, (-0.55, -0.2, 0.3)
+CELLS = {2: (21, 14), 3: (17, 13, 11)}
+DIMENSIONS = pytest.mark.parametrize("d", [2, 3])
+
+
+def mixed_points(d: int, seed: int = 1) -> Points:
+    """Points all over the grid, up to its walls, in a random order; every number of a record tells whose it is."""
+    rng = np.random.default_rng(seed)
+    points = Points({2: 700, 3: 3000}[d], d)
+    points.rows[:] = rng.normal(size=points.rows.shape)
+    points.x[:] = ORIGIN[:d] + H * rng.uniform(0.0, CELLS[d], points.x.shape)
+    points.x[:30, 0], points.x[30:60, d - 1] = ORIGIN[0] + 1e-9, ORIGIN[d - 1] + H * CELLS[d][d - 1] - 1e-9
+    points.kind[:] = rng.uniform(size=len(points)) < 0.4
+    points.rows[:, ID] = rng.permutation(len(points))
+    return points
+
+
+def first_nodes(points: Points, grid: Grid) -> np.ndarray:
+    """First node (n, 3) of each point's stencil."""
+    counts, first = (grid.n_x, grid.n_y, grid.n_z), np.zeros((len(points), 3), int)
+    for axis in range(points.dimension):
+        cells = (points.x[:, axis] - ORIGIN[axis]) / H
+        first[:, axis] = [base_node(s, counts[axis]) for s in cells]
+    return first
+
+
+def sorted_points(d: int) -> tuple[Points, Points, Grid, Tiles]:
+    """Points before and after the sort, on their grid."""
+    before, grid = mixed_points(d), allocate_grid(ORIGIN[:d], H, CELLS[d])
+    after, zeros = Points(len(before), d), scratch(grid)
+    after.rows[:] = before.rows
+    tiles = Tiles(*sort_points(after.rows.reshape(-1), ROW[d], grid, *zeros))
+    assert not any(np.any(each) for each in zeros)
+    return before, after, grid, tiles
+
+
+@DIMENSIONS
+def test_every_record_is_kept_whole(d: int) -> None:
+    before, after, _, _ = sorted_points(d)
+    assert sorted(after.id) == list(range(len(after)))
+    np.testing.assert_array_equal(after.rows[np.argsort(after.id)], before.rows[np.argsort(before.id)])
+
+
+@DIMENSIONS
+def test_points_stand_by_tile_then_kind_then_cell(d: int) -> None:
+    _, after, grid, tiles = sorted_points(d)
+    node = first_nodes(after, grid)
+    tile = node // TILE
+    assert tiles.start[0] == 0 and tiles.start[-1] == len(after)
+    own = [tuple(tile[first]) for first in tiles.start[:-1]]
+    assert own == sorted(set(map(tuple, tile)))
+    for t, (first, split, stop) in enumerate(zip(tiles.start, tiles.split, tiles.start[1:], strict=False)):
+        assert first < stop and {tuple(each) for each in tile[first:stop]} == {own[t]}
+        assert np.all(after.kind[first:split] == COLUMN) and np.all(after.kind[split:stop] != COLUMN)
+        for part in (slice(first, split), slice(split, stop)):
+            cells = [tuple(each) for each in node[part]]
+            assert cells == sorted(cells)
+
+
+def touched(points: Points, grid: Grid, seed: int) -> np.ndarray:
+    """Addresses (n, 3 ** d) of the nodes of all stencils, each point moved by less than a cell along each axis."""
+    d, moved = points.dimension, Points(len(points), points.dimension)
+    step = np.random.default_rng(seed).choice([-0.999, -0.5, 0.0, 0.5, 0.999], points.x.shape)
+    low, high = np.array(ORIGIN[:d]), np.array(ORIGIN[:d]) + H * np.array(CELLS[d])
+    moved.x[:] = np.clip(points.x + H * step, low + 1e-9, high - 1e-9)
+    i, j, k = first_nodes(moved, grid).T
+    reach = range(3)
+    columns = [
+        grid.ax[i + a] + grid.ay[j + b] + (grid.az[k + c] if d == 3 else 0)
+        for a in reach for b in reach for c in (reach if d == 3 else (0,))
+    ]  # fmt: skip
+    return np.stack(columns, axis=1)
+
+
+@DIMENSIONS
+def test_active_tiles_hold_every_node_in_reach(d: int) -> None:
+    _, after, grid, tiles = sorted_points(d)
+    assert np.all(np.diff(tiles.active) > 0) and np.all(tiles.active % grid.tile_doubles == 0)
+    for seed in range(20):
+        reached = np.unique(touched(after, grid, seed) // grid.tile_doubles * grid.tile_doubles)
+        assert np.all(np.isin(reached, tiles.active))
+
+
+def test_active_tiles_are_those_around_points_only() -> None:
+    """A lone point makes its tile and those beside it active."""
+    for d, expected in ((2, 9), (3, 27)):
+        grid, point = allocate_grid((0.0,) * d, H, (40,) * d), Points(1, d)
+        point.x[:] = 2.0 * H * TILE + 2.0 * H
+        active = Tiles(*sort_points(point.rows.reshape(-1), ROW[d], grid, *scratch(grid))).active
+        assert len(active) == expected
+        assert grid.ax[8] + grid.ay[8] + (grid.az[8] if d == 3 else 0) in active
+
+
+@DIMENSIONS
+def test_tiles_of_a_colour_share_no_node(d: int) -> None:
+    _, after, grid, tiles = sorted_points(d)
+    nodes: list[set[int]] = [set() for _ in tiles.split]
+    for seed in range(20):
+        addresses = touched(after, grid, seed)
+        for t in range(len(tiles.split)):
+            nodes[t] |= set(np.unique(addresses[tiles.start[t] : tiles.start[t + 1]]).tolist())
+    assert sorted(tiles.by_colour) == list(range(len(tiles.split)))
+    assert len(tiles.colour_start) == 2**d + 1 and tiles.colour_start[-1] == len(tiles.split)
+    shared_by_colours = set()
+    for colour in range(2**d):
+        own = [nodes[t] for t in tiles.by_colour[tiles.colour_start[colour] : tiles.colour_start[colour + 1]]]
+        assert len(own) > 1
+        assert len(set().union(*own)) == sum(map(len, own))
+        shared_by_colours |= set().union(*own)
+    assert len(shared_by_colours) < sum(map(len, nodes))  # colours do share: the test can fail
+
+
+@DIMENSIONS
+def test_every_node_has_an_address_of_its_own(d: int) -> None:
+    grid = allocate_grid(ORIGIN[:d], H, CELLS[d])
+    address = grid.ax[:, None, None] + grid.ay[:, None] + grid.az
+    assert len(np.unique(address)) == address.size == grid.n_x * grid.n_y * grid.n_z
+    assert address.min() == 0 and address.max() < len(grid.nodes) and np.all(address % NODE == 0)
+    tiles = [tile_count(n) for n in (grid.n_x, grid.n_y, grid.n_z)]
+    assert len(grid.nodes) == np.prod(tiles) * grid.tile_doubles
