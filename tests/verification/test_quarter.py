@@ -1,0 +1,192 @@
+"""A cylinder as a quarter between planes of symmetry, in full, and by axial symmetry: the same column."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+import mpmcol
+from mpmcol.measure import FRONTS
+from mpmcol.scene import build_scene, close_walls
+from mpmcol.solver import Solver
+from mpmcol.state import BASE, Points
+from tests.verification.blocks import (
+    DENSITY,
+    NU,
+    WEIGHTLESS,
+    G,
+    advance_steps,
+    advance_to,
+    by_id,
+    elastic_body,
+    lattice,
+    make_solver,
+    points_at,
+    walled_grid,
+)
+from tests.verification.test_axisymmetry import bessel, breathing_root
+
+COARSE = ("grid.spacing=0.0194", "stages.equilibrate.law=mohr-coulomb")
+POINTS = {"axisymmetric": "grid.points_per_cell=4"}
+
+
+def cylinder(model: str, *more: str) -> mpmcol.Case:
+    """The shipped column in the given model, five cells wide, with one law throughout."""
+    points = POINTS.get(model, "grid.points_per_cell=8")
+    return mpmcol.load_case("lube-quarter", [f"geometry.model={model}", *COARSE, points, *more])
+
+
+class Collapsed(NamedTuple):
+    """Places at the start and after a time of sqrt(h_i / g), in cells."""
+
+    before: np.ndarray
+    after: np.ndarray
+    is_column: np.ndarray
+
+
+@cache
+def collapsed(model: str) -> Collapsed:
+    """The column after its gate is gone, from the stress of rest.
+
+    Without damping: that acts against the sign of a node's velocity, which is round-off where the column still rests.
+    """
+    case = cylinder(model, "stages.initial_stress=k0", "stages.collapse.damping=0.0")
+    scene = build_scene(case)
+    close_walls(scene.grid, scene.layout, np.inf)
+    solver = Solver(scene.points, scene.grid, scene.collapse.settings, scene.collapse.column, scene.base)
+    start = by_id(solver)
+    advance_to(solver, scene.layout.fall_time(G))
+    h = scene.layout.h
+    return Collapsed(start.x / h, by_id(solver).x / h, start.kind != BASE)
+
+
+def in_order(x: np.ndarray) -> np.ndarray:
+    """Numbers that put points of equal lattices in equal order."""
+    return np.lexsort(np.round(100.0 * x).T)
+
+
+def matched(one: np.ndarray, other: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Numbers of the points of two sets that stand at the same places."""
+    a, b = in_order(one), in_order(other)
+    np.testing.assert_allclose(one[a], other[b], atol=1e-9)
+    return a, b
+
+
+SYMMETRIES = {
+    ("quarter", "x and z swapped"): [[0, 0, 1], [0, 1, 0], [1, 0, 0]],
+    ("full", "x mirrored"): [[-1, 0, 0], [0, 1, 0], [0, 0, 1]],
+    ("full", "z mirrored"): [[1, 0, 0], [0, 1, 0], [0, 0, -1]],
+    ("full", "quarter turn"): [[0, 0, 1], [0, 1, 0], [-1, 0, 0]],
+}
+
+
+@pytest.mark.parametrize(("model", "name"), SYMMETRIES)
+def test_a_column_stays_symmetric(model: str, name: str) -> None:
+    """To round-off, 5e-15 of a cell; see test_symmetry.py."""
+    run, turn = collapsed(model), np.array(SYMMETRIES[model, name], float)
+    a, b = matched(run.before, run.before @ turn.T)
+    np.testing.assert_allclose(run.after[a], (run.after @ turn.T)[b], atol=1e-12)
+
+
+def test_a_quarter_moves_as_that_of_the_full_column() -> None:
+    """Within 0.7 % of a cell, 0.1 % rms, while points move by a cell.
+
+    Not to round-off: beside a plane of symmetry the corrected weights of the quarter are linear hats, those of the
+    full column splines that reach across. At half the spacing it is 0.3 % of a cell, a quarter of that in metres.
+    """
+    quarter, full = collapsed("quarter"), collapsed("full")
+    first = np.all(full.before[:, ::2] > 0.0, axis=1)
+    a, b = matched(quarter.before, full.before[first])
+    column = quarter.is_column[a]
+    assert 4 * len(quarter.before) == len(full.before)
+    moved = (quarter.after - quarter.before)[a][column]
+    difference = (quarter.after[a] - full.after[first][b])[column]
+    assert np.abs(moved).max() > 0.9
+    assert np.abs(difference).max() < 0.007
+    assert np.sqrt(np.mean(difference**2)) < 0.001
+
+
+def test_fronts_of_quarter_and_full_column_agree(tmp_path: Path) -> None:
+    """Mean, least and largest front around the axis, and height, through the whole of a run."""
+    short = ("stages.initial_stress=k0", "stages.collapse.max_time_factor=1.0", "output.snapshots=1")
+    quarter, full = (
+        mpmcol.run(cylinder(model, *short), tmp_path / model, threads=1).summary for model in ("quarter", "full")
+    )
+    assert quarter["front"]["front_max"]["mean"] > 1.1 * 0.097
+    for front in FRONTS:
+        for part in ("mean", "min", "max"):
+            assert quarter["front"][front][part] == pytest.approx(full["front"][front][part], rel=0.01), (front, part)
+    assert quarter["height"] == pytest.approx(full["height"], rel=0.01)
+    assert 4.0 * quarter["ledger"]["potential"] == pytest.approx(full["ledger"]["potential"], rel=0.002)
+
+
+def breathing_period(cells: int) -> float:
+    """Period of the plane-strain breathing of an elastic quarter cylinder, over the exact one of its volume."""
+    z, h, body = breathing_root(), 1.0 / cells, elastic_body()
+    x = lattice((0.0,) * 3, (1.0, 2.0 * h, 1.0), h / 2)
+    x = x[np.hypot(x[:, 0], x[:, 2]) < 1.0]
+    r = np.hypot(x[:, 0], x[:, 2])
+    points = points_at(x, h / 2)
+    points.v[:, ::2] = (1e-3 * bessel(1, z * r) / r)[:, None] * x[:, ::2]
+    mode, radius = points.m[:, None] * points.v, np.sqrt(points.V.sum() / (0.5 * np.pi * h))
+    grid = walled_grid((0.0,) * 3, h, (cells + 4, 2, cells + 4), rollers="left back bottom top")
+    solver = make_solver(points, grid, WEIGHTLESS, body=body)
+    exact = 2.0 * np.pi * radius / (z * np.sqrt(body.wave_speed2))
+    times, amplitudes = [], []
+    while solver.time < 4.0 * exact:
+        advance_steps(solver, 1)
+        times.append(solver.time)
+        amplitudes.append(np.sum(mode * by_id(solver).v))
+    t, a = np.array(times), np.array(amplitudes)
+    k = np.flatnonzero(a[1:] * a[:-1] < 0.0)
+    crossing = t[k] - a[k] * (t[k + 1] - t[k]) / (a[k + 1] - a[k])
+    return float(2.0 * np.polyfit(np.arange(len(crossing)), crossing, 1)[0] / exact)
+
+
+def test_a_quarter_cylinder_breathes_as_the_axisymmetric_one() -> None:
+    """Bessel's period within 0.6 % at ten cells, and second order though the surface is a staircase."""
+    errors = np.array([breathing_period(cells) for cells in (5, 10, 20)]) - 1.0
+    assert 0.0 < errors[1] < 0.006
+    orders = np.log2(errors[:-1] / errors[1:])
+    assert np.all((orders > 1.6) & (orders < 2.2)), (errors, orders)
+
+
+def at_rest_behind_the_gate(model: str) -> tuple[Points, np.ndarray, float]:
+    """The column as an elastic body on a rigid floor, the heights of its points at the start, and its own."""
+    scene = build_scene(cylinder(model, "geometry.base=rigid"))
+    scene.points.kind[:] = BASE
+    stage = scene.equilibrate
+    solver = Solver(scene.points, scene.grid, stage.settings, stage.column, scene.base)
+    y = scene.points.x[:, 1].copy()
+    advance_to(solver, 30.0 * scene.layout.wave_time(scene.base.wave_speed2))
+    return by_id(solver), y, scene.layout.h_i
+
+
+@pytest.mark.parametrize(("model", "tolerance"), [("axisymmetric", 0.01), ("quarter", 0.06)])
+def test_elastic_stress_behind_the_gate(model: str, tolerance: float) -> None:
+    """Weight above each layer within 2.5 %, and nu / (1 - nu) of it sideways: less behind a gate that is a staircase.
+
+    The lowest layers and the half cell at the top are left out.
+    """
+    points, y, height = at_rest_behind_the_gate(model)
+    for level in np.unique(np.round(y, 9))[2:-1]:
+        layer = np.abs(y - level) < 1e-6
+        xx, yy, zz = points.V[layer] @ points.sigma[layer, :3] / points.V[layer].sum()
+        assert yy == pytest.approx(-DENSITY * G * (height - level), rel=0.025)
+        assert 0.5 * (xx + zz) / yy == pytest.approx(NU / (1.0 - NU), rel=tolerance)
+
+
+@pytest.mark.slow
+def test_runout_of_quarter_and_axisymmetric_column_agree(tmp_path: Path) -> None:
+    """At ten cells a radius zeta is 0.790 by axial symmetry and 0.794 (mean around the axis) in space."""
+    fine = ("grid.spacing=0.0097", "output.snapshots=1")
+    axisymmetric, quarter = (
+        mpmcol.run(cylinder(model, *fine), tmp_path / model).summary for model in ("axisymmetric", "quarter")
+    )
+    assert axisymmetric["zeta"]["front_max"] == pytest.approx(0.79, rel=0.03)
+    assert quarter["zeta"]["front_max"]["mean"] == pytest.approx(axisymmetric["zeta"]["front_max"], rel=0.03)
+    assert quarter["beta"] == pytest.approx(axisymmetric["beta"], rel=0.03)
