@@ -1,0 +1,77 @@
+"""Material that comes to an end of the domain stops the run and is told where; planes of symmetry are no end."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import mpmcol
+from mpmcol.errors import NumericalFailure
+from mpmcol.simulation import Run
+from mpmcol.state import BASE
+
+RADIUS, LENGTH, SPEED = 0.097, 0.36, 8.0  # m, m, m/s
+COARSE = ("grid.spacing=0.0194", "stages.equilibrate.law=mohr-coulomb", "stages.initial_stress=k0")
+SMALL = (f"geometry.domain_length={LENGTH}", "geometry.aspect=0.4", "output.snapshots=1")
+ENDS = {
+    "low x": ((-1.0, 0.0, 0.1), 0),
+    "high x": ((1.0, 0.0, 0.1), 0),
+    "low z": ((0.1, 0.0, -1.0), 2),
+    "high z": ((-0.1, 0.0, 1.0), 2),
+    "top": ((0.0, 1.0, 0.0), 1),
+}
+
+
+def thrown(model: str, direction: tuple[float, ...], folder: Path) -> Run:
+    """A coarse run at its release, its column thrown in the given direction."""
+    case = mpmcol.load_case("lube-quarter", [f"geometry.model={model}", *COARSE, *SMALL])
+    run = Run(case, folder / "run", 1, True, lambda stage, share: None, lambda line: None)
+    run.release()
+    run.solver.points.v[run.solver.points.kind != BASE] = SPEED * np.array(direction)
+    return run
+
+
+@pytest.mark.parametrize(("direction", "axis"), ENDS.values(), ids=ENDS)
+def test_each_end_of_the_full_domain_stops_the_run(direction: tuple[float, ...], axis: int, tmp_path: Path) -> None:
+    run = thrown("full", direction, tmp_path)
+    with pytest.raises(NumericalFailure) as stopped:
+        run.collapse()
+    failure, text, h = stopped.value.failure, str(stopped.value), run.scene.layout.h
+    x, y, z = failure["position"]
+    assert f"at x = {x:.5g} m, y = {y:.5g} m, z = {z:.5g} m" in text
+    assert failure["value"] == failure["position"][axis]
+    assert f"point {failure['point']} " in text and "stage collapse" in text
+    if axis == 1:
+        top = (run.scene.layout.cells_up - 2) * h - run.scene.layout.base
+        assert "reached the top of the domain" in text and "set a larger geometry.domain_height" in text
+        assert top <= y < top + 0.5 * h
+    else:
+        end = run.scene.layout.length - 2.0 * h
+        assert "reached the end of the domain" in text and "set a larger geometry.domain_length" in text
+        assert end <= np.sign(direction[axis]) * failure["value"] < end + 0.5 * h
+
+
+@pytest.mark.parametrize("axis", [0, 2], ids="xz")
+def test_the_high_ends_of_a_quarter_stop_the_run_too(axis: int, tmp_path: Path) -> None:
+    run = thrown("quarter", tuple(np.eye(3)[axis]), tmp_path)
+    with pytest.raises(NumericalFailure, match="reached the end of the domain") as stopped:
+        run.collapse()
+    assert stopped.value.failure["value"] == stopped.value.failure["position"][axis] > 0.3
+
+
+def test_planes_of_symmetry_are_no_end(tmp_path: Path) -> None:
+    """A quarter that is thrown against them goes on."""
+    run = thrown("quarter", (-0.2, 0.0, -0.2), tmp_path)
+    while run.solver.time < 0.5 * run.tau:
+        assert run.solver.advance(0.5 * run.tau) == -1
+    assert 0.0 < run.solver.points.x[:, ::2].min() < 0.5 * run.scene.layout.h
+
+
+def test_a_base_that_fills_the_domain_does_not_stop_the_run(tmp_path: Path) -> None:
+    """Elastic points stand in the last cells from the start."""
+    run = thrown("full", (0.0, 0.0, 0.0), tmp_path)
+    base = run.solver.points.x[run.solver.points.kind == BASE]
+    assert np.abs(base[:, ::2]).max() > run.scene.layout.length - run.scene.layout.h
+    assert run.solver.advance(np.inf, max_steps=5) == -1
