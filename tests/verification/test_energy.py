@@ -136,13 +136,14 @@ def test_the_jump_in_work_falls_with_the_grid_spacing() -> None:
     assert 0.0 < fine < 0.7 * coarse < 0.7 * 0.01
 
 
-def test_the_work_of_an_elastic_body_is_its_stored_energy() -> None:
+@pytest.mark.parametrize("direction", [(1.0, 0.0), (0.6, 0.0, 0.8), (0.6, -0.48, 0.64)], ids=["x", "xz", "xyz"])
+def test_the_work_of_an_elastic_body_is_its_stored_energy(direction: tuple[float, ...]) -> None:
     """A block that rings: half of its energy goes to and fro, measured against stress and strain alone."""
-    h, body = 0.1, elastic_body()
-    points = points_at(lattice((0.5, 0.5), (1.5, 1.5), h / 2), h / 2)
-    points.v[:, 0] = 0.1 * np.sin(np.pi * (points.x[:, 0] - 1.0))
+    h, body, d = 0.1, elastic_body(), len(direction)
+    points = points_at(lattice((0.5,) * d, (1.5,) * d, h / 2), h / 2)
+    points.v[:] = 0.1 * np.sin(np.pi * ((points.x - 1.0) @ direction))[:, None] * direction
     scale = kinetic_energy(points)
-    solver = make_solver(points, walled_grid((0.0, 0.0), h, (20, 20)), WEIGHTLESS, body=body)
+    solver = make_solver(points, walled_grid((0.0,) * d, h, (20,) * d), WEIGHTLESS, body=body)
     shares = []
     for k in range(1, 21):
         advance_to(solver, 0.1 * k / np.sqrt(body.wave_speed2))
