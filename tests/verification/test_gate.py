@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -9,6 +11,7 @@ import mpmcol
 from mpmcol.grid import NODE, Grid, node_coordinates
 from mpmcol.layout import Layout
 from mpmcol.scene import Scene, build_scene, close_walls
+from mpmcol.simulation import Run
 from mpmcol.solver import Solver
 from mpmcol.state import BASE
 from tests.verification.blocks import G, advance_to, by_id
@@ -20,10 +23,14 @@ SECTIONS = pytest.mark.parametrize("section", [CYLINDER, BOX], ids=["cylinder", 
 MODELS = pytest.mark.parametrize(("model", "quarters"), [("quarter", 1), ("full", 4)])
 
 
-def scene_of(model: str, section: tuple[str, ...], h: float = H, *more: str) -> Scene:
+def case_of(model: str, section: tuple[str, ...], *more: str) -> mpmcol.Case:
     keys = [f"geometry.model={model}", f"geometry.radius={RADIUS}", f"geometry.aspect={HEIGHT / RADIUS}"]
     law = ["stages.equilibrate.law=mohr-coulomb", "stages.initial_stress=k0"]
-    return build_scene(mpmcol.load_case("lube-quarter", [*keys, *section, *law, f"grid.spacing={h}", *more]))
+    return mpmcol.load_case("lube-quarter", [*keys, *section, *law, f"grid.spacing={H}", *more])
+
+
+def scene_of(model: str, section: tuple[str, ...], *more: str) -> Scene:
+    return build_scene(case_of(model, section, *more))
 
 
 @MODELS
@@ -42,7 +49,7 @@ def test_a_box_holds_its_volume(model: str, quarters: int, depth: float) -> None
 @pytest.mark.parametrize("h", [0.02, 0.01, 0.005])
 def test_a_cylinder_holds_its_volume_but_for_its_staircase(model: str, quarters: int, h: float) -> None:
     """The error of a circle made of squares falls a little faster than the size of the squares."""
-    scene = scene_of(model, CYLINDER, h)
+    scene = scene_of(model, CYLINDER, f"grid.spacing={h}")
     exact = quarters * DENSITY * 0.25 * np.pi * RADIUS**2 * HEIGHT
     size = scene.layout.point_size
     assert abs(scene.column_mass / exact - 1.0) < 0.5 * (size / RADIUS) ** 1.3
@@ -54,6 +61,12 @@ def held_by(grid: Grid) -> np.ndarray:
     """Which components of velocity are held (n_x, n_y, n_z, 3)."""
     address = grid.ax[:, None, None] + grid.ay[:, None] + grid.az
     return (grid.fixed[address // NODE][..., None] >> np.arange(3)) % 2 == 1
+
+
+def gate_heights(scene: Scene) -> np.ndarray:
+    """Heights (n,) in which any node inside the domain is held, the floor apart."""
+    y, held = node_coordinates(scene.grid)[1].ravel(), held_by(scene.grid)[1:-1, :, 1:-1]
+    return y[held.any(axis=(0, 2, 3)) & (y > -scene.layout.base + 1e-9)]
 
 
 def expected_at(x: float, y: float, z: float, layout: Layout, opening: float) -> tuple[bool, bool, bool]:
@@ -77,7 +90,7 @@ def expected_at(x: float, y: float, z: float, layout: Layout, opening: float) ->
 @pytest.mark.parametrize("base", ["elastic", "rigid"])
 @pytest.mark.parametrize("opening", [0.0, 0.05, np.inf], ids=["closed", "half open", "open"])
 def test_walls_and_gate_hold_what_they_should(section: tuple[str, ...], model: str, base: str, opening: float) -> None:
-    scene = scene_of(model, section, H, f"geometry.base={base}", "geometry.domain_length=0.24")
+    scene = scene_of(model, section, f"geometry.base={base}", "geometry.domain_length=0.24")
     close_walls(scene.grid, scene.layout, opening)
     xs, ys, zs = (axis.ravel() for axis in node_coordinates(scene.grid))
     expected = [[[expected_at(x, y, z, scene.layout, opening) for z in zs] for y in ys] for x in xs]
@@ -87,14 +100,29 @@ def test_walls_and_gate_hold_what_they_should(section: tuple[str, ...], model: s
 @SECTIONS
 def test_the_gate_opens_from_the_bottom_up(section: tuple[str, ...]) -> None:
     scene = scene_of("full", section)
-    count, y = [], node_coordinates(scene.grid)[1].ravel()
+    y = node_coordinates(scene.grid)[1].ravel()
     for opening in (*np.arange(0.0, HEIGHT + 3 * H, 0.005), np.inf):
         close_walls(scene.grid, scene.layout, opening)
-        held = held_by(scene.grid)[1:-1, :, 1:-1]  # without the ends
-        gate = held[..., 0].any(axis=(0, 2)) & (y > -scene.layout.base + 1e-9)
-        np.testing.assert_array_equal(y[gate], y[(y > 1e-9) & (y > opening - 1e-9)])
-        count.append(held.sum())
-    assert np.all(np.diff(count) <= 0) and count[-1] < count[0]
+        np.testing.assert_array_equal(gate_heights(scene), y[(y > 1e-9) & (y > opening - 1e-9)])
+
+
+@SECTIONS
+def test_the_gate_rises_at_its_speed(section: tuple[str, ...], tmp_path: Path) -> None:
+    """Looked at in a run each time it tells its progress."""
+    speed, seen = 0.8, []
+
+    def look(stage: str, share: float) -> None:
+        if stage == "collapse" and share > 0.0:
+            seen.append((run.solver.time, gate_heights(run.scene)))
+
+    short = (f"stages.gate_speed={speed}", "stages.collapse.max_time_factor=0.2", "output.snapshots=1")
+    run = Run(case_of("quarter", section, *short), tmp_path / "run", 1, True, look, lambda line: None)
+    run.release()
+    run.collapse()
+    y = node_coordinates(run.scene.grid)[1].ravel()
+    assert seen[-1][0] * speed > HEIGHT
+    for time, heights in seen:
+        np.testing.assert_array_equal(heights, y[(y > 1e-9) & (y > speed * time - 1e-9)])
 
 
 def opened(section: tuple[str, ...], opening: float, duration: float) -> tuple[Scene, np.ndarray]:
