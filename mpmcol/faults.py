@@ -10,7 +10,7 @@ from mpmcol.kernels.stress import J_MAX, J_MIN
 from mpmcol.kernels.update import column_box
 from mpmcol.solver import Solver
 
-TIME_STEP = "lower time.cfl (0.5 is the default, about 0.7 the limit), or refine grid.spacing"
+TIME_STEP = "lower time.cfl (0.5 is the default, 0.67 to 0.73 the limit), or refine grid.spacing"
 
 
 def diagnose(solver: Solver, row: int, stage: str) -> dict[str, Any]:

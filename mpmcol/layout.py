@@ -13,6 +13,7 @@ from mpmcol.case import Case
 from mpmcol.errors import UsageError
 from mpmcol.experiments import expected_runout
 from mpmcol.geometries import GEOMETRIES
+from mpmcol.grid import NODE
 from mpmcol.measure import ColumnShape
 
 RUNOUT_MARGIN = 0.5  # r_i beyond the farthest-running experiment
@@ -20,7 +21,8 @@ EMPTY_FACTOR = 2.0  # on the runout over a rigid base, where the empty part of t
 HEADROOM_CELLS = 6
 END_CELLS = 3  # kept free before the open ends, where material stops the run
 SOFT = 0.01  # weight over stiffness from which on a unit is probably wrong
-BYTES_PER_POINT = {2: 240, 3: 390}  # its record, sorting, and its share of touched nodes
+# its record, sorting, its share of the nodes that are touched, and what is copied while a snapshot is written
+BYTES_PER_POINT = {2: 600, 3: 800}
 BYTES_PER_NODE = 5  # masks, and what they are made from
 ROUNDING_WORTH_A_WARNING = 1e-9
 
@@ -89,14 +91,21 @@ class Layout:
     @property
     def most_points(self) -> int:
         """Number of material points of column and base, as if a round column filled the square around it."""
-        along, widest, below = (round(x / self.point_size) for x in (self.length, max(self.r_i, self.depth), self.base))
-        sides = 2 if self.is_full else 1
-        return (sides * widest) ** (self.dimension - 1) * self.rows + (sides * along) ** (self.dimension - 1) * below
+        lengths = (self.length, self.r_i, self.depth, self.base)
+        along, wide, deep, below = (round(length / self.point_size) for length in lengths)
+        if self.dimension == 2:
+            return wide * self.rows + along * below
+        return (4 if self.is_full else 1) * (wide * deep * self.rows + along**2 * below)
 
     @property
     def memory_bytes(self) -> int:
         """Memory that the arrays take, bytes; of the grid's nodes only those near material are ever touched."""
         return self.most_points * BYTES_PER_POINT[self.dimension] + math.prod(self.cells) * BYTES_PER_NODE
+
+    @property
+    def grid_bytes(self) -> int:
+        """Size of the whole array of nodes, bytes: not every system promises more than it has."""
+        return math.prod(self.cells) * NODE * 8
 
     @property
     def point_size(self) -> float:
@@ -156,10 +165,11 @@ def _whole_cells(key: str, asked: float, h: float, warnings: list[str]) -> float
 def refuse_if_too_large(layout: Layout) -> None:
     """Raise UsageError if the arrays cannot fit into the memory of this machine."""
     memory = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
-    if layout.memory_bytes > memory:
+    needed = max(layout.memory_bytes, layout.grid_bytes)
+    if needed > memory:
         raise UsageError(
             f"{layout.most_points:,} points and {' x '.join(f'{n:,}' for n in layout.cells)} cells need "
-            f"{layout.memory_bytes / 1e9:,.0f} GB, this machine has {memory / 1e9:,.0f} GB; "
+            f"{needed / 1e9:,.0f} GB, this machine has {memory / 1e9:,.0f} GB; "
             "make grid.spacing larger, or is a length in mm instead of m?"
         )
 

@@ -92,7 +92,7 @@ def released_outline(snapshot: Snapshot, meta: Meta, projection: np.ndarray) -> 
     r_i, h_i, point_size = (float(meta[name]) for name in ("r_i", "h_i", "point_size"))
     released = (snapshot.arrays["position"] - snapshot.arrays["displacement"])[snapshot.column]
     x, _ = whole(released, str(meta["model"]))
-    if np.hypot(x[:, 0], x[:, 2]).max() < r_i + point_size:  # a cylinder, whose rim is smoother than its points
+    if meta.get("section", "cylinder") == "cylinder":  # whose rim is smoother than its points
         return silhouette(np.concatenate([circle(r_i, 0.0), circle(r_i, h_i)]), projection, 0.0)
     return silhouette(x, projection, point_size)
 

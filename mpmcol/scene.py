@@ -47,7 +47,7 @@ class Scene:
 
     @property
     def column_mass(self) -> float:
-        """Mass of the column, kg per metre or radian."""
+        """Mass of the column, kg (per metre or radian in two dimensions)."""
         return float(self.points.m[self.points.kind != BASE].sum())
 
 

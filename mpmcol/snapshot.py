@@ -58,8 +58,9 @@ class Snapshot:
 
     @property
     def x(self) -> np.ndarray:
-        """In-plane positions (n, 2), m."""
-        return self.arrays["position"][:, :2]
+        """Positions, m: (n, 2) in the plane of a model of two dimensions, (n, 3) in three."""
+        position = self.arrays["position"]
+        return position if position[:, 2].any() else position[:, :2]
 
     @property
     def column(self) -> np.ndarray:

@@ -137,7 +137,7 @@ class Points:
 
 
 class Settings(NamedTuple):
-    """Numbers of the method that stay constant during a stage (DESIGN words in `case.method`)."""
+    """Numbers of the method that stay constant during a stage, from the words of [method]."""
 
     gravity_x: float  # m/s2
     gravity_y: float  # m/s2

@@ -80,6 +80,6 @@ def _draw_circles(axes: Axes, snapshot: Snapshot, meta: Meta, undisturbed: float
     """Where the column stood (dashed), which need not be a circle, and the undisturbed radius."""
     x, minus_z = MM * released_outline(snapshot, meta, TOP).T
     axes.plot(x, -minus_z, **LINE, linestyle=(0, (6, 3)), label=f"released, $r_i$ = {MM * float(meta['r_i']):.0f} mm")
-    if undisturbed:
+    if undisturbed and meta.get("section", "cylinder") == "cylinder":
         x, _, z = MM * circle(undisturbed, 0.0).T
         axes.plot(x, z, **LINE, label=f"undisturbed radius, {MM * undisturbed:.0f} mm")

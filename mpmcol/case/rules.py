@@ -97,8 +97,13 @@ RULES = (
     ),
     Rule(
         ("grid.points_per_cell", "geometry.model"),
-        lambda count, model: count is None or count in ((1, 8, 27) if model in _IN_SPACE else (1, 4, 9, 16)),
-        "must be 1, 4, 9 or 16 in two dimensions, and 1, 8 or 27 in three, with {1}",
+        lambda count, model: model in _IN_SPACE or count in (None, 1, 4, 9, 16),
+        "must be 1, 4, 9 or 16 with {1}",
+    ),
+    Rule(
+        ("grid.points_per_cell", "geometry.model"),
+        lambda count, model: model not in _IN_SPACE or count in (None, 1, 8, 27),
+        "must be 1, 8 or 27 with {1}",
     ),
     Rule(("grid.spacing", "geometry.radius"), _less, _SMALLER),
     Rule(("grid.spacing", "geometry.depth"), _less, _SMALLER),

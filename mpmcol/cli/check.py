@@ -21,8 +21,9 @@ def check(case: str, overrides: tuple[str, ...], resolved: bool) -> None:
     layout = make_layout(loaded)
     refuse_if_too_large(layout)
     column = loaded.geometry
+    kind = column.model if column.dimension == 2 else f"{column.model} {column.section}"
     click.echo(
-        f"{case}: no problems. {loaded.title or 'Untitled'}: {column.model}, {loaded.material.law}, "
+        f"{case}: no problems. {loaded.title or 'Untitled'}: {kind}, {loaded.material.law}, "
         f"r_i = {column.r_i:g} m, h_i = {column.h_i:g} m, a = {column.a:g}, h = {layout.h:g} m, "
         f"{case_hash(loaded)}",
         err=resolved,

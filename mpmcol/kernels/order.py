@@ -33,7 +33,7 @@ def sort_points(rows: np.ndarray, row: int, grid: Grid, count: np.ndarray, mark:
     for p in range(n):
         by_tile[count[tile_of[p]]] = p
         count[tile_of[p]] += 1
-    order, split = tile_of, np.empty(len(occupied), np.int64)
+    order, split = tile_of, np.empty(len(occupied), np.int64)  # nobody reads the tiles of points any more
     for t in prange(len(occupied)):
         split[t] = _order_tile(by_tile, bucket_of, buckets, start[t], start[t + 1], order)
         count[occupied[t]] = 0
@@ -88,12 +88,12 @@ def _order_tile(by_tile, bucket_of, buckets, start, stop, order):
 @device
 def _permute(rows, row, order):
     """Bring record order[p] to place p for all p, cycle by cycle and without a second copy; uses up `order`."""
-    held = np.empty(4 * LANES)
+    held = np.empty(row)
     for first in range(len(order)):
         source = order[first]
         if source < 0 or source == first:
             continue
-        held[:row] = rows[first * row : (first + 1) * row]
+        held[:] = rows[first * row : (first + 1) * row]
         target = np.int64(first)
         while source != first:
             for lane in range(0, row, LANES):
@@ -101,7 +101,7 @@ def _permute(rows, row, order):
             order[target] = -1
             target = np.int64(source)
             source = order[target]
-        rows[target * row : (target + 1) * row] = held[:row]
+        rows[target * row : (target + 1) * row] = held
         order[target] = -1
 
 

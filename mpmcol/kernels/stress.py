@@ -40,7 +40,7 @@ def store_eight(rows, o, row, count, lanes):
 
 @device
 def open_or_close(opening, ratio, volumetric):
-    """What an opened point does with the volume change of this step, Eq. (29)-(30) and DESIGN 2.
+    """What an opened point does with the volume change of this step, Eq. (29)-(30).
 
     Returns the new opening strain (0 for points that are closed, or close now), the volume ratio and the volumetric
     strain that are left to the closed material, and one where the point stays open: there both are void.

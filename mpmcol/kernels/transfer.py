@@ -13,7 +13,7 @@ from mpmcol.jit import device, phase, prange, variant
 from mpmcol.simd import fma, load, splat, store, swap_halves, vector, where_positive
 from mpmcol.state import Settings
 
-WALL_GAP = 0.1  # in h: a point closer to a wall would be stiffer than the default time step bears
+WALL_GAP = 0.1  # in h: a point closer to one wall would be stiffer than the default time step bears (nu up to 0.3)
 
 
 def make_p2g(transfer: ModuleType) -> Callable[..., None]:

@@ -57,7 +57,7 @@ class Measurement:
     undisturbed_radius: float | None  # None if no displacement was given
     profile_x: Array  # bin centres
     profile_y: Array  # height of each bin: mass over density and bin area; mean over the sections
-    front_range: dict[str, Range] | None = None  # least and largest; None of one section: in 2D, and a quarter of a box
+    front_range: dict[str, Range] | None = None  # least and largest; None in 2D
     zeta_range: dict[str, Range] | None = None
 
     @property
@@ -106,8 +106,8 @@ def measure(x: Array, mass: Array, displacement: Array | None, shape: ColumnShap
         undisturbed_radius=still,
         profile_x=profile_x,
         profile_y=heights.mean(axis=0),
-        front_range=_ranges(found),
-        zeta_range=_ranges(found / shape.r_i - 1.0),
+        front_range=_ranges(found, shape),
+        zeta_range=_ranges(found / shape.r_i - 1.0, shape),
     )
 
 
@@ -133,9 +133,9 @@ def stop_time(time: Array, front: Array, tolerance: float) -> float | None:
     return float(time[first]) if first < len(time) - 1 else None
 
 
-def _ranges(found: Array) -> dict[str, Range] | None:
-    """Least and largest of the (sections, 3) values, by front definition; None of one section."""
-    if len(found) == 1:
+def _ranges(found: Array, shape: ColumnShape) -> dict[str, Range] | None:
+    """Least and largest of the (sections, 3) values, by front definition; None in two dimensions."""
+    if shape.dimension == 2:
         return None
     ends = zip(found.min(axis=0).tolist(), found.max(axis=0).tolist(), strict=True)
     return dict(zip(FRONTS, ends, strict=True))

@@ -43,6 +43,11 @@ class ColumnShape:
         return self.model == "axisymmetric" or self.has_sectors
 
     @property
+    def ranged(self) -> str:
+        """What the sections lie along, in words."""
+        return "around the axis" if self.is_round else "along x"
+
+    @property
     def angle(self) -> float:
         """Azimuth that the model covers, rad; in 2D, where masses are per radian or per metre, 1."""
         start, end = AZIMUTHS.get(self.model, (0.0, 1.0))

@@ -224,7 +224,7 @@ def test_bad_value(write: Write, old: str, new: str, key: str, message: str) -> 
         ("[grid]\npoints_per_cell = 5", "points_per_cell = 5: expected 1, 4, 8, 9, 16 or 27"),
         ("[grid]\npoints_per_cell = 4.0", "points_per_cell = 4: expected 1, 4, 8, 9, 16 or 27"),
         ("[grid]\npoints_per_cell = true", "points_per_cell = true: expected 1, 4, 8, 9, 16 or 27"),
-        ("[grid]\npoints_per_cell = 8", "points_per_cell = 8: must be 1, 4, 9 or 16 in two dimensions"),
+        ("[grid]\npoints_per_cell = 8", "points_per_cell = 8: must be 1, 4, 9 or 16 with geometry.model"),
         ("[method]\nwall_impulse = 1", "[method] wall_impulse = 1: expected true or false"),
         ("[method]\nflip_fraction = 1.5", "flip_fraction = 1.5: expected a number >= 0 and <= 1"),
         ('[method]\ntransfer = "apic"', 'expected "taylor-flip", "flip" or "pic"'),
@@ -360,7 +360,7 @@ def test_words_of_three_dimensions(write: Write) -> None:
     assert (box.geometry.shape, box.geometry.depth) == ("box", 0.2)
     assert case_hash(box) != case_hash(case) != case_hash(load_case(write(GOOD)))
     for overrides, message in (
-        (["grid.points_per_cell=4"], "must be 1, 4, 9 or 16 in two dimensions"),
+        (["grid.points_per_cell=4"], "must be 1, 8 or 27 with geometry.model"),
         (["geometry.depth=0.2"], "must be absent with geometry.section"),
         (["geometry.model=plane", "geometry.section=box"], 'must be "cylinder" with geometry.model'),
     ):

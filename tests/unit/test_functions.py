@@ -9,7 +9,7 @@ from mpmcol.laws.functions import cotangent, decay, sine
 
 def test_decay_is_the_exponential_to_round_off_of_one() -> None:
     x = np.concatenate([np.linspace(0.0, 60.0, 6001), [1e3, 1e300]])
-    np.testing.assert_allclose(decay(x), np.exp(-x), atol=2e-15)
+    np.testing.assert_allclose(decay(x), np.exp(-x), rtol=0.0, atol=5e-15)
     assert decay(np.zeros(1))[0] == 1.0
 
 

@@ -167,7 +167,7 @@ def test_a_crack_at_the_axis_does_not_cut_the_height_short() -> None:
 def test_empty_sectors_and_no_points_are_measured(shape: ColumnShape) -> None:
     nothing = measure(np.zeros((0, 3)), np.zeros(0), np.zeros((0, 3)), shape)
     assert nothing.front == dict.fromkeys(FRONTS, 0.0)
-    assert nothing.front_range == (None if shape is BOX else dict.fromkeys(FRONTS, (0.0, 0.0)))
+    assert nothing.front_range == dict.fromkeys(FRONTS, (0.0, 0.0))
     assert (nothing.height, nothing.area_factor, nothing.undisturbed_radius) == (0.0, 0.0, 0.0)
     points = np.vstack([at(0.1, S / 2, 4.0), at(0.1, S / 2, 6.0), [[np.nan, 0.0, 0.0]]])
     few = measured(points, shape)

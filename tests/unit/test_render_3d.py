@@ -60,6 +60,7 @@ def fabricate(folder: Path, model: str = "quarter", has_base: bool = True, squar
     column, base = lattice(left, R, 0, H, flat), lattice(left, 0.1, -4 * POINT, 0, flat)
     column = column[(np.abs(column) < R).all(axis=1) & (square | (np.hypot(column[:, 0], column[:, 2]) < R))]
     points = np.vstack([column, base]) if has_base else column
+    meta = {**META, "model": model, "section": "box" if square else "cylinder"}
     for step in range(STEPS + 1):
         moved = np.zeros_like(points)
         moved[: len(column)] = step / STEPS * displaced(column)
@@ -70,7 +71,7 @@ def fabricate(folder: Path, model: str = "quarter", has_base: bool = True, squar
             "id": np.arange(len(points), dtype=np.int32),
             "mass": np.ones(len(points)),
         }
-        write_snapshot(folder, step, Snapshot(0.1 * step, step, "collapse", arrays), {**META, "model": model})
+        write_snapshot(folder, step, Snapshot(0.1 * step, step, "collapse", arrays), meta)
     return folder
 
 

@@ -10,10 +10,13 @@ import pytest
 from click.testing import CliRunner, Result
 
 import mpmcol
+from mpmcol.case import load_case
 from mpmcol.cli import main
 from mpmcol.errors import NumericalFailure, OutputError, UsageError
 from mpmcol.files import locked
+from mpmcol.layout import make_layout, refuse_if_too_large
 from mpmcol.results import HISTORY, Results
+from mpmcol.scene import build_scene
 from mpmcol.snapshot import read_meta
 
 TINY = ("grid.spacing=0.015", "output.snapshots=3", "stages.collapse.max_time_factor=1.0")
@@ -236,3 +239,22 @@ def test_wrong_units_are_noticed(tmp_path: Path) -> None:
     assert checked.exit_code == 2 and "in mm instead of m?" in checked.output
     soft = invoke("run", "quickstart", *tiny("material.youngs_modulus=1e5"), "--out", str(tmp_path / "b"))
     assert "shorten by about 2.3% under its own weight" in soft.output
+
+
+@pytest.mark.parametrize(
+    "overrides", [[], ["geometry.model=full"], ["geometry.section=box", "geometry.depth=0.4"]], ids=str
+)
+def test_the_points_are_counted_before_they_are_made(overrides: list[str]) -> None:
+    case = load_case("lube-quarter", ["grid.spacing=0.02", *overrides])
+    made, counted = len(build_scene(case).points), make_layout(case).most_points
+    assert made <= counted < 1.25 * made
+
+
+def test_few_points_in_a_grid_larger_than_memory_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    case = load_case("lube-quarter", ["geometry.base=rigid", "geometry.domain_length=2"])
+    layout = make_layout(case)
+    refuse_if_too_large(layout)
+    assert layout.memory_bytes < layout.grid_bytes
+    monkeypatch.setattr("mpmcol.layout.os.sysconf", {"SC_PHYS_PAGES": 1, "SC_PAGE_SIZE": layout.grid_bytes - 1}.get)
+    with pytest.raises(UsageError, match=r"make grid\.spacing larger"):
+        build_scene(case)

@@ -220,6 +220,8 @@ def test_index_refuses_what_is_not_one_run(tmp_path: Path):
 
 def test_properties():
     snapshot = make(2)
+    assert np.array_equal(snapshot.x, snapshot.arrays["position"])
+    snapshot.arrays["position"][:, 2] = 0.0
     assert np.array_equal(snapshot.x, snapshot.arrays["position"][:, :2])
     assert snapshot.column.sum() == N // 2 and snapshot.column[0]
     expected = np.sqrt((snapshot.arrays["displacement"] ** 2).sum(axis=1))
