@@ -10,6 +10,7 @@ from mpmcol.solver import Solver
 from mpmcol.state import Points, Settings
 from tests.verification.blocks import (
     PLAIN,
+    WEIGHTLESS,
     G,
     advance_steps,
     by_id,
@@ -47,6 +48,17 @@ def test_parabola_is_exact_over_10_000_steps(d: int) -> None:
     np.testing.assert_allclose(points.x, start.x + v0 * t + 0.5 * g * t**2, rtol=1e-12)
     np.testing.assert_allclose(points.v, np.broadcast_to(v0 + g * t, points.v.shape), rtol=1e-12)
     np.testing.assert_allclose(points.J, 1.0, rtol=1e-12)
+
+
+@pytest.mark.parametrize("v", [(20.0, 0.0, 0.0), (0.0, -20.0, 0.0), (0.0, 0.0, 20.0)], ids="xyz")
+def test_a_block_flies_straight_along_each_axis(v: tuple[float, float, float]) -> None:
+    """Ten cells: its points must be sorted again on the way, whichever axis it follows."""
+    solver, start = thrown_block(v, WEIGHTLESS)
+    advance_steps(solver, 1000)
+    points = by_id(solver)
+    assert solver.time * 20.0 > 9.0 * H
+    np.testing.assert_allclose(points.x, start.x + solver.time * np.array(v), rtol=1e-12)
+    np.testing.assert_allclose(points.v, np.broadcast_to(v, points.v.shape), atol=1e-10)
 
 
 @both_dimensions
