@@ -1,0 +1,1 @@
+"""The scheme of mpmcol written in Taichi, timed beside mpmcol: `python -m scripts.peers.compare`."""

@@ -1,0 +1,158 @@
+"""mpmcol beside the same scheme in Taichi, on the same scene in the same session.
+
+    python -m scripts.peers.compare [--scene MODEL:POINTS ...] [--threads N ...] [--json FILE]
+
+All codes of a scene are kept warm in processes of their own and step in turn, so that every round is a pair. `best` is
+Taichi with sorted points and coloured blocks, `example` Taichi as its own examples are written.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from datetime import UTC, datetime
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+from mpmcol.bench.report import Spread, describe_machine
+
+SCENES = ("plane:20000", "plane:200000", "quarter:126000")
+Code = tuple[str, str]  # name and precision
+CODES: tuple[Code, ...] = (("mpmcol", "f64"), ("best", "f64"), ("best", "f32"), ("example", "f64"), ("example", "f32"))
+NAMES = ("mpmcol", "best", "example")
+POINT_STEPS = 2_000_000  # points times steps in a round
+
+
+@dataclass(frozen=True)
+class Row:
+    """One code on one scene: ns per point and step, and times as long as mpmcol in the same round."""
+
+    model: str
+    points: int
+    threads: int
+    code: str
+    precision: str
+    ns: Spread
+    ratio: Spread | None  # None if mpmcol was left out
+    kinetic_energy: float  # of all points at the end, J: all codes must have moved alike
+
+
+class Worker:
+    """A process that steps one code on one scene."""
+
+    def __init__(self, code: str, precision: str, model: str, points: int, threads: int) -> None:
+        command = [sys.executable, "-m", "scripts.peers.worker", code, precision, model, str(points), str(threads)]
+        environment = {**os.environ, "NUMBA_NUM_THREADS": str(threads)}
+        self._process = subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=environment
+        )
+        self.points: int = self._answer()["points"]
+        self.kinetic_energy = 0.0
+
+    def _answer(self) -> dict[str, Any]:
+        assert self._process.stdout is not None
+        line = self._process.stdout.readline()
+        if not line:
+            raise RuntimeError(f"{self._process.args}: ended with code {self._process.wait()}")
+        return json.loads(line)
+
+    def step(self, steps: int) -> float:
+        """Seconds that so many steps take."""
+        assert self._process.stdin is not None
+        print(steps, file=self._process.stdin, flush=True)
+        answer = self._answer()
+        self.kinetic_energy = answer["kinetic_energy"]
+        return answer["seconds"]
+
+    def close(self) -> None:
+        """End the process."""
+        assert self._process.stdin is not None
+        self._process.stdin.close()
+        self._process.wait()
+
+
+def measure(model: str, points: int, threads: int, rounds: int, warm_up: int, codes: Sequence[Code]) -> list[Row]:
+    """Rows of all codes on one scene."""
+    workers = {code: Worker(*code, model, points, threads) for code in codes}
+    steps = max(POINT_STEPS // points, 3)
+    for worker in workers.values():
+        worker.step(warm_up)
+    ns: dict[Code, list[float]] = {code: [] for code in codes}
+    for k in range(rounds):
+        for code in (*codes[k % len(codes) :], *codes[: k % len(codes)]):  # nobody is always the first
+            ns[code].append(1e9 * workers[code].step(steps) / (steps * workers[code].points))
+    for worker in workers.values():
+        worker.close()
+    return [_make_row(model, threads, code, workers[code], ns[code], ns.get(CODES[0])) for code in codes]
+
+
+def _make_row(model: str, threads: int, code: Code, worker: Worker, ns: list[float], own: list[float] | None) -> Row:
+    """The timings of one code beside mpmcol's `own` of the same rounds."""
+    ratio = Spread.of([a / b for a, b in zip(ns, own, strict=True)]) if own else None
+    return Row(model, worker.points, threads, *code, Spread.of(ns), ratio, worker.kinetic_energy)
+
+
+HEADER = (
+    "| scene | points | threads | code | precision | ns per point and step | times as long as mpmcol |",
+    "|---|---|---|---|---|---|---|",
+)
+
+
+def table_line(row: Row) -> str:
+    """One line of the Markdown table: medians, least and greatest of all rounds in brackets."""
+    name = "mpmcol" if row.code == "mpmcol" else f"Taichi, {row.code}"
+    ns = f"{row.ns.median:.1f} ({row.ns.min:.1f}-{row.ns.max:.1f})"
+    ratio = "-" if row.ratio is None else f"{row.ratio.median:.2f} ({row.ratio.min:.2f}-{row.ratio.max:.2f})"
+    return f"| {row.model} | {row.points} | {row.threads} | {name} | {row.precision} | {ns} | {ratio} |"
+
+
+def disagreement(rows: list[Row]) -> float:
+    """Largest relative difference of the kinetic energies that the codes in double precision ended with on a scene."""
+    energies: dict[tuple[str, int, int], list[float]] = {}
+    for row in rows:
+        if row.precision == "f64":
+            energies.setdefault((row.model, row.points, row.threads), []).append(row.kinetic_energy)
+    return max(1.0 - min(values) / max(values) for values in energies.values())
+
+
+def write_json(path: Path, rows: list[Row], rounds: int, warm_up: int) -> None:
+    """All numbers with the machine and the versions."""
+    machine = {**describe_machine(), "taichi": metadata.version("taichi")}
+    report = {
+        "date": datetime.now(UTC).isoformat(timespec="seconds"), "machine": machine, "rounds": rounds,
+        "warm_up": warm_up, "point_steps": POINT_STEPS, "rows": [asdict(row) for row in rows],
+    }  # fmt: skip
+    path.write_text(json.dumps(report, indent=1) + "\n")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--scene", nargs="+", default=SCENES, metavar="MODEL:POINTS", help="plane or quarter")
+    parser.add_argument("--threads", nargs="+", type=int, default=[1, 2])
+    parser.add_argument("--code", nargs="+", choices=NAMES, default=NAMES)
+    parser.add_argument("--rounds", type=int, default=9)
+    parser.add_argument("--warm-up", type=int, default=120, help="steps before the clock starts")
+    parser.add_argument("--json", type=Path)
+    asked = parser.parse_args()
+    codes = [code for code in CODES if code[0] in asked.code]
+    rows: list[Row] = []
+    print(*HEADER, sep="\n", flush=True)
+    for scene in asked.scene:
+        model, points = scene.split(":")
+        for threads in asked.threads:
+            found = measure(model, int(points), threads, asked.rounds, asked.warm_up, codes)
+            print(*map(table_line, found), sep="\n", flush=True)
+            rows += found
+            if asked.json:
+                write_json(asked.json, rows, asked.rounds, asked.warm_up)
+    print(f"\nKinetic energies at the end differ by {disagreement(rows):.0e} at most (double precision).")
+
+
+if __name__ == "__main__":
+    main()
