@@ -26,7 +26,7 @@ class Estimate:
     points: int
     column_points: int
     nodes: int  # that stand near material at the start
-    tiles_of_colour: tuple[int, ...]  # tiles that hold points, by colour: those of one colour are scattered in parallel
+    tiles_of_group: tuple[int, ...]  # tiles that hold points, by group: those of one group are scattered in parallel
     dt: float  # s
     steps: int  # usual number
     most_steps: int  # if the case's longest durations are needed
@@ -51,7 +51,7 @@ def estimate(case: Case, threads: int | None = None) -> Estimate:
     dt, points = solver.dt, len(scene.points)
     pace = _seconds_per_step(solver)
     assert solver.tiles is not None  # `prepare` sorts
-    tiles = tuple(np.diff(solver.tiles.colour_start).tolist())
+    tiles = tuple(np.diff(solver.tiles.group_start).tolist())
     nodes = len(solver.tiles.active) * scene.grid.tile_doubles // NODE
 
     tau = scene.layout.fall_time(case.geometry.gravity)
@@ -65,7 +65,7 @@ def estimate(case: Case, threads: int | None = None) -> Estimate:
         points=points,
         column_points=scene.column_points,
         nodes=nodes,
-        tiles_of_colour=tiles,
+        tiles_of_group=tiles,
         dt=dt,
         steps=steps,
         most_steps=most_steps,

@@ -40,8 +40,8 @@ class Tiles(NamedTuple):
 
     start: np.ndarray  # (n_tiles + 1,)
     split: np.ndarray  # (n_tiles,)
-    by_colour: np.ndarray  # (n_tiles,) tiles of colour c: by_colour[colour_start[c] : colour_start[c + 1]]
-    colour_start: np.ndarray  # (colours + 1,)
+    grouped: np.ndarray  # (n_tiles,) grouped[group_start[g] : group_start[g + 1]] are tiles that share no node
+    group_start: np.ndarray  # (n_groups + 1,)
     active: np.ndarray  # (n_active,) address in `nodes` of each tile that can be touched
 
 

@@ -20,10 +20,10 @@ def p2g(points: PlainPoints, grid: PlainGrid, tiles: Tiles, settings: Settings) 
         points.x, points.v, points.L, points.sigma, points.m, points.V0, points.J,
     )  # fmt: skip
     m_i, mv_i, f_i, h, inv_h = grid.m, grid.v, grid.a, grid.h, 1.0 / grid.h
-    start, by_colour = tiles.start, tiles.by_colour
-    for colour in range(len(tiles.colour_start) - 1):
-        for k in prange(tiles.colour_start[colour], tiles.colour_start[colour + 1]):
-            for p in range(start[by_colour[k]], start[by_colour[k] + 1]):
+    start, grouped = tiles.start, tiles.grouped
+    for group in range(len(tiles.group_start) - 1):
+        for k in prange(tiles.group_start[group], tiles.group_start[group + 1]):
+            for p in range(start[grouped[k]], start[grouped[k] + 1]):
                 s_x, s_y = (x_p[p, 0] - grid.origin_x) * inv_h, (x_p[p, 1] - grid.origin_y) * inv_h
                 i, wx0, wx1, wx2, gx0, gx1, gx2 = spline(s_x, grid.n_x, settings.kernel_correction)
                 j, wy0, wy1, wy2, gy0, gy1, gy2 = spline(s_y, grid.n_y, settings.kernel_correction)

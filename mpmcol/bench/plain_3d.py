@@ -37,10 +37,10 @@ def p2g(points: PlainPoints, grid: PlainGrid, tiles: Tiles, settings: Settings) 
     """
     x_p, v_p, L_p, s_p = points.x, points.v, points.L, points.sigma
     m_i, mv_i, f_i, h, taylor = grid.m, grid.v, grid.a, grid.h, settings.taylor
-    start, by_colour = tiles.start, tiles.by_colour
-    for colour in range(len(tiles.colour_start) - 1):
-        for t in prange(tiles.colour_start[colour], tiles.colour_start[colour + 1]):
-            for p in range(start[by_colour[t]], start[by_colour[t] + 1]):
+    start, grouped = tiles.start, tiles.grouped
+    for group in range(len(tiles.group_start) - 1):
+        for t in prange(tiles.group_start[group], tiles.group_start[group + 1]):
+            for p in range(start[grouped[t]], start[grouped[t] + 1]):
                 (i, j, k), (dx0, dy0, dz0), (wx, wy, wz), (gx, gy, gz) = _stencil(x_p, p, grid, settings)
                 m, volume = points.m[p], points.J[p] * points.V0[p]
                 for b in range(3):

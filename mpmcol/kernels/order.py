@@ -1,4 +1,4 @@
-"""Points in order of tiles, so that tiles of one colour can be scattered in parallel and memory is read in line.
+"""Points in order of tiles, so that tiles of one group can be scattered in parallel and memory is read in line.
 
 The first node of a point's stencil decides its tile. A point may travel up to one cell before the next sort: its
 stencil then still keeps clear of every other tile of the same colour. Works in two and three dimensions.
@@ -13,6 +13,8 @@ from mpmcol.grid import TILE, Grid, tile_count
 from mpmcol.jit import device, kernel, prange
 from mpmcol.simd import LANES, load, store
 from mpmcol.state import KIND, X, Y, Z
+
+BAND = 512  # tiles: their nodes are half a megabyte in two dimensions, two in three
 
 
 @kernel
@@ -38,8 +40,8 @@ def sort_points(rows: np.ndarray, row: int, grid: Grid, count: np.ndarray, mark:
         split[t] = _order_tile(by_tile, bucket_of, buckets, start[t], start[t + 1], order)
         count[occupied[t]] = 0
     _permute(rows, row, order)
-    by_colour, colour_start = _colour(occupied, tiles)
-    return start, split, by_colour, colour_start, _reachable(occupied, grid, tiles, mark)
+    grouped, group_start = _group(occupied, tiles)
+    return start, split, grouped, group_start, _reachable(occupied, grid, tiles, mark)
 
 
 @device
@@ -106,19 +108,38 @@ def _permute(rows, row, order):
 
 
 @device
-def _colour(occupied, tiles):
-    """Tiles grouped by the parity of their coordinates, and where each group starts."""
-    colours = 8 if tiles[2] > 1 else 4
-    by_colour, colour_start = np.empty(len(occupied), np.int64), np.zeros(colours + 1, np.int64)
-    k = 0
-    for colour in range(colours):
-        for t in range(len(occupied)):
-            x, y, z = _coordinates(occupied[t], tiles)
-            if x % 2 + 2 * (y % 2) + 4 * (z % 2) == colour:
-                by_colour[k] = t
-                k += 1
-        colour_start[colour + 1] = k
-    return by_colour, colour_start
+def _group(occupied, tiles):
+    """Tiles grouped by band, and in it by colour, the parity of their coordinates; and where each group starts.
+
+    The nodes of a band stay in the caches from colour to colour.
+    """
+    colours, n = 8 if tiles[2] > 1 else 4, len(occupied)
+    grouped, group_start = np.empty(n, np.int64), np.zeros(colours * (n // BAND + 1) + 1, np.int64)
+    k, group, first = 0, 0, 0
+    while first < n:
+        stop = _band_end(occupied, tiles, first)
+        for colour in range(colours):
+            for t in range(first, stop):
+                x, y, z = _coordinates(occupied[t], tiles)
+                if x % 2 + 2 * (y % 2) + 4 * (z % 2) == colour:
+                    grouped[k] = t
+                    k += 1
+            group += 1
+            group_start[group] = k
+        first = stop
+    return grouped, group_start[: group + 1]
+
+
+@device
+def _band_end(occupied, tiles, first):
+    """End of the band that starts at `first`: whole layers of equal x, BAND tiles or more, none too few left over."""
+    n = len(occupied)
+    if n - first < 2 * BAND:
+        return n
+    stop = first + BAND
+    while stop < n and _coordinates(occupied[stop], tiles)[0] == _coordinates(occupied[stop - 1], tiles)[0]:
+        stop += 1
+    return stop
 
 
 @device

@@ -10,9 +10,10 @@ import numpy as np
 
 from mpmcol.grid import Grid, Tiles
 from mpmcol.jit import device, phase, prange, variant
-from mpmcol.simd import fma, load, splat, store, swap_halves, vector, where_positive
+from mpmcol.simd import LANES, fma, load, prefetch, splat, store, swap_halves, vector, where_positive
 from mpmcol.state import Settings
 
+AHEAD = 24  # points: memory answers in the time that so many take
 WALL_GAP = 0.1  # in h: a point closer to one wall would be stiffer than the default time step bears (nu up to 0.3)
 
 
@@ -23,18 +24,29 @@ def make_p2g(transfer: ModuleType) -> Callable[..., None]:
     @phase
     @variant(transfer)
     def p2g(rows: np.ndarray, grid: Grid, tiles: Tiles, settings: Settings) -> None:
-        """Scatter mass, momentum and force, tiles of one colour in parallel, each node summed in a fixed order.
+        """Scatter mass, momentum and force, tiles of one group in parallel, each node summed in a fixed order.
 
         Reads: rows. Writes: nodes (m, mv, f). Eq. (13), (14), (19), (20).
         """
-        nodes, start, by_colour, colour_start = grid.nodes, tiles.start, tiles.by_colour, tiles.colour_start
-        for colour in range(len(colour_start) - 1):
-            for k in prange(colour_start[colour], colour_start[colour + 1]):
-                tile = by_colour[k]
-                for p in range(start[tile], start[tile + 1]):
+        nodes, start, grouped, group_start = grid.nodes, tiles.start, tiles.grouped, tiles.group_start
+        for group in range(len(group_start) - 1):
+            for k in prange(group_start[group], group_start[group + 1]):
+                tile, following = grouped[k], grouped[min(k + 1, len(grouped) - 1)]
+                stop = start[tile + 1]
+                jump = start[following] - stop
+                for p in range(start[tile], stop):
+                    soon = p + AHEAD
+                    prefetch_record(rows, row, soon if soon < stop else soon + jump)
                     scatter(rows, p * row, nodes, grid, settings)
 
     return p2g
+
+
+@device
+def prefetch_record(rows: np.ndarray, row: int, p: int) -> None:
+    """Ask for the record of point `p`, of `row` doubles."""
+    for lane in range(0, row, LANES):
+        prefetch(rows, p * row + lane)
 
 
 @device

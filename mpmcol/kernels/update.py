@@ -11,6 +11,7 @@ import numpy as np
 from mpmcol.grid import Grid
 from mpmcol.jit import device, phase, prange, variant
 from mpmcol.kernels import stress_2d, stress_3d, transfer_2d, transfer_3d
+from mpmcol.kernels.transfer import AHEAD, prefetch_record
 from mpmcol.simd import LANES, any_positive, lane, larger, largest_lane, splat, sum_lanes, vector, where_positive
 from mpmcol.state import Settings
 
@@ -65,6 +66,7 @@ def make_update_points(dimension: int, column_law: ModuleType, base_law: ModuleT
         for t in prange(len(split)):
             travel, node_work = splat(0.0), splat(0.0)
             for p in range(start[t], start[t + 1]):
+                prefetch_record(rows, row, p + AHEAD)
                 step, taken = gather(rows, p * row, nodes, grid, settings, bounds, dt)
                 travel, node_work = larger(travel, abs(step)), node_work + taken
             report[t, TRAVEL] = inv_h * max(lane(travel, 4), lane(travel, 5), lane(travel, 6))

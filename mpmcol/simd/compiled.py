@@ -25,6 +25,7 @@ from mpmcol.simd.vectors import (
     larger,
     largest_lane,
     load,
+    prefetch,
     root,
     splat,
     store,
@@ -37,6 +38,7 @@ from mpmcol.simd.vectors import (
 
 _DOUBLE = ir.DoubleType()
 _INT = ir.IntType(32)
+_BYTE = ir.IntType(8)
 _VECTOR = ir.VectorType(_DOUBLE, LANES)
 _ZERO = ir.Constant(_VECTOR, [0.0] * LANES)
 
@@ -58,10 +60,10 @@ class _Vec8Model(models.PrimitiveModel):
         super().__init__(manager, numba_type, _VECTOR)
 
 
-def _pointer(context, builder, array_type, array, index):
+def _pointer(context, builder, array_type, array, index, kind=_VECTOR):
     """Address of `array[index]` as a pointer to eight doubles; no bounds check, no wrap-around."""
     data = context.make_array(array_type)(context, builder, array).data
-    return builder.bitcast(builder.gep(data, [index]), _VECTOR.as_pointer())
+    return builder.bitcast(builder.gep(data, [index]), kind.as_pointer())
 
 
 @intrinsic
@@ -81,6 +83,19 @@ def _store(typingctx, array, index, value):
         return context.get_dummy_value()
 
     return types.void(array, index, value), codegen
+
+
+@intrinsic
+def _prefetch(typingctx, array, index):
+    def codegen(context, builder, signature, args):
+        position = context.cast(builder, args[1], signature.args[1], types.intp)
+        address = _pointer(context, builder, signature.args[0], args[0], position, _BYTE)
+        kind = ir.FunctionType(ir.VoidType(), [address.type, _INT, _INT, _INT])
+        function = cgutils.get_or_insert_function(builder.module, kind, "llvm.prefetch.p0i8")
+        builder.call(function, [address, _INT(0), _INT(3), _INT(1)])  # to read, into all caches, data
+        return context.get_dummy_value()
+
+    return types.void(array, index), codegen
 
 
 @intrinsic
@@ -240,6 +255,7 @@ for _operation, _operation8 in _ARITHMETIC.items():
 _declare(operator.neg, lambda a: (lambda a: _negative(a)) if a == vec8 else None)
 _declare(abs, lambda a: (lambda a: _magnitude(a)) if a == vec8 else None)
 _declare(load, lambda array, index: lambda array, index: _load(array, index))
+_declare(prefetch, lambda array, index: lambda array, index: _prefetch(array, index))
 _declare(store, lambda array, index, value: lambda array, index, value: _store(array, index, value))
 _declare(splat, lambda x: lambda x: _splat(float(x)))
 _declare(lane, lambda value, index: lambda value, index: _lane(value, index))

@@ -16,6 +16,10 @@ def load(array: np.ndarray, index: int) -> np.ndarray:
     return np.pad(found, (0, LANES - len(found)))
 
 
+def prefetch(array: np.ndarray, index: int) -> None:
+    """Ask for the cache line of `array[index]`, which is read soon; the index may lie behind the end."""
+
+
 def store(array: np.ndarray, index: int, value: np.ndarray) -> None:
     """Write eight doubles to a flat array, starting at `index`."""
     array[index : index + LANES] = value

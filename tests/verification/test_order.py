@@ -1,13 +1,15 @@
-"""Sorting: points in tiles, cells and kinds, tiles in colours that share no node, and every node in reach listed."""
+"""Sorting: points in tiles, cells and kinds, groups of tiles that share no node, and every node in reach listed."""
 
 from __future__ import annotations
+
+from itertools import pairwise
 
 import numpy as np
 import pytest
 
 from mpmcol.basis import base_node
 from mpmcol.grid import NODE, TILE, Grid, Tiles, allocate_grid, tile_count
-from mpmcol.kernels.order import scratch, sort_points
+from mpmcol.kernels.order import BAND, scratch, sort_points
 from mpmcol.state import COLUMN, ID, ROW, Points
 
 H, ORIGIN = 0.1, (-0.55, -0.2, 0.3)
@@ -104,22 +106,43 @@ def test_active_tiles_are_those_around_points_only() -> None:
 
 
 @DIMENSIONS
-def test_tiles_of_a_colour_share_no_node(d: int) -> None:
+def test_tiles_of_a_group_share_no_node(d: int) -> None:
     _, after, grid, tiles = sorted_points(d)
     nodes: list[set[int]] = [set() for _ in tiles.split]
     for seed in range(20):
         addresses = touched(after, grid, seed)
         for t in range(len(tiles.split)):
             nodes[t] |= set(np.unique(addresses[tiles.start[t] : tiles.start[t + 1]]).tolist())
-    assert sorted(tiles.by_colour) == list(range(len(tiles.split)))
-    assert len(tiles.colour_start) == 2**d + 1 and tiles.colour_start[-1] == len(tiles.split)
-    shared_by_colours = set()
-    for colour in range(2**d):
-        own = [nodes[t] for t in tiles.by_colour[tiles.colour_start[colour] : tiles.colour_start[colour + 1]]]
+    assert sorted(tiles.grouped) == list(range(len(tiles.split)))
+    assert len(tiles.group_start) == 2**d + 1 and tiles.group_start[-1] == len(tiles.split)
+    shared_by_groups = set()
+    for first, stop in pairwise(tiles.group_start):
+        own = [nodes[t] for t in tiles.grouped[first:stop]]
         assert len(own) > 1
         assert len(set().union(*own)) == sum(map(len, own))
-        shared_by_colours |= set().union(*own)
-    assert len(shared_by_colours) < sum(map(len, nodes))  # colours do share: the test can fail
+        shared_by_groups |= set().union(*own)
+    assert len(shared_by_groups) < sum(map(len, nodes))  # groups do share: the test can fail
+
+
+@DIMENSIONS
+def test_many_tiles_are_grouped_in_bands(d: int) -> None:
+    """Bands are whole layers of tiles across x, of BAND tiles or more; a group is one colour of one band."""
+    tiles_an_axis = {2: 64, 3: 16}[d]
+    grid = allocate_grid((0.0,) * d, H, (tiles_an_axis * TILE - 1,) * d)
+    axis = H * TILE * (np.arange(tiles_an_axis) + 0.25)
+    centres = np.stack(np.meshgrid(*(axis,) * d, indexing="ij"), axis=-1).reshape(-1, d)
+    points = Points(len(centres), d)
+    points.x[:] = centres
+    tiles = Tiles(*sort_points(points.rows.reshape(-1), ROW[d], grid, *scratch(grid)))
+    place = (points.x / (H * TILE)).astype(int)
+    assert sorted(tiles.grouped) == list(range(len(centres)))
+    layers = [place[tiles.grouped[first:stop]] for first, stop in pairwise(tiles.group_start)]
+    bands = [np.concatenate(layers[k : k + 2**d]) for k in range(0, len(layers), 2**d)]
+    assert len(bands) == len(centres) // BAND
+    assert all(len(set(map(tuple, group % 2))) == 1 for group in layers)
+    spans = [(band[:, 0].min(), band[:, 0].max()) for band in bands]
+    assert all(len(band) >= BAND for band in bands)
+    assert all(before[1] < after[0] for before, after in pairwise(spans))
 
 
 @DIMENSIONS
