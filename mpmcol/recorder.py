@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from mpmcol import __version__
 from mpmcol.case import Case, resolved_toml
 from mpmcol.files import atomic_write, make_folder
 from mpmcol.kernels import cycle
@@ -21,6 +20,7 @@ from mpmcol.scene import Scene
 from mpmcol.snapshot import Snapshot, describe_snapshot, write_index, write_snapshot
 from mpmcol.solver import Solver
 from mpmcol.state import BASE, Points
+from mpmcol.version import code_version
 from mpmcol.vtkhdf import Step
 
 
@@ -114,7 +114,7 @@ def versions() -> dict[str, str]:
     import numba
 
     return {
-        "mpmcol": __version__, "python": platform.python_version(), "numba": numba.__version__,
+        "mpmcol": code_version(), "python": platform.python_version(), "numba": numba.__version__,
         "llvmlite": llvmlite.__version__, "numpy": np.__version__, "h5py": h5py.__version__,
     }  # fmt: skip
 
