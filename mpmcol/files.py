@@ -7,12 +7,19 @@ import errno
 import fcntl
 import os
 import shutil
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
 from mpmcol.errors import OutputError, UsageError
 
+# the folder of a run
 LOCK = ".lock"
+CASE_FILE, RESULT_FILE, HISTORY_FILE = "case.resolved.toml", "result.json", "history.csv"
+# what may lie in it before the run: the case that it is to run, and what it says while it does
+GIVEN_CASE_FILE, LOG_FILE = "case.toml", "run.log"
+
+PATIENCE = 0.5  # s: who only looks whether a folder is locked holds the lock for a moment
 
 REMEDIES = {
     errno.ENOSPC: "free some space on this disk, or choose another folder",
@@ -62,12 +69,39 @@ def locked(folder: Path) -> Iterator[None]:
     except OSError as error:
         raise _cannot_write(path, error) from error
     try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        if not _taken(descriptor):
+            raise UsageError(f"{folder}: another run is writing here; wait for it, or choose another folder")
         yield
-    except BlockingIOError:
-        raise UsageError(f"{folder}: another run is writing here; wait for it, or choose another folder") from None
     finally:
         os.close(descriptor)
+
+
+def is_locked(folder: Path) -> bool:
+    """Whether a process is in `folder`, see `locked`."""
+    try:
+        descriptor = os.open(folder / LOCK, os.O_RDONLY)
+    except OSError:
+        return False
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    finally:
+        os.close(descriptor)
+    return False
+
+
+def _taken(descriptor: int) -> bool:
+    """Take the lock, for as long as the file is open; False if another process keeps it."""
+    deadline = time.monotonic() + PATIENCE
+    while True:
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            return True
+        except BlockingIOError:
+            if time.monotonic() > deadline:
+                return False
+        time.sleep(PATIENCE / 10.0)
 
 
 def remove(path: Path) -> None:

@@ -15,13 +15,21 @@ import numpy as np
 
 from mpmcol.case import Case, load_case
 from mpmcol.errors import OutputError, UsageError
-from mpmcol.files import LOCK, atomic_write, remove
+from mpmcol.files import (
+    CASE_FILE,
+    GIVEN_CASE_FILE,
+    HISTORY_FILE,
+    LOCK,
+    LOG_FILE,
+    RESULT_FILE,
+    atomic_write,
+    remove,
+)
 from mpmcol.layout import column_shape, make_layout
 from mpmcol.measure import ColumnShape, Measurement, measure
 from mpmcol.snapshot import Snapshot, list_snapshots, read_snapshot
 
 RESULT_SCHEMA = 1
-CASE_FILE, RESULT_FILE, HISTORY_FILE = "case.resolved.toml", "result.json", "history.csv"
 # the case last, so that a folder half emptied is still known for a run's
 OWN_FILES = (
     RESULT_FILE, HISTORY_FILE, "run.vtkhdf", "run.vtkhdf.series", "snapshots", "profile.png", "front.png", "energy.png",
@@ -124,8 +132,8 @@ def prepare_folder(folder: Path, fresh: bool) -> None:
     """
     if (folder / RESULT_FILE).exists() and not fresh and _is_finished(folder):
         raise UsageError(f"{folder} holds a finished run; use --fresh to replace it, or --out for another folder")
-    found = [path for path in folder.iterdir() if path.name != LOCK] if folder.is_dir() else []
-    if found and not (folder / CASE_FILE).exists():
+    found = {path.name for path in folder.iterdir()} if folder.is_dir() else set()
+    if found - {LOCK, GIVEN_CASE_FILE, LOG_FILE} and CASE_FILE not in found:
         raise UsageError(f"{folder} is not empty and holds no run; use --out for another folder")
     for name in OWN_FILES:
         remove(folder / name)
