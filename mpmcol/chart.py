@@ -65,7 +65,7 @@ def profile_chart(
     _draw_experiment(axes, shape, experiment)
     _draw_fronts(axes, deposits[-1][1], shape.ranged)
     figure.legend(loc="outside lower center", ncols=3, frameon=False, fontsize="small")
-    return _save(figure, path, svg)
+    return save_figure(figure, path, svg)
 
 
 def front_chart(
@@ -104,7 +104,7 @@ def front_chart(
     figure.align_ylabels()
     upper.set(ylabel=r"runout $\zeta = (r - r_i)/r_i$ (-)", title=f"{shape.model}, $a$ = {shape.a:.3g}")
     lower.set(ylabel=r"height $h / h_i$ (-)", xlabel=TIME_LABEL)
-    return _save(figure, path, svg)
+    return save_figure(figure, path, svg)
 
 
 def energy_chart(
@@ -139,7 +139,7 @@ def energy_chart(
         axes.grid(color="0.9")
         axes.axhline(0.0, color="black", linewidth=0.8)
     upper.legend(frameon=False, fontsize="small", ncols=2)
-    return _save(figure, path, svg)
+    return save_figure(figure, path, svg)
 
 
 def _frame(axes: Axes, shape: ColumnShape, deposits: list[Measurement], experiment: Experiment) -> float:
@@ -220,7 +220,7 @@ def _draw_band(axes: Axes, experiment: Experiment, quantity: str, a: float) -> N
         axes.axhline(value, color=EXPERIMENT_COLOUR, linestyle=(0, (10, 4)), linewidth=1.0, label=label)
 
 
-def _save(figure: Figure, path: Path, svg: bool) -> list[Path]:
+def save_figure(figure: Figure, path: Path, svg: bool) -> list[Path]:
     """PNG at 150 dpi and, on request, an SVG beside it; raises OutputError."""
     FigureCanvasAgg(figure)
     paths = [path, path.with_suffix(".svg")] if svg else [path]

@@ -10,6 +10,7 @@ import numpy as np
 from mpmcol.case import Case
 from mpmcol.grid import NODE
 from mpmcol.jit import set_threads
+from mpmcol.layout import Layout
 from mpmcol.scene import build_scene
 from mpmcol.solver import Solver
 
@@ -54,11 +55,7 @@ def estimate(case: Case, threads: int | None = None) -> Estimate:
     tiles = tuple(np.diff(solver.tiles.group_start).tolist())
     nodes = len(solver.tiles.active) * scene.grid.tile_doubles // NODE
 
-    tau = scene.layout.fall_time(case.geometry.gravity)
-    transit = scene.layout.wave_time(stage.column.wave_speed2)
-    lifting = scene.layout.h_i / case.stages.gate_speed
-    longest = case.stages.equilibrate.max_time_factor * transit, case.stages.collapse.max_time_factor * tau + lifting
-    usual = min(USUAL_TRANSITS * transit, longest[0]), min(USUAL_TAU * tau + lifting, longest[1])
+    usual, longest = durations(case, scene.layout)
     steps, most_steps = int(sum(usual) / dt), int(sum(longest) / dt)
     snapshots = 2 + (len(case.output.times) if case.output.times is not None else case.output.snapshots)
     return Estimate(
@@ -77,6 +74,15 @@ def estimate(case: Case, threads: int | None = None) -> Estimate:
         compile_seconds=compiled,
         warnings=scene.layout.warnings,
     )
+
+
+def durations(case: Case, layout: Layout) -> tuple[tuple[float, float], tuple[float, float]]:
+    """How long equilibration and collapse usually last, and at most, in s of the simulation."""
+    stages, tau = case.stages, layout.fall_time(case.geometry.gravity)
+    transit, lifting = layout.wave_time(case.material.wave_speed**2), layout.h_i / stages.gate_speed
+    longest = stages.equilibrate.max_time_factor * transit, stages.collapse.max_time_factor * tau + lifting
+    usual = min(USUAL_TRANSITS * transit, longest[0]), min(USUAL_TAU * tau + lifting, longest[1])
+    return usual, longest
 
 
 def _seconds_per_step(solver: Solver) -> float:

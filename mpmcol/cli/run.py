@@ -136,14 +136,15 @@ def _print_estimate(case: Any, threads: int | None, as_json: bool) -> None:
         ("memory", f"{cost.memory_bytes / 1e6:,.0f} MB"),
         ("disk", f"{cost.disk_bytes / 1e6:,.0f} MB"),
         ("pace, measured now", f"{cost.ns_per_point_step:.0f} ns per point and step"),
-        ("time", f"about {_duration(cost.seconds)}, at most {_duration(cost.most_seconds)}"),
+        ("time", f"about {duration(cost.seconds)}, at most {duration(cost.most_seconds)}"),
     )
     for name, value in rows:
         click.echo(f"{name:26s} {value}")
     click.echo("nothing was run")
 
 
-def _duration(seconds: float) -> str:
+def duration(seconds: float) -> str:
+    """A time for a person."""
     if seconds < 120.0:
         return f"{seconds:.0f} s"
     return f"{seconds / 60.0:.0f} min" if seconds < 7200.0 else f"{seconds / 3600.0:.1f} h"

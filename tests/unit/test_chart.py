@@ -89,13 +89,13 @@ class SyntheticRun(Results):
 @pytest.fixture
 def figures(monkeypatch: pytest.MonkeyPatch) -> list[Figure]:
     drawn: list[Figure] = []
-    save = chart._save
+    save = chart.save_figure
 
     def keep(figure: Figure, path: Path, svg: bool) -> list[Path]:
         drawn.append(figure)
         return save(figure, path, svg)
 
-    monkeypatch.setattr(chart, "_save", keep)
+    monkeypatch.setattr(chart, "save_figure", keep)
     return drawn
 
 

@@ -64,8 +64,8 @@ def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
 @pytest.fixture
 def figures(monkeypatch: pytest.MonkeyPatch) -> list[Figure]:
     drawn: list[Figure] = []
-    save = chart._save
-    monkeypatch.setattr(chart, "_save", lambda figure, *rest: drawn.append(figure) or save(figure, *rest))
+    save = chart.save_figure
+    monkeypatch.setattr(chart, "save_figure", lambda figure, *rest: drawn.append(figure) or save(figure, *rest))
     return drawn
 
 
