@@ -21,6 +21,8 @@ from mpmcol.errors import MpmcolError
 
 COMMANDS = {
     "run": "mpmcol.cli.run:run",
+    "sweep": "mpmcol.cli.sweep:sweep",
+    "status": "mpmcol.cli.status:status",
     "measure": "mpmcol.cli.measure:measure",
     "plot": "mpmcol.cli.plot:plot",
     "render": "mpmcol.cli.render:render",

@@ -33,6 +33,9 @@ def test_commands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         if words[0] == "run":
             words += SHORTER  # with --set, the folder's name would carry a hash
             words += [] if "--out" in words else ["--out", f"runs/{Path(words[1]).stem}"]
+        if words[0] == "sweep" and not {"--dry-run", "--engine"} & set(words):
+            words = [word.replace("0.5:7", "0.5:1") for word in words] + SHORTER
+            words += [] if "--out" in words else ["--out", "sweeps/lube-cylinder"]
         if words[0] == "bench":
             words += ["--quick", "--model", "plane"]
         result = CliRunner().invoke(main, words)

@@ -1,0 +1,149 @@
+"""The engine of sweeps: takes a list of points and yields an outcome for each as it ends."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable, Generator, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, ThreadPoolExecutor, wait
+from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass
+
+from mpmcol.errors import NumericalFailure, OutputError, UsageError
+from mpmcol.sweep.points import Point, freeze
+from mpmcol.sweep.shares import Shares, choose_shares
+from mpmcol.sweep.states import read_state
+from mpmcol.sweep.task import HALTED, Ending, Halt, Task, carry_out
+from mpmcol.sweep.warm import smallest_of_each
+from mpmcol.version import code_version
+
+TICK = 0.25  # s
+
+Say = Callable[[str], None]
+Tick = Callable[[], None]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A point and how it ended."""
+
+    point: Point
+    ending: Ending
+
+    @property
+    def status(self) -> str:
+        """See `Ending`."""
+        return self.ending.status
+
+
+@dataclass(frozen=True)
+class Pool:
+    """Where tasks are carried out: any executor, what its tasks ask whether to halt, and how they are told to."""
+
+    executor: Executor
+    slots: int  # tasks at a time
+    halt: Halt
+    stop: Callable[[int], None]
+
+
+def run_points(
+    points: Sequence[Point],
+    shares: Shares | None = None,
+    *,
+    pool: Pool | None = None,
+    say: Say = lambda line: None,
+    tick: Tick = lambda: None,
+) -> Generator[Outcome]:
+    """Carry out all points, largest first, and yield the outcome of each as it ends; first those that had ended before.
+
+    No point that goes wrong stops the others. When the iterator is closed, or Ctrl-C comes while it waits, the runs are
+    ended in good order, and at once at a second Ctrl-C: use `contextlib.closing` where the loop may be left early.
+
+    Args:
+        points: made by `plan_points` or `make_point`.
+        shares: points at a time and threads of each (default: chosen from the sizes).
+        pool: where to run (default: processes on this machine); see `mpmcol.sweep.dask_engine`.
+        say: is told what happens, in one line.
+        tick: is called some times a second while runs go on.
+    """
+    left = []
+    for point in points:
+        freeze(point)
+        if read_state(point.folder).has_ended:
+            yield Outcome(point, carry_out(Task(point.folder, 1, code_version())))
+        else:
+            left.append(point)
+    if not left:
+        return
+    shares = shares or choose_shares(left)
+    if pool is None and min(shares.jobs, len(left)) > 1:
+        say("compiling kernels where they are not kept from before ...")
+        _compile(left)
+    with nullcontext(pool) if pool else local_pool(shares.jobs) as opened:
+        yield from _carry_out_all(left, shares.threads, opened, say, tick)
+
+
+def exit_code(outcomes: Sequence[Outcome]) -> int:
+    """Of a sweep, the first that is true of a point: 130 halted, 5 files, 3 diverged, 2 refused, 1 else; 0 all done."""
+    codes = {outcome.ending.exit_code for outcome in outcomes if outcome.status != "done"}
+    known = (HALTED, OutputError.exit_code, NumericalFailure.exit_code, UsageError.exit_code)
+    return next((code for code in known if code in codes), 1) if codes else 0
+
+
+@contextmanager
+def local_pool(jobs: int) -> Iterator[Pool]:
+    """Threads of this process, each of which looks after one run in a process of its own."""
+    urgency = [0]
+
+    def stop(urgent: int) -> None:
+        urgency[0] = urgent
+
+    with ThreadPoolExecutor(jobs) as executor:
+        yield Pool(executor, jobs, lambda: urgency[0], stop)
+
+
+def _carry_out_all(points: Sequence[Point], threads: int, pool: Pool, say: Say, tick: Tick) -> Iterator[Outcome]:
+    ordered = sorted(points, key=lambda point: point.work, reverse=True)
+    pending: dict[Future[Ending], Point] = {}
+    for point in ordered:
+        task = Task(point.folder.resolve(), threads, code_version())
+        pending[pool.executor.submit(carry_out, task, pool.halt)] = point
+    try:
+        while pending:
+            ended, _ = wait(pending, timeout=TICK, return_when=FIRST_COMPLETED)
+            for future in ended:
+                yield Outcome(pending.pop(future), _ending(future))
+            tick()
+    finally:
+        if pending:
+            _halt(pending, pool, say)
+
+
+def _ending(future: Future[Ending]) -> Ending:
+    """The task's own, or one that tells why there is none, such as workers that died."""
+    try:
+        return future.result()
+    except CancelledError:
+        return Ending("broken", 1, 1, "the scheduler has dropped it")
+    except Exception as error:
+        return Ending("broken", 1, 1, f"{type(error).__name__}: {error}")
+
+
+def _halt(pending: dict[Future[Ending], Point], pool: Pool, say: Say) -> None:
+    """End all runs and wait for them; KeyboardInterrupt ends them at once."""
+    say("ending the runs (Ctrl-C again: at once) ...")
+    pool.stop(1)
+    try:
+        wait(pending)
+    except KeyboardInterrupt:
+        pool.stop(2)
+        wait(pending)
+
+
+def _compile(points: Sequence[Point]) -> None:
+    """Compile what the points need once, in a process that is left behind; what goes wrong there, the runs tell."""
+    cases = [str(freeze(point)) for point in smallest_of_each(points)]
+    command = [sys.executable, "-m", "mpmcol.sweep.warm", *cases]
+    environment = {**os.environ, "NUMBA_NUM_THREADS": "1"}
+    subprocess.run(command, env=environment, stdin=subprocess.DEVNULL, capture_output=True, start_new_session=True)

@@ -1,0 +1,19 @@
+"""What a sweep will cost, from the pace of this machine."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from mpmcol.estimate import estimate
+from mpmcol.sweep.points import Point
+from mpmcol.sweep.warm import kernels_of
+
+
+def forecast(points: Sequence[Point], threads: int) -> list[float]:
+    """Seconds that each point will take, from the pace of the middle one of those that share kernels."""
+    ordered = sorted(points, key=lambda point: point.work)
+    groups: dict[tuple[object, ...], list[Point]] = {}
+    for point in ordered:
+        groups.setdefault(kernels_of(point), []).append(point)
+    pace = {key: estimate(group[len(group) // 2].case, threads).ns_per_point_step for key, group in groups.items()}
+    return [1e-9 * pace[kernels_of(point)] * point.work for point in points]

@@ -1,0 +1,134 @@
+"""The table of a sweep: a row for every point with its inputs, measurements, errors against every law, and cost."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from mpmcol.case import resolved_toml
+from mpmcol.case.reference import field_at
+from mpmcol.case.words import number_of
+from mpmcol.experiments import find_experiment
+from mpmcol.files import atomic_write
+from mpmcol.sweep.engine import Outcome
+from mpmcol.sweep.states import read_state
+from mpmcol.vtkhdf import image
+
+CSV_FILE, HDF5_FILE = "table.csv", "table.h5"
+TABLE_SCHEMA = 1
+
+SCENE = ("spacing_used", "r_i", "h_i", "base_used")
+MEASURED = (
+    "front", "zeta", "spread", "height", "beta", "area_factor", "undisturbed_radius", "stop_time", "at_rest",
+    "time_over_tau",
+)  # fmt: skip
+COST = ("points", "column_points", "steps", "dt", "ns_per_point_step", "threads")
+UNITS = {
+    "front": "m", "height": "m", "undisturbed_radius": "m", "stop_time": "sqrt(h_i/g)", "time_over_tau": "sqrt(h_i/g)",
+    **dict.fromkeys(SCENE, "m"), "rms_mm": "mm", "seconds": "s", "compile_seconds": "s", "dt": "s",
+    "ns_per_point_step": "ns",
+}  # fmt: skip
+
+Row = dict[str, Any]
+
+
+def make_rows(outcomes: Sequence[Outcome]) -> list[Row]:
+    """A row for each point, all with the same columns, in the order given; None where there is no value.
+
+    Only points that are done have measurements. In three dimensions a front's column is the mean around the axis, and
+    two more, .min and .max, hold its range. Errors are relative, under the names of the law's experiment, the quantity
+    and the front; law.zeta and law.beta are the values that the case's own experiment expects.
+    """
+    parts = [_parts(outcome) for outcome in outcomes]
+    columns = dict.fromkeys(name for alike in zip(*parts, strict=True) for part in alike for name in part)
+    rows = [{name: value for part in row for name, value in part.items()} for row in parts]
+    return [{name: row.get(name) for name in columns} for row in rows]
+
+
+def csv_text(rows: Sequence[Row]) -> str:
+    """The table as text, numbers in full."""
+    text = io.StringIO()
+    writer = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows({name: _cell(value) for name, value in row.items()} for row in rows)
+    return text.getvalue()
+
+
+def write_hdf5(out: Path, rows: Sequence[Row], outcomes: Sequence[Outcome]) -> Path:
+    """Write table.h5 whole: a dataset for each column with its unit, and `case`, every point's resolved case."""
+    with h5py.File("memory", "w", driver="core", backing_store=False) as file:
+        file.attrs["schema"] = TABLE_SCHEMA
+        for name in rows[0]:
+            file[name] = _column([row[name] for row in rows])
+            file[name].attrs["unit"] = unit_of(name)
+        file["case"] = [resolved_toml(outcome.point.case) for outcome in outcomes]
+        atomic_write(out / HDF5_FILE, image(file))
+    return out / HDF5_FILE
+
+
+def _parts(outcome: Outcome) -> tuple[Row, ...]:
+    """The row in parts: inputs, scene, measurements, laws, errors, cost, versions, how it ended."""
+    point, ending = outcome.point, outcome.ending
+    geometry = point.case.geometry
+    result = read_state(point.folder).result or {}
+    measured = result if outcome.status == "done" else {}
+    wall = result.get("wall_s", {})
+    inputs = {"folder": point.folder.name, "status": ending.status, **point.inputs}
+    seconds = {"seconds": sum(wall.values()) if wall else None, "compile_seconds": wall.get("compile")}
+    return (
+        inputs | {"model": geometry.model, "a": geometry.a},
+        {name: result.get(name) for name in SCENE},
+        dict(_flat({name: measured[name] for name in MEASURED if name in measured})),
+        _laws(outcome),
+        {_error_name(error): error["error"] for error in measured.get("errors", ())},
+        {f"rms_mm.{score['experiment']}": score["rms_mm"] for score in measured.get("profile_scores", ())},
+        seconds | {name: result.get(name) for name in COST},
+        {f"version.{name}": version for name, version in result.get("versions", {}).items()},
+        {"message": ending.message},
+    )
+
+
+def _laws(outcome: Outcome) -> Row:
+    case = outcome.point.case
+    geometry = case.geometry
+    experiment = find_experiment(case.score.experiment, geometry.model, geometry.section)
+    expected = {quantity: experiment.expected(quantity, geometry.a) for quantity in ("zeta", "beta")}
+    return {f"law.{quantity}": law[0] if law else None for quantity, law in expected.items()}
+
+
+def _error_name(error: Mapping[str, Any]) -> str:
+    return ".".join(filter(None, ("error", error["experiment"], error["quantity"], error["front_definition"])))
+
+
+def _flat(values: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Entries of nested dictionaries under dotted names; of a mean and its range, the mean has no name of its own."""
+    for name, value in values.items():
+        if isinstance(value, dict):
+            yield from _flat(value, f"{prefix}{name}.")
+        else:
+            yield prefix.rstrip(".") if name == "mean" else prefix + name, value
+
+
+def _cell(value: Any) -> Any:
+    return str(value).lower() if isinstance(value, bool) else value
+
+
+def _column(values: list[Any]) -> Any:
+    """Numbers as they are, with NaN for those that are missing; anything else as text."""
+    if all(isinstance(value, (int, float)) for value in values):
+        return np.array(values)
+    if all(value is None or isinstance(value, (int, float)) for value in values):
+        return np.array([np.nan if value is None else value for value in values], dtype=np.float64)
+    return ["" if value is None else str(value) for value in values]
+
+
+def unit_of(column: str) -> str:
+    """Of a column, or of the case's key that it is."""
+    number = number_of(field_at(tuple(column.split(".")), ""))
+    return UNITS.get(column.partition(".")[0]) or (number.unit if number else "") or "1"
