@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from mpmcol.basis import splines
 from mpmcol.grid import Grid, Tiles
 from mpmcol.jit import device, phase, prange, variant
-from mpmcol.simd import LANES, fma, load, prefetch, splat, store, swap_halves, vector, where_positive
+from mpmcol.simd import LANES, fma, lane, load, prefetch, splat, store, swap_halves, vector, where_positive
 from mpmcol.state import Settings
 
 AHEAD = 24  # points: memory answers in the time that so many take
@@ -45,8 +46,34 @@ def make_p2g(transfer: ModuleType) -> Callable[..., None]:
 @device
 def prefetch_record(rows: np.ndarray, row: int, p: int) -> None:
     """Ask for the record of point `p`, of `row` doubles."""
-    for lane in range(0, row, LANES):
-        prefetch(rows, p * row + lane)
+    for o in range(p * row, (p + 1) * row, LANES):
+        prefetch(rows, o)
+
+
+@device
+def _on_axes(x: float, y: float, z: float, elsewhere: float) -> Any:
+    """Numbers in the lanes of the coordinates, and another in all other lanes."""
+    return vector(elsewhere, elsewhere, elsewhere, elsewhere, x, y, z, elsewhere)
+
+
+@device
+def stencil(record: Any, grid: Grid, settings: Settings) -> tuple[Any, Any, Any, Any, Any, Any, Any, Any]:
+    """Stencil of the point whose record starts with this row, in the lanes of its coordinates, Eq. (17)-(18).
+
+    Returns grid coordinates, first nodes as real numbers, three weights and three gradients (times h).
+    """
+    flat, far = grid.n_z == 1, np.inf
+    s = (record - _on_axes(grid.origin_x, grid.origin_y, grid.origin_z, 0.0)) * (1.0 / grid.h)
+    bottom = _on_axes(0.5, 0.5, -far if flat else 0.5, -far)
+    top = _on_axes(grid.n_x - 1.5, grid.n_y - 1.5, far if flat else grid.n_z - 1.5, far)
+    base, w0, w1, w2, g0, g1, g2 = splines(s, bottom, top, settings.kernel_correction)
+    return s, base, w0, w1, w2, g0, g1, g2
+
+
+@device
+def spread(value: Any, index: int) -> Any:
+    """One lane in all lanes."""
+    return splat(lane(value, index))
 
 
 @device

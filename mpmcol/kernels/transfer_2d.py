@@ -7,10 +7,9 @@ from typing import Any
 import numpy as np
 
 from mpmcol import state
-from mpmcol.basis import spline
 from mpmcol.grid import Grid
 from mpmcol.jit import device
-from mpmcol.kernels.transfer import WALL_GAP, forces, momenta, move, power, store_column
+from mpmcol.kernels.transfer import WALL_GAP, forces, momenta, move, power, spread, stencil, store_column
 from mpmcol.simd import fma, lane, load, splat, store, vector
 from mpmcol.state import HOOP, V0, J, M, Settings, X, Y
 
@@ -34,30 +33,32 @@ def limits(grid: Grid, settings: Settings) -> tuple[Any, Any]:
 @device
 def scatter(rows: np.ndarray, o: int, nodes: np.ndarray, grid: Grid, settings: Settings) -> None:
     """Add one point, whose record starts at `o`, to its nine nodes."""
-    inv_h = 1.0 / grid.h
-    s_x, s_y = (rows[o + X] - grid.origin_x) * inv_h, (rows[o + Y] - grid.origin_y) * inv_h
-    i, wx0, wx1, wx2, gx0, gx1, gx2 = spline(s_x, grid.n_x, settings.kernel_correction)
-    j, wy0, wy1, wy2, gy0, gy1, gy2 = spline(s_y, grid.n_y, settings.kernel_correction)
-    dx, dy = (i - s_x) * grid.h, (j - s_y) * grid.h
+    h, inv_h = grid.h, 1.0 / grid.h
+    record = load(rows, o)
+    s, base, w0, w1, w2, g0, g1, g2 = stencil(record, grid, settings)
+    i, j = int(lane(base, X)), int(lane(base, Y))
+    d = (base - s) * h
+    wx0, wx1, wx2 = spread(w0, X), spread(w1, X), spread(w2, X)
+    wy0, wy1, wy2 = spread(w0, Y), spread(w1, Y), spread(w2, Y)
     m, volume = rows[o + M], rows[o + J] * rows[o + V0]
     hoop = volume * rows[o + HOOP] / rows[o + X] if settings.axisymmetric else 0.0
 
     # Eq. 19, 20, 14: mass, momentum at the point, weight (and the hoop stress of axisymmetry)
     momentum = splat(m) * momenta(2)
     weight = vector(m, 0.0, 0.0, 0.0, m * settings.gravity_x - hoop, m * settings.gravity_y, 0.0, 0.0)
-    at_point = fma(load(rows, o), momentum, weight)
+    at_point = fma(record, momentum, weight)
     # Eq. 20: m L (x_i - x_p); Eq. 13: -V sigma . grad w
     taylor, force = settings.taylor * momentum, (-volume * inv_h) * forces(2)
     row_x, row_y = load(rows, o + 8), load(rows, o + 16)
     a_x, f_x, a_y, f_y = row_x * taylor, row_x * force, row_y * taylor, row_y * force
 
     # node (i, j) receives w_j P_i + w_i Q_j
-    p0 = fma(splat(wx0), fma(splat(dx), a_x, at_point), splat(gx0) * f_x)
-    p1 = fma(splat(wx1), fma(splat(dx + grid.h), a_x, at_point), splat(gx1) * f_x)
-    p2 = fma(splat(wx2), fma(splat(dx + 2.0 * grid.h), a_x, at_point), splat(gx2) * f_x)
-    q0 = fma(splat(wy0 * dy), a_y, splat(gy0) * f_y)
-    q1 = fma(splat(wy1 * (dy + grid.h)), a_y, splat(gy1) * f_y)
-    q2 = fma(splat(wy2 * (dy + 2.0 * grid.h)), a_y, splat(gy2) * f_y)
+    p0 = fma(wx0, fma(spread(d, X), a_x, at_point), spread(g0, X) * f_x)
+    p1 = fma(wx1, fma(spread(d + h, X), a_x, at_point), spread(g1, X) * f_x)
+    p2 = fma(wx2, fma(spread(d + 2.0 * h, X), a_x, at_point), spread(g2, X) * f_x)
+    q0 = fma(spread(w0 * d, Y), a_y, spread(g0, Y) * f_y)
+    q1 = fma(spread(w1 * (d + h), Y), a_y, spread(g1, Y) * f_y)
+    q2 = fma(spread(w2 * (d + 2.0 * h), Y), a_y, spread(g2, Y) * f_y)
 
     y0, y1, y2 = grid.ay[j], grid.ay[j + 1], grid.ay[j + 2]
     _add_column(nodes, grid.ax[i], y0, y1, y2, p0, wx0, wy0, wy1, wy2, q0, q1, q2)
@@ -68,9 +69,9 @@ def scatter(rows: np.ndarray, o: int, nodes: np.ndarray, grid: Grid, settings: S
 @device
 def _add_column(nodes, a, y0, y1, y2, p, wx, wy0, wy1, wy2, q0, q1, q2):
     """Add one point to three nodes of equal x."""
-    store(nodes, a + y0, fma(splat(wy0), p, fma(splat(wx), q0, load(nodes, a + y0))))
-    store(nodes, a + y1, fma(splat(wy1), p, fma(splat(wx), q1, load(nodes, a + y1))))
-    store(nodes, a + y2, fma(splat(wy2), p, fma(splat(wx), q2, load(nodes, a + y2))))
+    store(nodes, a + y0, fma(wy0, p, fma(wx, q0, load(nodes, a + y0))))
+    store(nodes, a + y1, fma(wy1, p, fma(wx, q1, load(nodes, a + y1))))
+    store(nodes, a + y2, fma(wy2, p, fma(wx, q2, load(nodes, a + y2))))
 
 
 @device
@@ -83,17 +84,20 @@ def gather(
     the nodes, J. Eq. (26)-(28), with the shares of FLIP and PIC and the position rule that the settings name.
     """
     inv_h = 1.0 / grid.h
-    s_x, s_y = (rows[o + X] - grid.origin_x) * inv_h, (rows[o + Y] - grid.origin_y) * inv_h
-    i, wx0, wx1, wx2, gx0, gx1, gx2 = spline(s_x, grid.n_x, settings.kernel_correction)
-    j, wy0, wy1, wy2, gy0, gy1, gy2 = spline(s_y, grid.n_y, settings.kernel_correction)
+    old = load(rows, o)
+    _, base, w0, w1, w2, g0, g1, g2 = stencil(old, grid, settings)
+    i, j = int(lane(base, X)), int(lane(base, Y))
+    wx0, wx1, wx2 = spread(w0, X), spread(w1, X), spread(w2, X)
+    wy0, wy1, wy2 = spread(w0, Y), spread(w1, Y), spread(w2, Y)
+    gy0, gy1, gy2 = spread(g0, Y), spread(g1, Y), spread(g2, Y)
     y0, y1, y2 = grid.ay[j], grid.ay[j + 1], grid.ay[j + 2]
     sum0, slope0 = _along_y(nodes, grid.ax[i], y0, y1, y2, wy0, wy1, wy2, gy0, gy1, gy2)
     sum1, slope1 = _along_y(nodes, grid.ax[i + 1], y0, y1, y2, wy0, wy1, wy2, gy0, gy1, gy2)
     sum2, slope2 = _along_y(nodes, grid.ax[i + 2], y0, y1, y2, wy0, wy1, wy2, gy0, gy1, gy2)
 
-    mean = fma(splat(wx2), sum2, fma(splat(wx1), sum1, splat(wx0) * sum0))
-    grad_x = inv_h * fma(splat(gx2), sum2, fma(splat(gx1), sum1, splat(gx0) * sum0))
-    grad_y = inv_h * fma(splat(wx2), slope2, fma(splat(wx1), slope1, splat(wx0) * slope0))
+    mean = fma(wx2, sum2, fma(wx1, sum1, wx0 * sum0))
+    grad_x = inv_h * fma(spread(g2, X), sum2, fma(spread(g1, X), sum1, spread(g0, X) * sum0))
+    grad_y = inv_h * fma(wx2, slope2, fma(wx1, slope1, wx0 * slope0))
 
     work = power(load(rows, o + 8), grad_x, dt) + power(load(rows, o + 16), grad_y, dt)
     l_zz = 0.0
@@ -102,7 +106,7 @@ def gather(
         hoop = (l_zz - 0.5 * dt * lane(mean, 4) / rows[o + X]) * rows[o + HOOP]
         work = work + vector(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, hoop, 0.0)
     work = (dt * rows[o + J] * rows[o + V0]) * work
-    record, step = move(load(rows, o), mean, 2, bounds, settings, dt)
+    record, step = move(old, mean, 2, bounds, settings, dt)
     store(rows, o, record)
     store_column(rows, o + 8, 2, grad_x)
     store_column(rows, o + 16, 2, grad_y)
@@ -114,6 +118,6 @@ def gather(
 def _along_y(nodes, a, y0, y1, y2, wy0, wy1, wy2, gy0, gy1, gy2):
     """Weighted sum and slope of three nodes of equal x."""
     n0, n1, n2 = load(nodes, a + y0), load(nodes, a + y1), load(nodes, a + y2)
-    value = fma(splat(wy2), n2, fma(splat(wy1), n1, splat(wy0) * n0))
-    slope = fma(splat(gy2), n2, fma(splat(gy1), n1, splat(gy0) * n0))
+    value = fma(wy2, n2, fma(wy1, n1, wy0 * n0))
+    slope = fma(gy2, n2, fma(gy1, n1, gy0 * n0))
     return value, slope

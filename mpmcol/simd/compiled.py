@@ -27,6 +27,7 @@ from mpmcol.simd.vectors import (
     load,
     prefetch,
     root,
+    round_down,
     splat,
     store,
     sum_lanes,
@@ -204,6 +205,7 @@ def _ternary(emit: Callable[..., Any]) -> Any:
 _splat = _unary(_emit_splat, argument=types.float64)
 _swap_halves = _unary(lambda builder, a: _shuffle(builder, a, a, SWAPPED))
 _root = _unary(lambda builder, a: _call(builder, "llvm.sqrt.v8f64", a))
+_round_down = _unary(lambda builder, a: _call(builder, "llvm.floor.v8f64", a))
 _magnitude = _unary(lambda builder, a: _call(builder, "llvm.fabs.v8f64", a))
 _negative = _unary(lambda builder, a: builder.fneg(a))
 _any_positive = _unary(_emit_any, result=types.boolean)
@@ -261,6 +263,7 @@ _declare(splat, lambda x: lambda x: _splat(float(x)))
 _declare(lane, lambda value, index: lambda value, index: _lane(value, index))
 _declare(swap_halves, lambda value: lambda value: _swap_halves(value))
 _declare(fma, lambda a, b, c: lambda a, b, c: _fma(a, b, c))
+_declare(round_down, lambda a: lambda a: _round_down(a))
 _declare(larger, lambda a, b: lambda a, b: _larger(a, b))
 _declare(largest_lane, lambda a: lambda a: _largest_lane(a))
 _declare(sum_lanes, lambda a: lambda a: _sum_lanes(a))

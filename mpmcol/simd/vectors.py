@@ -63,6 +63,11 @@ def root(a: Any) -> Any:
     return np.sqrt(a)
 
 
+def round_down(a: np.ndarray) -> np.ndarray:
+    """The largest whole number that is not above, lane by lane."""
+    return np.floor(a)
+
+
 def where_positive(condition: Any, a: Any, b: Any) -> Any:
     """a where the condition is above zero, else b, lane by lane; a number that is none is not above zero."""
     return np.where(condition > 0.0, a, b)

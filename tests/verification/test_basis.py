@@ -7,7 +7,8 @@ from itertools import product
 import numpy as np
 import pytest
 
-from mpmcol.basis import spline
+from mpmcol.basis import spline, splines
+from mpmcol.simd import vector
 
 NODES = 6
 EXACT = 1e-13
@@ -59,3 +60,20 @@ def test_without_correction_the_spline_is_cut_off_at_the_wall() -> None:
         distance = min(s, NODES - 1 - s)
         assert w.sum() == pytest.approx(1.0 - 0.5 * (0.5 - distance) ** 2)
         assert abs(g.sum()) == pytest.approx(0.5 - distance)
+
+
+@pytest.mark.parametrize("correction", [True, False])
+def test_all_lanes_have_the_bits_of_the_single_spline(correction: bool) -> None:
+    """Three axes of different lengths at once, beside other lanes that hold anything."""
+    lengths, far = np.array([3, 6, 11]), np.inf
+    bottom = vector(-far, -far, -far, -far, 0.5, 0.5, 0.5, -far)
+    top = vector(far, far, far, far, *(lengths - 1.5), far)
+    rng = np.random.default_rng(4)
+    for _ in range(2000):
+        walls = rng.integers(0, 2, 3) * (lengths - 1.0) + rng.choice([-0.4, -0.01, 0.01, 0.4], 3)
+        inside = rng.uniform(0.0, lengths - 1.0)
+        places = np.clip(np.where(rng.uniform(size=3) < 0.3, walls, inside), 0.0, lengths - 1.0)
+        s = np.concatenate((rng.normal(0.0, 1e3, 4), places, [np.nan]))
+        found = splines(s, bottom, top, correction)
+        for axis, (place, n) in enumerate(zip(places, lengths, strict=True)):
+            assert [value[4 + axis] for value in found] == list(spline(place, n, correction))
