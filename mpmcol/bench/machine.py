@@ -21,7 +21,7 @@ CHAINS, BLOCKS, ROUNDS = 8, 64, 20_000
 REPEATS = 9
 # Multiplications and additions of eight lanes, counted by hand in the kernels' source. P2G and G2P of a point: those at
 # the nodes of the stencil, then the rest; an eighth of those of eight points' stress with Mohr-Coulomb. The weights,
-# which are scalars, are not counted.
+# some 20 operations for all axes of a point, are not counted.
 POINT_OPERATIONS = {2: (9 * 2 + 23) + (9 * 2 + 26) + 148 // 8, 3: (27 * 2 + 49) + (27 * 2 + 60) + 379 // 8}
 NODE_OPERATIONS = 25
 # Lines of a node that each phase reads or writes: clear, P2G (both), grid update (both), G2P.
