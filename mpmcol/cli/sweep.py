@@ -84,7 +84,7 @@ def _run(
     as_json: bool,
     quiet: bool,
 ) -> None:
-    from mpmcol.cli.sweep_display import Display, as_record, closing_lines
+    from mpmcol.cli.sweep_display import Display, as_record, closing_lines, failures
     from mpmcol.sweep.conduct import conduct
     from mpmcol.sweep.engine import exit_code
     from mpmcol.sweep.points import notes
@@ -98,7 +98,10 @@ def _run(
     published = publish(outcomes, out)
     if as_json:
         click.echo(json.dumps(as_record(published)))
-    elif not quiet:
+    elif quiet:
+        for line in failures(published):
+            click.echo(line, err=True)
+    else:
         click.echo("\n".join(closing_lines(published)))
     click.get_current_context().exit(exit_code(outcomes))
 

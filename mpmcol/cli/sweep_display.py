@@ -111,10 +111,15 @@ def closing_lines(published: Published) -> Iterator[str]:
     if len(rows) > MOST_ROWS:
         yield f"... and {len(rows) - MOST_ROWS} more"
     yield from (f"{slope.series + ': ' if slope.series else ''}{slope}" for slope in published.slopes)
-    for name, row in zip(names, rows, strict=True):
-        if row["status"] != "done":
-            yield f"{name} {row['status']}: {row['message']}"
+    yield from failures(published)
     yield f"in {published.folder}: " + ", ".join(path.name for path in published.files)
+
+
+def failures(published: Published) -> Iterator[str]:
+    """A line for each point that is not done."""
+    for row in published.rows:
+        if row["status"] != "done":
+            yield f"{row['folder']} {row['status']}: {row['message']}"
 
 
 def _numbers(row: Row) -> str:

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import uuid
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 from mpmcol.errors import OutputError, UsageError
-from mpmcol.files import atomic_write
+from mpmcol.files import atomic_write, remove
 from mpmcol.sweep.engine import Pool
 from mpmcol.sweep.task import RETRIES
 
@@ -34,8 +34,11 @@ class FileHalt:
             return 0
 
     def stop(self, urgent: int) -> None:
-        """Write the file."""
-        atomic_write(self.path, str(urgent).encode())
+        """Write the file, or remove it at 0."""
+        if urgent:
+            atomic_write(self.path, str(urgent).encode())
+        else:
+            remove(self.path)
 
 
 @contextmanager
@@ -62,5 +65,3 @@ def dask_pool(scheduler: str, out: Path) -> Iterator[Pool]:
     with client:
         executor = client.get_executor(pure=False, retries=RETRIES)
         yield Pool(executor, sum(client.nthreads().values()), halt, halt.stop)
-        with suppress(OSError):  # kept after an error: workers may not have read it yet
-            halt.path.unlink(missing_ok=True)

@@ -39,7 +39,7 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Pool:
-    """Where tasks are carried out: any executor, what its tasks ask whether to halt, and how they are told to."""
+    """Where tasks are carried out: any executor, what its tasks ask whether to halt, and how they are told (`Halt`)."""
 
     executor: Executor
     slots: int  # tasks at a time
@@ -139,6 +139,7 @@ def _halt(pending: dict[Future[Ending], Point], pool: Pool, say: Say) -> None:
     except KeyboardInterrupt:
         pool.stop(2)
         wait(pending)
+    pool.stop(0)
 
 
 def _compile(points: Sequence[Point]) -> None:

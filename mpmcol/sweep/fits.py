@@ -58,8 +58,9 @@ class Slope:
 
     def __str__(self) -> str:
         width = "" if self.half_width is None else f" +- {self.half_width:.2f}"
-        law = "" if self.law_exponent is None else f" (law {self.law_exponent:.2f})"
-        return f"{self.quantity} ~ a^{self.exponent:.2f}{width}{law}"
+        law = "" if self.law_exponent is None else f", law {self.law_exponent:.2f}"
+        where = f"{self.count} points in {self.lo:g} <= a < {self.hi:g}"
+        return f"{self.quantity} ~ a^{self.exponent:.2f}{width} ({where}{law})"
 
 
 def fit_power(x: ArrayLike, y: ArrayLike) -> PowerFit:

@@ -163,8 +163,10 @@ def test_a_point_that_diverges_does_not_stop_the_others() -> None:
     for attempt in range(2):
         done = invoke(*words)
         assert done.exit_code == 3, done.output
-        assert "cfl1.9 failed: " in done.stdout and "lower time.cfl" in done.stdout
+        assert "cfl1.9-" in done.stdout and " failed: " in done.stdout and "lower time.cfl" in done.stdout
         assert ("2 of them ended before" in done.stderr) == (attempt == 1)
+    quiet = invoke(*words, "--quiet")
+    assert (quiet.exit_code, quiet.stdout) == (3, "") and " failed: " in quiet.stderr
     good, bad = measured(Path("out"))
     assert (good["status"], bad["status"], bad["zeta.front_max"]) == ("done", "failed", "")
     assert "1 done, 1 failed" in invoke("status", "out").stdout

@@ -83,7 +83,7 @@ def test_without_a_law_all_points_are_fitted_together() -> None:
     assert {(slope.lo, slope.hi, slope.law_exponent, slope.series) for slope in slopes} == {
         (0.0, np.inf, None, "friction_deg = 30")
     }
-    assert str(slopes[0]) == "zeta.front_max ~ a^0.50 +- 0.00"
+    assert str(slopes[0]) == "zeta.front_max ~ a^0.50 +- 0.00 (3 points in 0 <= a < inf)"
 
 
 def test_slopes_are_written(tmp_path: Path) -> None:

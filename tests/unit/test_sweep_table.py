@@ -141,6 +141,7 @@ def test_what_is_as_it_should_be_is_not_written_again(tmp_path: Path) -> None:
     (tmp_path / "beta.png").unlink()
     publish(outcomes, tmp_path)
     assert (tmp_path / "beta.png").exists()
+    before = [path.stat().st_mtime_ns for path in files]
     finish(outcomes[0].point, at_rest=False)
     publish(outcomes, tmp_path)
     assert all(path.stat().st_mtime_ns > old for path, old in zip(files, before, strict=True))
