@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -25,18 +24,19 @@ WORDS = {
 
 @click.command()
 @click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
-@click.option("--json", "as_json", is_flag=True, help="Print one line of JSON.")
-def status(folder: Path, as_json: bool) -> None:
+@click.option("--json", "to_json", is_flag=True, help="Print one line of JSON.")
+def status(folder: Path, to_json: bool) -> None:
     """Say what of the sweep in DIR is done, running, failed or missing, and how long it will still take.
 
     DIR may also be the folder of a single run.
     """
+    from mpmcol.sweep.plan import as_json
     from mpmcol.sweep.progress import Progress, plan_of
 
     plan, root = plan_of(folder)
     parts = Progress(root, plan).parts()
-    if as_json:
-        click.echo(json.dumps(_record(folder, plan, parts)))
+    if to_json:
+        click.echo(as_json(_record(folder, plan, parts)))
     else:
         click.echo("\n".join(_lines(folder, plan, parts)))
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import signal
 from hashlib import sha256
 from pathlib import Path
@@ -30,7 +29,7 @@ if TYPE_CHECKING:
 )  # fmt: skip
 @click.option("--scheduler", metavar="ADDRESS", help="Of the dask cluster, e.g. tcp://10.0.0.1:8786.")
 @click.option("--dry-run", is_flag=True, help="Check everything and say what the sweep will cost; write nothing.")
-@click.option("--json", "as_json", is_flag=True, help="Print table, slopes and files as one line on stdout.")
+@click.option("--json", "to_json", is_flag=True, help="Print table, slopes and files as one line on stdout.")
 @click.option("--quiet", is_flag=True, help="Print nothing but errors.")
 def sweep(
     case: str,
@@ -43,7 +42,7 @@ def sweep(
     engine: str,
     scheduler: str | None,
     dry_run: bool,
-    as_json: bool,
+    to_json: bool,
     quiet: bool,
 ) -> None:
     """Run CASE (default: the paper's cylinder) for many values, and table and chart runout and height.
@@ -62,11 +61,11 @@ def sweep(
     folder = out or _default_folder(case, settings, zipped)
     points = plan_points(case, axes, folder, zipped, problems)
     if dry_run:
-        _print_forecast(points, jobs, threads, as_json)
+        _print_forecast(points, jobs, threads, to_json)
     elif engine == "commands":
         _print_commands(points, folder, threads)
     else:
-        _run(points, folder, jobs, threads, scheduler, as_json, quiet)
+        _run(points, folder, jobs, threads, scheduler, to_json, quiet)
 
 
 def _default_folder(case: str, settings: tuple[str, ...], zipped: bool) -> Path:
@@ -81,12 +80,13 @@ def _run(
     jobs: int | None,
     threads: int | None,
     scheduler: str | None,
-    as_json: bool,
+    to_json: bool,
     quiet: bool,
 ) -> None:
     from mpmcol.cli.sweep_display import Display, as_record, closing_lines, failures
     from mpmcol.sweep.conduct import conduct
     from mpmcol.sweep.engine import exit_code
+    from mpmcol.sweep.plan import as_json
     from mpmcol.sweep.points import notes
     from mpmcol.sweep.publish import publish
 
@@ -96,8 +96,8 @@ def _run(
             display.say(f"note: {note}")
         outcomes = conduct(points, out, jobs, threads, scheduler, display)
     published = publish(outcomes, out)
-    if as_json:
-        click.echo(json.dumps(as_record(published)))
+    if to_json:
+        click.echo(as_json(as_record(published)))
     elif quiet:
         for line in failures(published):
             click.echo(line, err=True)
@@ -113,9 +113,10 @@ def _heed_signals() -> None:
             signal.signal(number, signal.default_int_handler)
 
 
-def _print_forecast(points: list[Point], jobs: int | None, threads: int | None, as_json: bool) -> None:
+def _print_forecast(points: list[Point], jobs: int | None, threads: int | None, to_json: bool) -> None:
     from mpmcol.sweep.conduct import introduce, todo
     from mpmcol.sweep.forecast import forecast
+    from mpmcol.sweep.plan import as_json
     from mpmcol.sweep.points import notes
     from mpmcol.sweep.shares import choose_shares, finish
 
@@ -129,8 +130,8 @@ def _print_forecast(points: list[Point], jobs: int | None, threads: int | None, 
          "seconds": seconds.get(point.folder)}
         for point in points
     ]  # fmt: skip
-    if as_json:
-        click.echo(json.dumps({"jobs": shares.jobs, "threads": shares.threads, "seconds": total, "points": rows}))
+    if to_json:
+        click.echo(as_json({"jobs": shares.jobs, "threads": shares.threads, "seconds": total, "points": rows}))
         return
     width = max(len(point.name) for point in points)
     for point, row in zip(points, rows, strict=True):

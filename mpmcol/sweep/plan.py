@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -36,9 +37,22 @@ class Plan:
     points: tuple[Planned, ...]
 
 
+def as_json(value: Any) -> str:
+    """JSON as its standard has it, on one line: numbers that are not finite become the words of TOML, inf and nan."""
+    return json.dumps(_plain(value), allow_nan=False)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {name: _plain(entry) for name, entry in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(entry) for entry in value]
+    return str(value) if isinstance(value, float) and not isfinite(value) else value
+
+
 def write_plan(out: Path, plan: Plan) -> None:
     """Write sweep.json, unless it says the same already."""
-    text = json.dumps({"schema": PLAN_SCHEMA, **asdict(plan)}, indent=1).encode() + b"\n"
+    text = as_json({"schema": PLAN_SCHEMA, **asdict(plan)}).encode() + b"\n"
     path = out / PLAN_FILE
     if not path.exists() or path.read_bytes() != text:
         atomic_write(path, text)

@@ -200,6 +200,12 @@ def test_a_dry_run_writes_nothing() -> None:
     assert list(Path().iterdir()) == []
 
 
+def test_json_is_json_for_infinite_values_too() -> None:
+    told = invoke("sweep", "--aspect", "1", *TINY, "--set", "stages.gate_speed=inf,2", "--dry-run", "--json")
+    record = json.loads(told.stdout, parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))
+    assert [point["inputs"]["stages.gate_speed"] for point in record["points"]] == ["inf", 2.0]
+
+
 @pytest.mark.parametrize(
     ("words", "code", "told"),
     [
