@@ -23,6 +23,7 @@ COMMANDS = {
     "run": "mpmcol.cli.run:run",
     "sweep": "mpmcol.cli.sweep:sweep",
     "status": "mpmcol.cli.status:status",
+    "paper": "mpmcol.cli.paper:paper",
     "measure": "mpmcol.cli.measure:measure",
     "plot": "mpmcol.cli.plot:plot",
     "render": "mpmcol.cli.render:render",

@@ -90,7 +90,7 @@ def _run(
     from mpmcol.sweep.points import notes
     from mpmcol.sweep.publish import publish
 
-    _heed_signals()
+    heed_signals()
     with Display(out, quiet) as display:
         for note in notes(points):
             display.say(f"note: {note}")
@@ -106,7 +106,7 @@ def _run(
     click.get_current_context().exit(exit_code(outcomes))
 
 
-def _heed_signals() -> None:
+def heed_signals() -> None:
     """A scheduler's wish and a lost terminal are a Ctrl-C, but for a sweep that was started with nohup."""
     for number in (signal.SIGTERM, signal.SIGHUP):
         if signal.getsignal(number) is not signal.SIG_IGN:
