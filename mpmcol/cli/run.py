@@ -130,7 +130,7 @@ def _print_estimate(case: Any, threads: int | None, as_json: bool) -> None:
     rows = (
         ("material points", f"{cost.points:,} ({cost.column_points:,} in the column)"),
         ("grid nodes near material", f"{cost.nodes:,}"),
-        ("parallel", f"{min(tiles)} to {max(tiles)} tiles at a time, in {len(tiles)} groups"),
+        ("parallel", f"{sum(tiles) / len(tiles):.0f} tiles at a time on average, in {len(tiles)} groups"),
         ("time step", f"{cost.dt:.4g} s"),
         ("steps", f"about {cost.steps:,}, at most {cost.most_steps:,}"),
         ("memory", f"{cost.memory_bytes / 1e6:,.0f} MB"),
