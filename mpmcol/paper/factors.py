@@ -49,13 +49,9 @@ def report(found: Found, quick: bool) -> Report:
     for column in QUICK if quick else COLUMNS:
         base = _runs(found, column, "as shipped")
         rows += [_line(column, factor, _runs(found, column, factor), base) for factor in FACTORS]
-    verdicts = [
-        _verdict(row, quantity)
-        for row in rows
-        if row["factor"] != "as shipped"
-        for quantity in ("zeta.front_height", "beta")
-    ]
-    return Report(rows, [verdict for verdict in verdicts if verdict.ours is not None])
+    factors = [row for row in rows if row["factor"] != "as shipped"]
+    verdicts = [_verdict(row, quantity) for row in factors for quantity in ("zeta.front_height", "beta")]
+    return Report(rows, verdicts)
 
 
 def _member(column: tuple[str, float, float], factor: str, cfl: str) -> Member:
@@ -91,5 +87,5 @@ def _mean(runs: Sequence[Finished], quantity: str) -> tuple[float, float] | None
 
 def _verdict(row: dict[str, Any], quantity: str) -> Verdict:
     change, error = row[f"{quantity} change"], row[f"{quantity} change +-"]
-    told = "" if error is None else f"+- {100.0 * error:.1f} %"
+    told = f"{row['runs']} of {len(TIME_STEPS)} runs ended well" if error is None else f"+- {100.0 * error:.1f} %"
     return Verdict(f"{row['case']}, a = {row['a']:g}, {row['factor']}: change of {quantity}", change, comment=told)

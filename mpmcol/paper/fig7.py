@@ -6,6 +6,7 @@ and the state whose front stands where the law's does.
 
 from __future__ import annotations
 
+from math import sqrt
 from pathlib import Path
 
 import numpy as np
@@ -36,11 +37,11 @@ def report(found: Found, quick: bool) -> Report:
     times = [results.snapshot(i).time for i in range(len(results.snapshots))]
     released = [i for i, time in enumerate(times) if time >= 0.0]
     states = {times[i]: results.measure(i) for i in released}
-    tau = results.shape.h_i / 9.81
+    tau = sqrt(results.shape.h_i / results.case.geometry.gravity)
     rows = [
         {
             "t_s": time,
-            "t_over_tau": time / tau**0.5,
+            "t_over_tau": time / tau,
             **{f"zeta.{k}": v for k, v in state.zeta.items()},
             "beta": state.beta,
         }

@@ -36,6 +36,8 @@ def test_commands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         if words[0] == "sweep" and not {"--dry-run", "--engine"} & set(words):
             words = [word.replace("0.5:7", "0.5:1") for word in words] + SHORTER
             words += [] if "--out" in words else ["--out", "sweeps/lube-cylinder"]
+        if words[0] == "paper":
+            words = ["paper", "fig9", "--quick"]
         if words[0] == "bench":
             words += ["--quick", "--model", "plane"]
         result = CliRunner().invoke(main, words)
