@@ -23,6 +23,8 @@ from mpmcol.state import BASE, Points
 from mpmcol.version import code_version
 from mpmcol.vtkhdf import Step
 
+HISTORY_SECONDS = 5.0  # between two writings of the history, for those who look on
+
 
 class Recorder:
     """Writes history and snapshots of one run into its folder; `seconds` is the time that took."""
@@ -35,6 +37,7 @@ class Recorder:
         self.seconds = 0.0
         self.worst_J = [1.0, 1.0]
         self._written: list[Step] = []
+        self._saved = time.monotonic()  # when the history was last written
         self._meta = self._make_meta(threads)
         derived: dict[str, Any] = {
             "points": len(scene.points),
@@ -71,6 +74,8 @@ class Recorder:
             "unbalanced": self.solver.ledger[cycle.L_UNBALANCED],
         }
         self.rows.append(row)
+        if time.monotonic() - self._saved > HISTORY_SECONDS:
+            self._save_history()
         self.seconds += time.perf_counter() - started
         return measured
 
@@ -95,8 +100,12 @@ class Recorder:
         path = write_snapshot(self.folder, len(self._written), taken, self._meta, self.case.output.compression)
         self._written.append(describe_snapshot(path))
         write_index(self.folder, self._written)
-        write_history(self.folder, self.rows)
+        self._save_history()
         self.seconds += time.perf_counter() - started
+
+    def _save_history(self) -> None:
+        write_history(self.folder, self.rows)
+        self._saved = time.monotonic()
 
     def _make_meta(self, threads: int) -> dict[str, str | int | float]:
         shape = self.shape

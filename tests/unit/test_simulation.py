@@ -68,6 +68,20 @@ def test_snapshots_start_undisplaced_and_move_outward(finished: Path) -> None:
     assert results.measure(0).beta == pytest.approx(1.0, abs=0.01)
 
 
+def test_history_can_be_read_between_snapshots(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("mpmcol.recorder.HISTORY_SECONDS", 0.0)
+    lengths = []
+    overrides = ["grid.spacing=0.015", "output.snapshots=1", "stages.collapse.max_time_factor=0.2"]
+    folder = tmp_path / "run"
+
+    def look(stage: str, share: float) -> None:
+        path = folder / "history.csv"
+        lengths.append(len(path.read_text().splitlines()) if path.exists() else 0)
+
+    mpmcol.run(load_case("quickstart", overrides), folder, progress=look)
+    assert len(set(lengths)) > 10
+
+
 def test_history_is_in_order(finished: Path) -> None:
     history = Results(finished).history
     assert tuple(history) == HISTORY
