@@ -2,8 +2,9 @@
 
     python scripts/front_sectors.py DIR ...
 
-For each results folder of a quarter: zeta of the farthest point, mean over sectors of azimuth of 10, 5, 2 and 1 degrees.
-The more points a sector holds, the farther the farthest of them is; the axisymmetric model has one sector of one point.
+For each results folder of a quarter: zeta of the farthest point, mean over sectors of azimuth of 10, 5, 2 and 1
+degrees. The more points a sector holds, the farther the farthest of them is; the axisymmetric model has one sector that
+is one point wide.
 """
 
 from __future__ import annotations
