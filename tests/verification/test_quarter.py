@@ -190,3 +190,21 @@ def test_runout_of_quarter_and_axisymmetric_column_agree(tmp_path: Path) -> None
     assert axisymmetric["zeta"]["front_max"] == pytest.approx(0.79, rel=0.03)
     assert quarter["zeta"]["front_max"]["mean"] == pytest.approx(axisymmetric["zeta"]["front_max"], rel=0.03)
     assert quarter["beta"] == pytest.approx(axisymmetric["beta"], rel=0.03)
+
+
+@pytest.mark.parametrize("model", ["quarter", "full"])
+@pytest.mark.parametrize("section", ["cylinder", "box"])
+def test_set_stress_is_that_of_rest(model: str, section: str) -> None:
+    """Vertical: the weight above each point; both horizontals K0 times it, in the base as of confined elasticity."""
+    case = cylinder(model, "stages.initial_stress=k0", "stages.k0=0.37", f"geometry.section={section}")
+    scene = build_scene(case)
+    points, (x, y, z) = scene.points, scene.points.x.T
+    is_base, r_i = points.kind == BASE, scene.layout.r_i
+    inside = np.hypot(x, z) < r_i if section == "cylinder" else (np.abs(x) < r_i) & (np.abs(z) < scene.layout.depth)
+    above = np.where(is_base, np.where(inside, scene.layout.h_i, 0.0) - y, scene.layout.h_i - y)
+    weight = -case.material.density * case.geometry.gravity * above
+    nu = case.base_material.poissons_ratio
+    ratio = np.where(is_base, nu / (1.0 - nu), 0.37)
+    expected = np.stack([ratio * weight, weight, ratio * weight, *np.zeros((3, len(y)))], axis=1)
+    np.testing.assert_allclose(points.sigma, expected, rtol=1e-12, atol=0.0)
+    assert is_base.any() and (~is_base).any() and np.ptp(weight[~is_base]) > 0.0
