@@ -12,11 +12,10 @@ from types import ModuleType
 
 from mpmcol.errors import OutputError
 from mpmcol.paper import factors, fig5, fig6, fig7, fig8, fig9
-from mpmcol.paper.members import Finished, Found
 from mpmcol.paper.report import Report, write_report
-from mpmcol.sweep.conduct import Watcher, conduct
+from mpmcol.sweep.conduct import Watcher
 from mpmcol.sweep.engine import Outcome
-from mpmcol.sweep.table import make_rows
+from mpmcol.sweep.members import carry_out_members
 from mpmcol.version import code_version
 
 FIGURES: dict[str, ModuleType] = {
@@ -37,14 +36,8 @@ def reproduce(
 
     Returns how the runs ended, the report of each figure, and the files written.
     """
-    needed = list(dict.fromkeys(member for name in names for member in FIGURES[name].members(quick)))
-    points = [member.point(out / RUNS) for member in needed]
-    outcomes = conduct(points, out / RUNS, jobs, threads, watcher=watcher)
-    found: Found = {
-        member: Finished(row, outcome.point.folder)
-        for member, outcome, row in zip(needed, outcomes, make_rows(outcomes), strict=True)
-        if outcome.status == "done"
-    }
+    needed = (member for name in names for member in FIGURES[name].members(quick))
+    outcomes, found = carry_out_members(needed, out / RUNS, jobs, threads, watcher)
     if not found:
         raise OutputError(f"no run of {', '.join(names)} ended well; mpmcol status {out / RUNS} says why")
     reports = {name: FIGURES[name].report(found, quick) for name in names}

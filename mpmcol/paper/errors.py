@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from mpmcol.measure import FRONTS
-from mpmcol.paper.members import Finished
 from mpmcol.paper.report import Verdict
+from mpmcol.sweep.members import Finished
 
 QUANTITIES = (*(f"zeta.{front}" for front in FRONTS), "beta")
 

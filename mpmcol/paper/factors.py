@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from mpmcol.paper.errors import QUANTITIES
-from mpmcol.paper.members import Finished, Found, Member, with_settings
 from mpmcol.paper.report import Report, Verdict
+from mpmcol.sweep.members import Finished, Found, Member, with_settings
 
 TITLE = "What each assumption is worth"
 COLUMNS = (

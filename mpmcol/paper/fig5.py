@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from mpmcol.chart import EXPERIMENT_COLOUR, FRONT_STYLES, save_figure
 from mpmcol.measure import FRONTS
 from mpmcol.paper.errors import QUANTITIES, extrapolate
-from mpmcol.paper.members import Found, Member
 from mpmcol.paper.report import Report, Verdict
+from mpmcol.sweep.members import Found, Member
 
 TITLE = "Figure 5: convergence with the grid, channel, a = 1"
 SPACINGS = (0.010, 0.0075, 0.006, 0.005, 0.003, 0.002, 0.0015, 0.001)  # m

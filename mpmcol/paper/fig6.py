@@ -7,9 +7,9 @@ from functools import partial
 from mpmcol.experiments import find_experiment
 from mpmcol.measure import FRONTS
 from mpmcol.paper.errors import compare, summaries
-from mpmcol.paper.members import Finished, Found, Member, with_settings
 from mpmcol.paper.report import Report, Verdict
 from mpmcol.sweep.charts import sweep_chart
+from mpmcol.sweep.members import Finished, Found, Member, with_settings
 from mpmcol.sweep.series import ASPECT_COLUMN, Series
 
 TITLE = "Figure 6: runout in the channel"

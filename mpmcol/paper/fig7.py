@@ -15,8 +15,8 @@ from mpmcol.chart import profile_chart
 from mpmcol.experiments import find_experiment
 from mpmcol.measure import Array, Measurement
 from mpmcol.paper.fig6 import FILMED, MATERIALS, QUICK_SPACINGS, SPACINGS, series_member
-from mpmcol.paper.members import Finished, Found, Member
 from mpmcol.paper.report import Report, Verdict
+from mpmcol.sweep.members import Finished, Found, Member
 
 TITLE = "Figure 7: the channel column a = 7 in time"
 FRAMES = 6  # besides the deposit at rest

@@ -7,9 +7,9 @@ from functools import partial
 from mpmcol.experiments import find_experiment
 from mpmcol.measure import FRONTS
 from mpmcol.paper.errors import QUANTITIES, compare, summaries
-from mpmcol.paper.members import Found, Member, with_settings
 from mpmcol.paper.report import Report, Verdict
 from mpmcol.sweep.charts import sweep_chart
+from mpmcol.sweep.members import Found, Member, with_settings
 from mpmcol.sweep.series import ASPECT_COLUMN, Series
 
 TITLE = "Figure 8: runout and height of cylinders"

@@ -8,9 +8,9 @@ from pathlib import Path
 from mpmcol.chart import profile_chart
 from mpmcol.experiments import find_experiment
 from mpmcol.paper.fig8 import SPACING, cylinder, quarter
-from mpmcol.paper.members import Finished, Found, Member
 from mpmcol.paper.report import Report, Verdict
 from mpmcol.render import render
+from mpmcol.sweep.members import Finished, Found, Member
 
 TITLE = "Figure 9: cylinders of a = 0.55 and 0.90 at rest"
 FRONTS_MM = {0.55: 163.0, 0.9: 205.0}  # empirical, section 3.2

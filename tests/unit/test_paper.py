@@ -15,8 +15,8 @@ from mpmcol.experiments import find_experiment
 from mpmcol.measure import FRONTS
 from mpmcol.paper import FIGURES, factors, fig5, fig6, fig7, fig8, fig9
 from mpmcol.paper.errors import compare, extrapolate, summaries
-from mpmcol.paper.members import Finished, Member
 from mpmcol.paper.report import Report, Verdict, csv_text, markdown
+from mpmcol.sweep.members import Finished, Member
 
 
 def finished(a: float, h: float, zeta: float, beta: float = 0.5) -> Finished:

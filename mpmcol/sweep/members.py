@@ -1,16 +1,18 @@
-"""The runs that the figures of the paper are made of."""
+"""Runs of shipped cases with some values replaced: what reports on several runs are made of."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from mpmcol.case import load_case
 from mpmcol.results import Results
+from mpmcol.sweep.conduct import Watcher, conduct
+from mpmcol.sweep.engine import Outcome
 from mpmcol.sweep.points import Point, make_point
-from mpmcol.sweep.table import Row
+from mpmcol.sweep.table import Row, make_rows
 
 SNAPSHOTS = "output.snapshots"
 FEW = {SNAPSHOTS: "1"}
@@ -18,7 +20,7 @@ FEW = {SNAPSHOTS: "1"}
 
 @dataclass(frozen=True)
 class Member:
-    """One run: a shipped case with some of its values replaced. Figures that share a run share its folder."""
+    """One run: a shipped case with some of its values replaced. Reports that share a run share its folder."""
 
     case: str
     a: float
@@ -57,3 +59,21 @@ def with_settings(case: str, a: float, h: float, **settings: str) -> Member:
     return Member(
         case, a, h, tuple({**FEW, **{key.replace("__", "."): value for key, value in settings.items()}}.items())
     )
+
+
+def carry_out_members(
+    members: Iterable[Member],
+    out: Path,
+    jobs: int | None = None,
+    threads: int | None = None,
+    watcher: Watcher | None = None,
+) -> tuple[list[Outcome], Found]:
+    """Run each member once, completing what the folder `out` holds; how the runs ended, and those that ended well."""
+    needed = list(dict.fromkeys(members))
+    outcomes = conduct([member.point(out) for member in needed], out, jobs, threads, watcher=watcher)
+    found = {
+        member: Finished(row, outcome.point.folder)
+        for member, outcome, row in zip(needed, outcomes, make_rows(outcomes), strict=True)
+        if outcome.status == "done"
+    }
+    return outcomes, found
