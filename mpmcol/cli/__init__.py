@@ -24,6 +24,7 @@ COMMANDS = {
     "sweep": "mpmcol.cli.sweep:sweep",
     "status": "mpmcol.cli.status:status",
     "paper": "mpmcol.cli.paper:paper",
+    "validate": "mpmcol.cli.validate:validate",
     "measure": "mpmcol.cli.measure:measure",
     "plot": "mpmcol.cli.plot:plot",
     "render": "mpmcol.cli.render:render",

@@ -27,7 +27,7 @@ import numpy as np
 from mpmcol.measure.front import FRONTS, fronts, pile_height, profiles
 from mpmcol.measure.sections import Array, Section, cut
 from mpmcol.measure.shape import ColumnShape
-from mpmcol.measure.surface import UNDISTURBED, undisturbed_radius
+from mpmcol.measure.surface import UNDISTURBED, failure_line, undisturbed_radius
 
 __all__ = [
     "FRONTS",
@@ -36,6 +36,7 @@ __all__ = [
     "ColumnShape",
     "Measurement",
     "deposit_profile",
+    "failure_line",
     "measure",
     "stop_time",
     "undisturbed_radius",

@@ -34,3 +34,18 @@ def _top(x: Array, shape: ColumnShape) -> NDArray[np.intp]:
     column = columns(x, shape.point_size, shape)
     order = np.lexsort((x[:, 1], column))
     return order[np.diff(column[order], append=-1) != 0]
+
+
+def failure_line(x: Array, displacement: Array, shape: ColumnShape, threshold: float) -> tuple[Array, Array]:
+    """Where what has stayed ends and what has moved begins: distances (rows,) and heights (rows,) m, upward.
+
+    One for each row of points as released, in two dimensions: the inner edge of its first point that has moved by
+    `threshold` (m) since, or the end of a row of which none has.
+    """
+    released = x - displacement
+    row = np.floor(released[:, 1] / shape.point_size).astype(np.intp)
+    edge = np.zeros(row.max(initial=-1) + 1)
+    np.maximum.at(edge, row, released[:, 0] + shape.point_size / 2.0)
+    moved = np.linalg.norm(displacement, axis=1) >= threshold
+    np.minimum.at(edge, row[moved], released[moved, 0] - shape.point_size / 2.0)
+    return edge, shape.point_size * (np.arange(len(edge), dtype=np.float64) + 0.5)
