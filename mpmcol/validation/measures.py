@@ -75,7 +75,7 @@ def rms_mm(deposit: Measurement, x: Array, y: Array) -> float:
 def difference(deposit: Measurement, x: Array, y: Array) -> tuple[Array, Array]:
     """Deposit minus surface (x, y), m, at even stations along the surface: how its points are spaced has no weight."""
     station = np.linspace(x[0], x[-1], STATIONS)
-    ours = np.interp(station, deposit.profile_x, deposit.profile_y, right=0.0)
+    ours = np.interp(station, deposit.profile_x, deposit.profile_y)  # which ends at zero
     return station, ours - np.interp(station, x, y)
 
 
