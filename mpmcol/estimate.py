@@ -45,7 +45,7 @@ def estimate(case: Case, threads: int | None = None) -> Estimate:
     set_threads(threads)
     scene = build_scene(case)
     stage = scene.equilibrate
-    solver = Solver(scene.points, scene.grid, stage.settings, stage.column, scene.base)
+    solver = Solver(scene.points, scene.grid, stage.settings, stage.column, scene.base, scene.scheme)
     started = time.perf_counter()
     solver.prepare()
     compiled = time.perf_counter() - started

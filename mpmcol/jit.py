@@ -29,7 +29,7 @@ from numba.extending import register_jitable
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-COMPILED_SOURCES = ("kernels", "laws", "bench", "simd", "basis.py", "grid.py", "state.py", "jit.py")
+COMPILED_SOURCES = ("kernels", "laws", "bench", "simd", "basis", "grid.py", "state.py", "jit.py")
 _STALE_AFTER_S = 7 * 24 * 3600.0
 _FLAGS: dict[str, Any] = {"error_model": "numpy", "nogil": True}
 

@@ -13,9 +13,15 @@ from mpmcol.grid import Grid, allocate_grid, node_coordinates, set_fixed
 from mpmcol.laws import LAWS, elastic
 from mpmcol.layout import Layout, make_layout, refuse_if_too_large
 from mpmcol.solver import Body
-from mpmcol.state import BASE, Points, Settings
+from mpmcol.state import BASE, Points, Scheme, Settings
 
-TRANSFERS = {"taylor-flip": (1.0, 1.0), "flip": (0.0, 1.0), "pic": (0.0, 0.0)}  # Taylor term, share of FLIP
+TRANSFERS = {  # Taylor term, share of FLIP
+    "taylor-flip": (1.0, 1.0),
+    "flip": (0.0, 1.0),
+    "pic": (0.0, 0.0),
+    "tpic": (1.0, 0.0),
+    "apic": (1.0, 0.0),
+}
 POSITION_FACTORS = {"trapezoid": 0.5, "paper": 1.0, "end": 0.0}
 AXIS_GAP = 0.2  # in h: points nearer to the axis would be too stiff for the default time step; the first start farther
 ON_NODE = 1e-6  # in h: how far a node may be from an edge and still stand on it
@@ -36,6 +42,7 @@ class Scene:
     layout: Layout
     points: Points
     grid: Grid
+    scheme: Scheme
     base: Body
     equilibrate: Stage
     collapse: Stage
@@ -66,6 +73,7 @@ def build_scene(case: Case) -> Scene:
         layout=layout,
         points=points,
         grid=grid,
+        scheme=Scheme(affine=case.method.transfer == "apic"),
         base=make_body(elastic, case.base_material),
         equilibrate=Stage(make_body(first_law, case.material), make_settings(case, layout, stages.equilibrate.damping)),
         collapse=Stage(make_body(LAWS[own_law], case.material), make_settings(case, layout, stages.collapse.damping)),

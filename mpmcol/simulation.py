@@ -42,8 +42,8 @@ class Run:
         self.progress, self.say = progress, say
         self.scene: Scene = build_scene(case)  # may refuse the case: before anything old is removed
         prepare_folder(folder, fresh)
-        stage = self.scene.equilibrate
-        self.solver = Solver(self.scene.points, self.scene.grid, stage.settings, stage.column, self.scene.base)
+        scene, stage = self.scene, self.scene.equilibrate
+        self.solver = Solver(scene.points, scene.grid, stage.settings, stage.column, scene.base, scene.scheme)
         self.recorder = Recorder(case, self.scene, self.solver, folder, threads)
         self.wall_s = dict.fromkeys(("compile", "equilibrate", "collapse", "output"), 0.0)
         self.tau = self.scene.layout.fall_time(case.geometry.gravity)

@@ -13,7 +13,7 @@ from mpmcol.kernels import cycle
 from mpmcol.kernels.grid import NODE_REPORT
 from mpmcol.kernels.order import scratch, sort_points
 from mpmcol.kernels.update import TILE_REPORT
-from mpmcol.state import BASE, COLUMN, ROW, Points, Settings
+from mpmcol.state import BASE, COLUMN, PAPER, ROW, Points, Scheme, Settings
 
 CALL_SECONDS = 0.2  # Python handles signals only between calls
 _FIRST_CALL_STEPS = 4
@@ -30,10 +30,13 @@ class Body(NamedTuple):
 class Solver:
     """One simulation: points, grid, laws of column and base, clock and ledger."""
 
-    def __init__(self, points: Points, grid: Grid, settings: Settings, column: Body, base: Body) -> None:
+    def __init__(
+        self, points: Points, grid: Grid, settings: Settings, column: Body, base: Body, scheme: Scheme = PAPER
+    ) -> None:
         self.points = points
         self.grid = grid
         self.settings = settings
+        self.scheme = scheme
         self.bodies = (column, base)
         self.clock = np.zeros(cycle.CLOCK)
         self.ledger = np.zeros(cycle.LEDGER)
@@ -98,7 +101,7 @@ class Solver:
     def _call(self, end: float, steps: int) -> int:
         """One call of the compiled loop."""
         column, base = self.bodies
-        run = cycle.make_cycle(self.points.dimension, column.law, base.law)
+        run = cycle.make_cycle(self.points.dimension, column.law, base.law, self.scheme)
         return int(
             run(
                 self.points.rows.reshape(-1), self.grid, self.tiles, self.settings, column.params, base.params,

@@ -18,7 +18,7 @@ In two dimensions there is no row 3, and the lanes that it leaves in rows 1 and 
 
 y is vertical. Plane strain: z is out of plane and L_zz = 0. Axisymmetry: x is the radius r, y the axis, zz the hoop
 direction, L_zz = v_r / r; masses and volumes are per radian. `e_o` is the opening strain, `q` the history of the law,
-`kind` 0 for the column and 1 for the base.
+`kind` 0 for the column and 1 for the base. Between steps, APIC keeps its affine matrix in the lanes of L.
 """
 
 from __future__ import annotations
@@ -153,6 +153,15 @@ class Settings(NamedTuple):
     axis_gap: float = 0.2  # in h: least distance of a point from the axis
     gravity_z: float = 0.0  # m/s2
     open_low_sides: bool = False  # whether the domain is open, too, where x and z begin
+
+
+class Scheme(NamedTuple):
+    """Choices of the method that select code: kernels are compiled with them."""
+
+    affine: bool = False  # APIC: points carry an affine matrix from the weights, not their velocity gradient
+
+
+PAPER = Scheme()
 
 
 def aligned_zeros(n: int, alignment: int = 64) -> np.ndarray:

@@ -32,6 +32,7 @@ class ReferencePoints:
     V0: Array  # (n,) initial volume
     history: Array  # (n, k); column 0 is the plastic deviatoric strain of the softening law
     material: Array  # (n,) index into the materials
+    C: Array | None = None  # (n, d, d) affine matrix of APIC
 
 
 @dataclass(frozen=True)
@@ -88,6 +89,7 @@ class ReferenceScheme:
     correct: bool = True
     axisymmetric: bool = False
     m_min: float = 0.0  # nodes with this mass or less are empty
+    apic: bool = False  # C in place of the velocity gradient in Eq. 20
 
 
 # ---------------------------------------------------------------------------------------------- basis
@@ -151,6 +153,8 @@ def p2g(points: ReferencePoints, grid: ReferenceGrid, scheme: ReferenceScheme) -
     V = points.J * points.V0  # Eq. 30
     for p in range(len(points.x)):
         L, sigma, m = points.grad_v[p, :d, :d], points.sigma[p], points.m[p]
+        if scheme.apic:
+            L = points.C[p]
         for node, w, grad in zip(all_nodes[p], all_w[p], all_grad[p], strict=True):
             i = tuple(node)
             to_node = grid.origin + grid.h * node - points.x[p]
@@ -189,13 +193,30 @@ def g2p(points: ReferencePoints, v: Array, a: Array, grid: ReferenceGrid, scheme
             L[p, :d, :d] += np.outer(v[i], grad)  # Eq. 28
     if scheme.axisymmetric:
         L[:, 2, 2] = Sv[:, 0] / points.x[:, 0]
+    C = affine_matrices(points.x, v, grid, scheme) if scheme.apic else None
     A, dt = scheme.flip_fraction, scheme.dt
     return replace(
         points,
         v=(1.0 - A) * Sv + A * (points.v + dt * Sa),  # Eq. 26
         x=points.x + dt * Sv - scheme.position * dt**2 * Sa,  # Eq. 27
         grad_v=L,
+        C=C,
     )
+
+
+def affine_matrices(x: Array, v: Array, grid: ReferenceGrid, scheme: ReferenceScheme) -> Array:
+    """C_p = B_p D_p^-1 (n, d, d) of Jiang et al. 2015 (doi:10.1145/2766996, Eq. 8-10) from the nodal velocities."""
+    n, d = x.shape
+    C = np.zeros((n, d, d))
+    all_nodes, all_w, _ = weights(x, grid.origin, grid.h, grid.n_nodes, scheme.correct)
+    for p in range(n):
+        B, D = np.zeros((d, d)), np.zeros((d, d))
+        for node, w in zip(all_nodes[p], all_w[p], strict=True):
+            to_node = grid.origin + grid.h * node - x[p]
+            B += w * np.outer(v[tuple(node)], to_node)
+            D += w * np.outer(to_node, to_node)
+        C[p] = B @ np.linalg.inv(D)
+    return C
 
 
 # ---------------------------------------------------------------------------------------------- stress

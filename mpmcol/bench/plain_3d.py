@@ -6,7 +6,7 @@
 
 from __future__ import annotations
 
-from mpmcol.basis import spline
+from mpmcol.basis.quadratic import spline
 from mpmcol.bench.plain import PlainGrid, PlainPoints
 from mpmcol.grid import Tiles
 from mpmcol.jit import device, phase, prange

@@ -131,6 +131,16 @@ RULES = (
     Rule(("material.friction_residual_deg", "material.friction_peak_deg"), _at_most, _AT_MOST),
     Rule(("material.dilatancy_residual_deg", "material.dilatancy_peak_deg"), _at_most, _AT_MOST),
     Rule(
+        ("method.flip_fraction", "method.transfer"),
+        lambda share, transfer: share == 1.0 or transfer in ("taylor-flip", "flip"),
+        "must be left out with {1}, which has no FLIP velocity",
+    ),
+    Rule(
+        ("method.transfer", "method.kernel_correction"),
+        lambda transfer, correction: transfer != "apic" or correction,
+        'cannot be "apic" with {1}: beside walls its matrix needs weights that add up to one',
+    ),
+    Rule(
         ("stages.equilibrate.law", "material.law"),
         lambda stage, column: stage in (None, "elastic", column),
         'must be "elastic" or the column\'s own, {1}',

@@ -105,10 +105,14 @@ class Method(Keys):
 
     basis: Literal["quadratic"] = choice("B-spline that carries the points' data to the nodes", "quadratic")
     kernel_correction: bool = choice("exact linear hats in the half cell next to a wall", True)
-    transfer: Literal["taylor-flip", "flip", "pic"] = choice(
-        "velocity transfer; taylor-flip (Taylor P2G, FLIP update) is the paper's", "taylor-flip"
+    transfer: Literal["taylor-flip", "flip", "pic", "tpic", "apic"] = choice(
+        "velocity transfer; taylor-flip (Taylor P2G, FLIP update) is the paper's, tpic has a PIC update, apic carries "
+        "an affine matrix from the weights in place of the velocity gradient",
+        "taylor-flip",
     )
-    flip_fraction: float = quantity("share of the FLIP velocity, the rest is PIC", "", 1.0, ge=0, le=1)
+    flip_fraction: float = quantity(
+        "share of the FLIP velocity in taylor-flip and flip, the rest is PIC", "", 1.0, ge=0, le=1
+    )
     stress_order: Literal["usl"] = choice("when the stress is updated: last", "usl")
     position_update: Literal["trapezoid", "paper", "end"] = choice(
         "x += dt v - dt^2 a / 2, the printed form without 1/2, or the end velocity", "trapezoid"

@@ -29,6 +29,7 @@ from mpmcol.kernels.update import (
     WORK,
     make_update_points,
 )  # fmt: skip
+from mpmcol.state import PAPER, Scheme
 
 # clock of a run: numbers that change from step to step
 TIME, DT, TRAVELLED, STEPS, CLOCK = range(5)
@@ -79,13 +80,15 @@ def sum_points(report, ledger, clock, courant):
 
 
 @cache
-def make_cycle(dimension: int, column_law: ModuleType, base_law: ModuleType) -> Callable[..., Any]:
-    """The compiled loop over steps for this dimension and these two laws."""
+def make_cycle(
+    dimension: int, column_law: ModuleType, base_law: ModuleType, scheme: Scheme = PAPER
+) -> Callable[..., Any]:
+    """The compiled loop over steps for this dimension, these two laws and this scheme."""
     p2g = make_p2g(TRANSFERS[dimension])
-    update_points = make_update_points(dimension, column_law, base_law)
+    update_points = make_update_points(dimension, column_law, base_law, scheme)
 
     @driver
-    @variant(dimension, column_law, base_law)
+    @variant(dimension, column_law, base_law, *scheme)
     def cycle(
         rows,
         grid,

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmcol.basis import base_node
+from mpmcol.basis.quadratic import base_node
 from mpmcol.grid import TILE, Grid, tile_count
 from mpmcol.jit import device, kernel, prange
 from mpmcol.simd import LANES, load, store

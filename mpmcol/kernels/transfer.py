@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmcol.basis import splines
+from mpmcol.basis.quadratic import splines
 from mpmcol.grid import Grid, Tiles
 from mpmcol.jit import device, phase, prange, variant
 from mpmcol.simd import LANES, fma, lane, load, prefetch, splat, store, swap_halves, vector, where_positive
@@ -57,15 +57,21 @@ def _on_axes(x: float, y: float, z: float, elsewhere: float) -> Any:
 
 
 @device
+def places(record: Any, grid: Grid) -> tuple[Any, Any, Any]:
+    """Grid coordinates of the point whose record starts with this row, and `bottom` and `top` of every basis."""
+    flat, far = grid.n_z == 1, np.inf
+    s = (record - _on_axes(grid.origin_x, grid.origin_y, grid.origin_z, 0.0)) * (1.0 / grid.h)
+    bottom = _on_axes(0.5, 0.5, -far if flat else 0.5, -far)
+    return s, bottom, _on_axes(grid.n_x - 1.5, grid.n_y - 1.5, far if flat else grid.n_z - 1.5, far)
+
+
+@device
 def stencil(record: Any, grid: Grid, settings: Settings) -> tuple[Any, Any, Any, Any, Any, Any, Any, Any]:
     """Stencil of the point whose record starts with this row, in the lanes of its coordinates, Eq. (17)-(18).
 
     Returns grid coordinates, first nodes as real numbers, three weights and three gradients (times h).
     """
-    flat, far = grid.n_z == 1, np.inf
-    s = (record - _on_axes(grid.origin_x, grid.origin_y, grid.origin_z, 0.0)) * (1.0 / grid.h)
-    bottom = _on_axes(0.5, 0.5, -far if flat else 0.5, -far)
-    top = _on_axes(grid.n_x - 1.5, grid.n_y - 1.5, far if flat else grid.n_z - 1.5, far)
+    s, bottom, top = places(record, grid)
     base, w0, w1, w2, g0, g1, g2 = splines(s, bottom, top, settings.kernel_correction)
     return s, base, w0, w1, w2, g0, g1, g2
 

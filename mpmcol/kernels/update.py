@@ -8,12 +8,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from mpmcol.basis import BASES
 from mpmcol.grid import Grid
 from mpmcol.jit import device, phase, prange, variant
 from mpmcol.kernels import stress_2d, stress_3d, transfer_2d, transfer_3d
+from mpmcol.kernels.sums import keep_columns, make_sums, restore_columns
 from mpmcol.kernels.transfer import AHEAD, prefetch_record
-from mpmcol.simd import LANES, any_positive, lane, larger, largest_lane, splat, sum_lanes, vector, where_positive
-from mpmcol.state import Settings
+from mpmcol.simd import LANES, any_positive, lane, larger, largest_lane, load, splat, sum_lanes, vector, where_positive
+from mpmcol.state import PAPER, Scheme, Settings
 
 # what a tile of points reports
 SPEED, TRAVEL, WORK, NODE_WORK, FAULT, TILE_REPORT = range(6)
@@ -47,14 +49,18 @@ def column_box(grid: Grid, settings: Settings) -> Box:
     )
 
 
-def make_update_points(dimension: int, column_law: ModuleType, base_law: ModuleType) -> Callable[..., None]:
-    """G2P and stress, tile by tile, with the dimension and the laws of column and base frozen in."""
+def make_update_points(
+    dimension: int, column_law: ModuleType, base_law: ModuleType, scheme: Scheme = PAPER
+) -> Callable[..., None]:
+    """G2P and stress, tile by tile, with the dimension, the laws of column and base and the scheme frozen in."""
     gather, limits, row = TRANSFERS[dimension].gather, TRANSFERS[dimension].limits, TRANSFERS[dimension].ROW
     column_stress = make_update_stresses(dimension, column_law)
     base_stress = make_update_stresses(dimension, base_law)
+    affine, kept = scheme.affine, dimension * LANES
+    sums = make_sums(dimension, BASES["quadratic"], affine)
 
     @phase
-    @variant(dimension, column_law, base_law)
+    @variant(dimension, column_law, base_law, *scheme)
     def update_points(rows, grid, tiles, settings, column, base, c2_column, c2_base, dt, report):
         """Move all points and update their stress.
 
@@ -65,8 +71,13 @@ def make_update_points(dimension: int, column_law: ModuleType, base_law: ModuleT
         bounds, inv_h = limits(grid, settings), 1.0 / grid.h
         for t in prange(len(split)):
             travel, node_work = splat(0.0), splat(0.0)
+            if affine:  # the stress needs the velocity gradient in its lanes first
+                matrix = np.empty(kept * (start[t + 1] - start[t]))
             for p in range(start[t], start[t + 1]):
                 prefetch_record(rows, row, p + AHEAD)
+                if affine:
+                    columns = sums(load(rows, p * row), nodes, grid, settings)
+                    keep_columns(matrix, kept * (p - start[t]), dimension, columns)
                 step, taken = gather(rows, p * row, nodes, grid, settings, bounds, dt)
                 travel, node_work = larger(travel, abs(step)), node_work + taken
             report[t, TRAVEL] = inv_h * max(lane(travel, 4), lane(travel, 5), lane(travel, 6))
@@ -77,6 +88,9 @@ def make_update_points(dimension: int, column_law: ModuleType, base_law: ModuleT
             )
             report[t, WORK], report[t, SPEED] = work + base_work, max(speed, base_speed)
             report[t, FAULT] = fault if fault != NO_FAULT else base_fault
+            if affine:
+                for p in range(start[t], start[t + 1]):
+                    restore_columns(rows, p * row, dimension, matrix, kept * (p - start[t]))
 
     return update_points
 

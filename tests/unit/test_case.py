@@ -227,7 +227,7 @@ def test_bad_value(write: Write, old: str, new: str, key: str, message: str) -> 
         ("[grid]\npoints_per_cell = 8", "points_per_cell = 8: must be 1, 4, 9 or 16 with geometry.model"),
         ("[method]\nwall_impulse = 1", "[method] wall_impulse = 1: expected true or false"),
         ("[method]\nflip_fraction = 1.5", "flip_fraction = 1.5: expected a number >= 0 and <= 1"),
-        ('[method]\ntransfer = "apic"', 'expected "taylor-flip", "flip" or "pic"'),
+        ('[method]\ntransfer = "xpic"', 'expected "taylor-flip", "flip", "pic", "tpic" or "apic"'),
         ("[time]\ncfl = 2.1", "cfl = 2.1: expected a number > 0 and <= 2"),
         (
             "[stages]\ncollapse = { damping = 1 }",
@@ -366,6 +366,17 @@ def test_words_of_three_dimensions(write: Write) -> None:
     ):
         with pytest.raises(CaseError, match=re.escape(message)):
             load_case(write(quarter), overrides)
+
+
+@pytest.mark.parametrize(
+    ("overrides", "message"),
+    [
+        (["transfer=tpic", "flip_fraction=0.9"], 'must be left out with method.transfer = "tpic"'),
+        (["transfer=apic", "kernel_correction=false"], 'cannot be "apic" with method.kernel_correction = false'),
+    ],
+)
+def test_choices_of_the_method_that_exclude_each_other(overrides: list[str], message: str) -> None:
+    assert message in only_problem("quickstart", *(f"method.{each}" for each in overrides)).message
 
 
 def test_rules_between_keys_are_checked_beside_other_problems(write: Write) -> None:

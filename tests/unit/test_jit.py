@@ -31,7 +31,7 @@ def copied_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.mark.parametrize(
-    "name", ["basis.py", "simd/compiled.py", "laws/mohr_coulomb.py", "kernels/stress_2d.py", "jit.py"]
+    "name", ["basis/quadratic.py", "simd/compiled.py", "laws/mohr_coulomb.py", "kernels/stress_2d.py", "jit.py"]
 )
 def test_an_edited_helper_gets_a_cache_folder_of_its_own(copied_package: Path, name: str) -> None:
     before = jit.source_digest()

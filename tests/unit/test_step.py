@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import radians
 
 import numpy as np
@@ -11,7 +12,7 @@ from mpmcol.grid import allocate_grid, node_coordinates, set_fixed
 from mpmcol.kernels.transfer import WALL_GAP
 from mpmcol.laws import LAWS
 from mpmcol.solver import Body, Solver
-from mpmcol.state import Points, Settings
+from mpmcol.state import Points, Scheme, Settings
 from tests import reference
 from tests.verification.blocks import by_id
 
@@ -95,35 +96,51 @@ COMBINATIONS = [(2, law, change) for law in LAWS if law != SOFTENING for change 
 COMBINATIONS += [(2, SOFTENING, {}), (2, SOFTENING, {"axisymmetric": True})]
 COMBINATIONS += [(3, law, {}) for law in LAWS]
 COMBINATIONS += [(3, "mohr-coulomb", change | {"gravity_z": 1.0}) for change in SWITCHES[2:]]
+AXISYMMETRIC, PIC = {"axisymmetric": True}, {"flip_fraction": 0.0}
+SCHEMES = [Scheme(affine=True)]
 
 
 @pytest.mark.parametrize(("d", "law", "change"), COMBINATIONS, ids=str)
 def test_steps_equal_the_reference(d: int, law: str, change: dict) -> None:
+    compare_with_reference(d, law, change, Scheme())
+
+
+@pytest.mark.parametrize(("d", "change"), [(2, PIC), (2, AXISYMMETRIC), (3, PIC)], ids=str)
+@pytest.mark.parametrize("scheme", SCHEMES, ids=str)
+def test_steps_of_every_scheme_equal_the_reference(d: int, change: dict, scheme: Scheme) -> None:
+    compare_with_reference(d, "mohr-coulomb", change, scheme)
+
+
+def compare_with_reference(d: int, law: str, change: dict, scheme: Scheme) -> None:
+    """Three steps of points all over the grid."""
     settings = PLAIN._replace(**change)
     points = random_points(seed=1, opens=law != "elastic", d=d)
     expected = as_reference(points)
+    expected = replace(expected, C=expected.grad_v[:, :d, :d])
     grid = allocate_grid(ORIGIN[:d], H, CELLS[:d])
     x, y = node_coordinates(grid)[:2]
     shape = (grid.n_x, grid.n_y, grid.n_z)[:d]
     fixed = [np.broadcast_to(mask, shape) for mask in ((x < 1e-9) | (y < -0.199), y < -0.199, y < -0.199)[:d]]
     set_fixed(grid, *fixed)
-    solver = Solver(points, grid, settings, body(law), body("elastic"))
+    solver = Solver(points, grid, settings, body(law), body("elastic"), scheme)
 
     reference_grid = reference.ReferenceGrid(np.array(ORIGIN[:d]), H, shape)
     materials = [reference_material(law), reference_material("elastic")]
     gravity = np.array([settings.gravity_x, settings.gravity_y, settings.gravity_z])[:d]
     for _ in range(3):
-        scheme = reference.ReferenceScheme(
+        choices = reference.ReferenceScheme(
             solver.dt, gravity, settings.alpha_d, settings.taylor, settings.flip_fraction, settings.position_factor,
             settings.wall_impulse, settings.opening_strain, settings.kernel_correction, settings.axisymmetric,
-            m_min=1e-20 * points.m.min(),
+            m_min=1e-20 * points.m.min(), apic=scheme.affine,
         )  # fmt: skip
         assert solver.advance(1.0, max_steps=1) == -1
-        expected = reference.step(expected, reference_grid, np.stack(fixed, -1), materials, scheme)
+        expected = reference.step(expected, reference_grid, np.stack(fixed, -1), materials, choices)
         gap = np.full(d, WALL_GAP)
         gap[0] = settings.axis_gap if settings.axisymmetric else WALL_GAP
         expected.x[:] = np.maximum(expected.x, ORIGIN[:d] + gap * H)
 
+    if scheme.affine:  # stands in the place of the gradient
+        expected.grad_v[:, :d, :d] = expected.C
     points = by_id(solver)
     got = as_reference(points)
     for name, scale in {

@@ -13,7 +13,7 @@ import numpy as np
 from mpmcol.grid import Grid, allocate_grid, node_coordinates, set_fixed
 from mpmcol.laws import elastic, mohr_coulomb
 from mpmcol.solver import Body, Solver
-from mpmcol.state import BASE, ID, KIND, V0, Points, Settings
+from mpmcol.state import BASE, ID, KIND, PAPER, V0, Points, Scheme, Settings
 
 G = 9.81
 DENSITY, E, NU, PHI = 2650.0, 10e6, 0.2, 33.0
@@ -91,10 +91,15 @@ def walled_grid(
 
 
 def make_solver(
-    points: Points, grid: Grid, settings: Settings, sand: Body | None = None, body: Body | None = None
+    points: Points,
+    grid: Grid,
+    settings: Settings,
+    sand: Body | None = None,
+    body: Body | None = None,
+    scheme: Scheme = PAPER,
 ) -> Solver:
     """A solver for sand (kind COLUMN) and an elastic body (kind BASE)."""
-    return Solver(points, grid, settings, sand or sand_body(), body or elastic_body())
+    return Solver(points, grid, settings, sand or sand_body(), body or elastic_body(), scheme)
 
 
 def advance_to(solver: Solver, end: float) -> None:

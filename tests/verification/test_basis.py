@@ -7,7 +7,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from mpmcol.basis import spline, splines
+from mpmcol.basis.quadratic import spline, splines
 from mpmcol.simd import vector
 
 NODES = 6

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from mpmcol.basis import base_node
+from mpmcol.basis.quadratic import base_node
 from mpmcol.grid import NODE, TILE, Grid, Tiles, allocate_grid, tile_count
 from mpmcol.kernels.order import BAND, scratch, sort_points
 from mpmcol.state import COLUMN, ID, ROW, Points

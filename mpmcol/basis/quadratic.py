@@ -7,6 +7,8 @@ from typing import Any
 from mpmcol.jit import device
 from mpmcol.simd import any_positive, larger, round_down, splat, where_positive
 
+WIDTH = 3
+
 
 @device
 def base_node(s: float, n: int) -> int:
@@ -60,6 +62,13 @@ def splines(s: Any, bottom: Any, top: Any, correction: bool) -> tuple[Any, Any, 
         g0, g1 = where_positive(above, 0.0, g0), where_positive(above, -far_slope, g1)
         g2 = where_positive(above, -near_slope, g2)
     return base, w0, w1, w2, g0, g1, g2
+
+
+@device
+def padded(s: Any, bottom: Any, top: Any, correction: bool) -> tuple[Any, Any, Any, Any, Any, Any, Any, Any, Any]:
+    """`splines` for the transfers of any width: first node, four weights and four gradients, the last of them zero."""
+    base, w0, w1, w2, g0, g1, g2 = splines(s, bottom, top, correction)
+    return base, w0, w1, w2, splat(0.0), g0, g1, g2, splat(0.0)
 
 
 @device
