@@ -33,7 +33,7 @@ M, VX, VY, VZ, X, Y, Z, V0 = range(8)
 J, OPENING, ID, KIND = 8, 15, 16, 23
 HOOP = 14  # s_zz in two dimensions
 _LINEAR = {2: ((9, 17), (10, 18)), 3: ((9, 17, 25), (10, 18, 26), (11, 19, 27))}  # lane of L[a, b]
-_L_ZZ = 11  # in two dimensions
+L_ZZ = 11  # in two dimensions
 _SIGMA = {2: (12, 21, HOOP, 13), 3: (12, 21, 30, 13, 22, 14)}  # xx yy zz xy yz xz
 _SIGMA_AGAIN = {2: {3: 20}, 3: {3: 20, 4: 29, 5: 28}}  # the shear stresses stand in two columns
 _HISTORY = {2: slice(19, 23, 3), 3: slice(24, 32, 7)}
@@ -125,7 +125,7 @@ class Points:
         out, d = np.zeros((len(self), 3, 3)), self.dimension
         out[:, :d, :d] = self.rows[:, _LINEAR[d]]
         if d == 2:
-            out[:, 2, 2] = self.rows[:, _L_ZZ]
+            out[:, 2, 2] = self.rows[:, L_ZZ]
         return out
 
     @grad_v.setter
@@ -133,7 +133,7 @@ class Points:
         d = self.dimension
         self.rows[:, _LINEAR[d]] = value[:, :d, :d]
         if d == 2:
-            self.rows[:, _L_ZZ] = value[:, 2, 2]
+            self.rows[:, L_ZZ] = value[:, 2, 2]
 
 
 class Settings(NamedTuple):
@@ -158,6 +158,7 @@ class Settings(NamedTuple):
 class Scheme(NamedTuple):
     """Choices of the method that select code: kernels are compiled with them."""
 
+    stress_order: str = "usl"  # when the stress is updated: "usl", "usf" or "musl"
     affine: bool = False  # APIC: points carry an affine matrix from the weights, not their velocity gradient
 
 

@@ -89,6 +89,7 @@ class ReferenceScheme:
     correct: bool = True
     axisymmetric: bool = False
     m_min: float = 0.0  # nodes with this mass or less are empty
+    stress_order: str = "usl"
     apic: bool = False  # C in place of the velocity gradient in Eq. 20
 
 
@@ -308,6 +309,37 @@ def _soften(history: Array, material: ReferenceMaterial, plastic: Array) -> None
         history[0] += material.strain_factor * np.sqrt(np.sum(plastic**2))
 
 
+def nodal_velocity(m: Array, p: Array, fixed: Array, scheme: ReferenceScheme) -> Array:
+    """Velocity (N..., d) of the nodes, Eq. 21, at rest where it is held."""
+    full = (m > scheme.m_min)[..., None]
+    return np.where(fixed | ~full, 0.0, p / np.where(full, m[..., None], 1.0))
+
+
+def velocity_gradient(x: Array, v: Array, grid: ReferenceGrid, scheme: ReferenceScheme) -> Array:
+    """Gradient (n, 3, 3) at the points of the nodal velocity v (N..., d), Eq. 28."""
+    n, d = x.shape
+    all_nodes, all_w, all_grad = weights(x, grid.origin, grid.h, grid.n_nodes, scheme.correct)
+    L = np.zeros((n, 3, 3))
+    for p in range(n):
+        for node, w, grad in zip(all_nodes[p], all_w[p], all_grad[p], strict=True):
+            L[p, :d, :d] += np.outer(v[tuple(node)], grad)
+            if scheme.axisymmetric:
+                L[p, 2, 2] += w * v[tuple(node)][0] / x[p, 0]
+    return L
+
+
+def strained(
+    points: ReferencePoints,
+    v: Array,
+    grid: ReferenceGrid,
+    materials: Sequence[ReferenceMaterial],
+    scheme: ReferenceScheme,
+) -> ReferencePoints:
+    """Points whose stress is updated with the gradient of v (N..., d), and that keep their own."""
+    L = velocity_gradient(points.x, v, grid, scheme)
+    return replace(stress_update(replace(points, grad_v=L), materials, scheme), grad_v=points.grad_v)
+
+
 def step(
     points: ReferencePoints,
     grid: ReferenceGrid,
@@ -315,10 +347,20 @@ def step(
     materials: Sequence[ReferenceMaterial],
     scheme: ReferenceScheme,
 ) -> ReferencePoints:
-    """One step, update stress last."""
+    """One step, update stress last, first, or last with velocities from the points' new ones (Bardenhagen 2002)."""
     m, p, f = p2g(points, grid, scheme)
+    if scheme.stress_order == "usf":
+        points = strained(points, nodal_velocity(m, p, fixed, scheme), grid, materials, scheme)
+        m, p, f = p2g(points, grid, scheme)
     v, a = grid_update(m, p, f, fixed, scheme)
-    return stress_update(g2p(points, v, a, grid, scheme), materials, scheme)
+    new = g2p(points, v, a, grid, scheme)
+    if scheme.stress_order == "usf":
+        return new
+    if scheme.stress_order == "usl":
+        return stress_update(new, materials, scheme)
+    m, p, _ = p2g(replace(new, x=points.x), grid, scheme)
+    at_old = strained(replace(new, x=points.x), nodal_velocity(m, p, fixed, scheme), grid, materials, scheme)
+    return replace(at_old, x=new.x)
 
 
 # --------------------------------------------------------------------------- brute-force return mapping

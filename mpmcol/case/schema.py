@@ -113,7 +113,11 @@ class Method(Keys):
     flip_fraction: float = quantity(
         "share of the FLIP velocity in taylor-flip and flip, the rest is PIC", "", 1.0, ge=0, le=1
     )
-    stress_order: Literal["usl"] = choice("when the stress is updated: last", "usl")
+    stress_order: Literal["usl", "usf", "musl"] = choice(
+        "when the stress is updated: last (the paper's), first, or last with nodal velocities made anew from the "
+        "points; usf and musl take almost twice the time",
+        "usl",
+    )
     position_update: Literal["trapezoid", "paper", "end"] = choice(
         "x += dt v - dt^2 a / 2, the printed form without 1/2, or the end velocity", "trapezoid"
     )

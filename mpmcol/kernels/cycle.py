@@ -1,4 +1,4 @@
-"""The step of the paper (section 2.1.4, update stress last), many times per call."""
+"""Many steps (section 2.1.4 of the paper) per call, with the clock and the energy ledger."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ from collections.abc import Callable
 from functools import cache
 from types import ModuleType
 from typing import Any
+
+import numpy as np
 
 from mpmcol.jit import device, driver, variant
 from mpmcol.kernels.grid import (
@@ -15,21 +17,18 @@ from mpmcol.kernels.grid import (
     UNBALANCED,
     WALLS,
     WEIGHT,
-    clear,
-    update_grid,
 )  # fmt: skip
-from mpmcol.kernels.transfer import make_p2g
+from mpmcol.kernels.steps import make_step
 from mpmcol.kernels.update import (
     FAULT,
     NO_FAULT,
     NODE_WORK,
     SPEED,
-    TRANSFERS,
     TRAVEL,
     WORK,
-    make_update_points,
 )  # fmt: skip
-from mpmcol.state import PAPER, Scheme
+from mpmcol.simd import LANES
+from mpmcol.state import PAPER, ROW, Scheme
 
 # clock of a run: numbers that change from step to step
 TIME, DT, TRAVELLED, STEPS, CLOCK = range(5)
@@ -84,8 +83,8 @@ def make_cycle(
     dimension: int, column_law: ModuleType, base_law: ModuleType, scheme: Scheme = PAPER
 ) -> Callable[..., Any]:
     """The compiled loop over steps for this dimension, these two laws and this scheme."""
-    p2g = make_p2g(TRANSFERS[dimension])
-    update_points = make_update_points(dimension, column_law, base_law, scheme)
+    step, row = make_step(dimension, column_law, base_law, scheme), ROW[dimension]
+    lanes_moved = LANES if scheme.stress_order == "musl" else 0
 
     @driver
     @variant(dimension, column_law, base_law, *scheme)
@@ -111,14 +110,12 @@ def make_cycle(
         first bad point, or -1.
         """
         node_report, tile_report = reports
+        laws, moved = (column, base, c2_column, c2_base), np.empty(lanes_moved * (len(rows) // row))
         for _ in range(steps):
             if clock[TIME] >= end or not is_ordered(clock):
                 break
             dt = clock[DT]
-            clear(grid, tiles)
-            p2g(rows, grid, tiles, settings)
-            update_grid(grid, tiles, settings, smallest_mass, dt, node_report)
-            update_points(rows, grid, tiles, settings, column, base, c2_column, c2_base, dt, tile_report)
+            step(rows, grid, tiles, settings, laws, smallest_mass, dt, moved, node_report, tile_report)
             sum_nodes(node_report, ledger)
             clock[TIME] += dt
             clock[STEPS] += 1.0

@@ -67,6 +67,25 @@ def update_grid(
         report[t, UNBALANCED], report[t, WEIGHT] = sum_lanes(unbalanced), mass * weight
 
 
+@phase
+def find_velocities(grid: Grid, tiles: Tiles, smallest_mass: float) -> None:
+    """Momentum to velocity, at rest where walls hold it, for an update of the stress alone.
+
+    Reads: nodes (m, mv), fixed. Writes: nodes (v). Eq. (21).
+    """
+    nodes, fixed, active, size = grid.nodes, grid.fixed, tiles.active, grid.tile_doubles
+    floor = MASS_FLOOR * smallest_mass
+    momenta, nothing = vector(0.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0), splat(0.0)
+    for t in prange(len(active)):
+        for o in range(active[t], active[t] + size, NODE):
+            m = nodes[o]
+            if m <= floor:
+                store(nodes, o, nothing)
+            else:
+                velocity = load(nodes, o) * (1.0 / m) * momenta
+                store(nodes, o, where_positive(_held(fixed[o // NODE]), 0.0, velocity))
+
+
 @device
 def _held(mask):
     """One in the lanes of the velocity components that a wall holds."""

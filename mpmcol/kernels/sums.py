@@ -72,18 +72,25 @@ def make_sums(dimension: int, basis: ModuleType, affine: bool) -> Callable[..., 
 
 
 @device
-def keep_columns(matrix: np.ndarray, at: int, d: int, columns: tuple[Any, Any, Any, Any]) -> None:
-    """Write what `sums` returned, less the mean, as `d` vectors from `matrix[at]` on."""
-    store(matrix, at, columns[1])
-    store(matrix, at + LANES, columns[2])
+def keep_columns(matrix: np.ndarray, at: int, d: int, x: Any, y: Any, z: Any) -> None:
+    """Write the `d` columns of a matrix as vectors from `matrix[at]` on."""
+    store(matrix, at, x)
+    store(matrix, at + LANES, y)
     if d == 3:
-        store(matrix, at + 2 * LANES, columns[3])
+        store(matrix, at + 2 * LANES, z)
+
+
+@device
+def set_columns(rows: np.ndarray, o: int, d: int, x: Any, y: Any, z: Any) -> None:
+    """Write the `d` columns of a matrix into the lanes of the velocity gradient of the record at `o`."""
+    store_column(rows, o + LANES, d, x)
+    store_column(rows, o + 2 * LANES, d, y)
+    if d == 3:
+        store_column(rows, o + 3 * LANES, d, z)
 
 
 @device
 def restore_columns(rows: np.ndarray, o: int, d: int, matrix: np.ndarray, at: int) -> None:
     """Bring columns that were kept into the lanes of the velocity gradient of the record at `o`."""
-    store_column(rows, o + LANES, d, load(matrix, at))
-    store_column(rows, o + 2 * LANES, d, load(matrix, at + LANES))
-    if d == 3:
-        store_column(rows, o + 3 * LANES, d, load(matrix, at + 2 * LANES))
+    x, y = load(matrix, at), load(matrix, at + LANES)
+    set_columns(rows, o, d, x, y, load(matrix, at + 2 * LANES) if d == 3 else y)

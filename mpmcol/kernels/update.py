@@ -76,8 +76,8 @@ def make_update_points(
             for p in range(start[t], start[t + 1]):
                 prefetch_record(rows, row, p + AHEAD)
                 if affine:
-                    columns = sums(load(rows, p * row), nodes, grid, settings)
-                    keep_columns(matrix, kept * (p - start[t]), dimension, columns)
+                    _, x, y, z = sums(load(rows, p * row), nodes, grid, settings)
+                    keep_columns(matrix, kept * (p - start[t]), dimension, x, y, z)
                 step, taken = gather(rows, p * row, nodes, grid, settings, bounds, dt)
                 travel, node_work = larger(travel, abs(step)), node_work + taken
             report[t, TRAVEL] = inv_h * max(lane(travel, 4), lane(travel, 5), lane(travel, 6))

@@ -17,6 +17,8 @@ from mpmcol.state import PAPER, Scheme
         (["transfer=pic"], 0.0, 0.0, PAPER),
         (["transfer=tpic"], 1.0, 0.0, PAPER),
         (["transfer=apic"], 1.0, 0.0, Scheme(affine=True)),
+        (["stress_order=usf"], 1.0, 1.0, Scheme("usf")),
+        (["stress_order=musl", "transfer=apic"], 1.0, 0.0, Scheme("musl", affine=True)),
     ],
     ids=str,
 )

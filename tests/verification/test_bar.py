@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 from mpmcol.kernels.cycle import DT
+from mpmcol.state import PAPER, Scheme
 from tests.verification.blocks import (
     SIDES,
     WEIGHTLESS,
@@ -44,7 +45,7 @@ class Vibration(NamedTuple):
 
 
 @cache
-def vibration(transfer: str, cfl: float, d: int = 2, along: int = 0) -> Vibration:
+def vibration(transfer: str, cfl: float, d: int = 2, along: int = 0, scheme: Scheme = PAPER) -> Vibration:
     """A bar along the given axis, from its low end, which is held."""
     b, upper, cells = np.pi / (2.0 * LENGTH), [2.0] * d, [2] * d
     upper[along], cells[along] = LENGTH, 29
@@ -56,7 +57,7 @@ def vibration(transfer: str, cfl: float, d: int = 2, along: int = 0) -> Vibratio
     rollers = [side for axis, sides in enumerate(SIDES[:d]) for side in (sides[:1] if axis == along else sides)]
     grid = walled_grid((0.0,) * d, 1.0, tuple(cells), rollers=" ".join(rollers))
     settings = WEIGHTLESS._replace(cfl=cfl, wall_impulse=False, **TRANSFERS[transfer])
-    solver = make_solver(points, grid, settings, body=elastic_body(1.0, YOUNG, 0.0))
+    solver = make_solver(points, grid, settings, body=elastic_body(1.0, YOUNG, 0.0), scheme=scheme)
     start = kinetic_energy(points)
     times, speeds = [], []
     for _ in range(round(10 * PERIOD * 10.0 / cfl)):
@@ -95,6 +96,20 @@ def test_period_is_within_a_tenth_of_a_percent(cfl: float) -> None:
 def test_energy_after_ten_periods(transfer: str, cfl: float, energy: float, tolerance: float) -> None:
     """Against an independent one-dimensional code (same bar, same steps)."""
     assert vibration(transfer, cfl).energy == pytest.approx(energy, abs=tolerance)
+
+
+@pytest.mark.parametrize(("order", "energy"), [("usl", 0.9986), ("musl", 0.9986), ("usf", 1.0005)])
+def test_stress_first_gains_the_energy_that_stress_last_loses(order: str, energy: float) -> None:
+    """Bardenhagen 2002 (doi:10.1006/jcph.2002.7103): USF gains energy, USL loses some; the period is that of both."""
+    bar = vibration("taylor-flip", 0.5, scheme=Scheme(order))
+    assert bar.energy == pytest.approx(energy, abs=1e-4)
+    assert bar.period == pytest.approx(PERIOD, rel=1e-3)
+    assert bar.cross_motion < 1e-12
+
+
+def test_musl_halves_the_loss_of_flip() -> None:
+    lost = {order: 1.0 - vibration("flip", 0.5, scheme=Scheme(order)).energy for order in ("usl", "musl")}
+    assert 0.0 < lost["musl"] < 0.6 * lost["usl"]
 
 
 def test_the_strip_moves_along_its_axis_only() -> None:
