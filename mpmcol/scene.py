@@ -73,7 +73,7 @@ def build_scene(case: Case) -> Scene:
         layout=layout,
         points=points,
         grid=grid,
-        scheme=Scheme(case.method.stress_order, affine=case.method.transfer == "apic"),
+        scheme=Scheme(case.method.stress_order, case.method.transfer == "apic", case.method.basis),
         base=make_body(elastic, case.base_material),
         equilibrate=Stage(make_body(first_law, case.material), make_settings(case, layout, stages.equilibrate.damping)),
         collapse=Stage(make_body(LAWS[own_law], case.material), make_settings(case, layout, stages.collapse.damping)),

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from mpmcol.basis import BASES
 from mpmcol.grid import Grid, Tiles
 from mpmcol.kernels import cycle
 from mpmcol.kernels.grid import NODE_REPORT
@@ -90,7 +91,7 @@ class Solver:
         started, first = time.perf_counter(), self.steps
         fault = -1
         while fault < 0 and self.time < end and self.steps - first < max_steps:
-            if self.tiles is None or not cycle.is_ordered(self.clock):
+            if self.tiles is None or not cycle.is_ordered(self.clock, BASES[self.scheme.basis].TRAVEL):
                 self.sort()
             fault = self._call(end, min(self._steps_per_call, max_steps - (self.steps - first)))
             if time.perf_counter() - started > CALL_SECONDS:

@@ -160,6 +160,7 @@ class Scheme(NamedTuple):
 
     stress_order: str = "usl"  # when the stress is updated: "usl", "usf" or "musl"
     affine: bool = False  # APIC: points carry an affine matrix from the weights, not their velocity gradient
+    basis: str = "quadratic"  # "linear", "quadratic" or "cubic"
 
 
 PAPER = Scheme()

@@ -90,6 +90,7 @@ class ReferenceScheme:
     axisymmetric: bool = False
     m_min: float = 0.0  # nodes with this mass or less are empty
     stress_order: str = "usl"
+    basis: str = "quadratic"
     apic: bool = False  # C in place of the velocity gradient in Eq. 20
 
 
@@ -104,13 +105,54 @@ def spline(r: Array) -> tuple[Array, Array]:
     return w, dw
 
 
-def axis_weights(r: Array, n_nodes: int, correct: bool) -> tuple[Array, Array, Array]:
-    """Nodes (n, 3), weights (n, 3) and derivatives by r (n, 3) along one axis; r (n,) is the position in cells.
+def hat(r: Array) -> tuple[Array, Array]:
+    """Linear hat and its derivative by r."""
+    return np.maximum(1.0 - np.abs(r), 0.0), np.where(np.abs(r) < 1.0, np.where(r < 0.0, 1.0, -1.0), 0.0)
+
+
+def cubic_spline(r: Array) -> tuple[Array, Array]:
+    """Cubic B-spline and its derivative by r."""
+    a = np.abs(r)
+    w = np.where(a < 1.0, 0.5 * a**3 - a**2 + 2.0 / 3.0, np.where(a < 2.0, (2.0 - a) ** 3 / 6.0, 0.0))
+    dw = np.where(a < 1.0, 1.5 * a**2 - 2.0 * a, np.where(a < 2.0, -0.5 * (2.0 - a) ** 2, 0.0)) * np.sign(r)
+    return w, dw
+
+
+def linear_axis_weights(r: Array, n_nodes: int) -> tuple[Array, Array, Array]:
+    """Nodes, weights and derivatives (n, 2) of the linear basis."""
+    nodes = np.minimum(np.floor(r).astype(int), n_nodes - 2)[:, None] + np.array([0, 1])
+    return nodes, *hat(r[:, None] - nodes)
+
+
+def cubic_axis_weights(r: Array, n_nodes: int, correct: bool) -> tuple[Array, Array, Array]:
+    """Nodes, weights and derivatives (n, 4) of the cubic basis.
+
+    A node outside the grid has weight zero and a clipped index. With the correction its value is the linear
+    continuation of the grid, v_-1 = 2 v_0 - v_1, so that its weight goes to these two.
+    """
+    nodes = np.minimum(np.floor(r).astype(int), n_nodes - 2)[:, None] + np.array([-1, 0, 1, 2])
+    w, dw = cubic_spline(r[:, None] - nodes)
+    for outside, wall, inside in ((0, 1, 2), (3, 2, 1)):
+        ghost = (nodes[:, outside] < 0) | (nodes[:, outside] > n_nodes - 1)
+        for values in (w, dw):
+            if correct:
+                values[ghost, wall] += 2.0 * values[ghost, outside]
+                values[ghost, inside] -= values[ghost, outside]
+            values[ghost, outside] = 0.0
+    return np.clip(nodes, 0, n_nodes - 1), w, dw
+
+
+def axis_weights(r: Array, n_nodes: int, correct: bool, basis: str = "quadratic") -> tuple[Array, Array, Array]:
+    """Nodes, weights and derivatives by r (n, 3) along one axis, or as many as the basis has; r (n,) is in cells.
 
     A stencil node outside the grid has weight zero and a clipped index.
     """
     if np.any((r < 0.0) | (r > n_nodes - 1)):
         raise ValueError("a point lies outside the grid")
+    if basis == "linear":
+        return linear_axis_weights(r, n_nodes)
+    if basis == "cubic":
+        return cubic_axis_weights(r, n_nodes, correct)
     nodes = np.floor(r + 0.5).astype(int)[:, None] + np.array([-1, 0, 1])
     distance = r[:, None] - nodes
     w, dw = spline(distance)
@@ -124,16 +166,18 @@ def axis_weights(r: Array, n_nodes: int, correct: bool) -> tuple[Array, Array, A
 
 
 def weights(
-    x: Array, origin: Array, h: float, n_nodes: Sequence[int], correct: bool = True
+    x: Array, origin: Array, h: float, n_nodes: Sequence[int], correct: bool = True, basis: str = "quadratic"
 ) -> tuple[Array, Array, Array]:
-    """Nodes (n, 3^d, d), w_ip (n, 3^d) of Eq. 7 and grad w_ip (n, 3^d, d) of Eq. 8, products over the axes.
+    """Nodes (n, k^d, d), w_ip (n, k^d) of Eq. 7 and grad w_ip (n, k^d, d) of Eq. 8, products over the axes.
 
     correct=False leaves the spline truncated at the walls.  Raises ValueError for a point outside the grid.
     """
     d = x.shape[1]
-    axes = [axis_weights((x[:, b] - origin[b]) / h, n_nodes[b], correct) for b in range(d)]
-    nodes, w, grad = np.empty((len(x), 3**d, d), int), np.ones((len(x), 3**d)), np.ones((len(x), 3**d, d)) / h
-    for j, stencil in enumerate(product(range(3), repeat=d)):
+    axes = [axis_weights((x[:, b] - origin[b]) / h, n_nodes[b], correct, basis) for b in range(d)]
+    width = axes[0][0].shape[1]
+    size = width**d
+    nodes, w, grad = np.empty((len(x), size, d), int), np.ones((len(x), size)), np.ones((len(x), size, d)) / h
+    for j, stencil in enumerate(product(range(width), repeat=d)):
         for b, (axis_nodes, axis_w, axis_dw) in enumerate(axes):
             column = stencil[b]
             nodes[:, j, b] = axis_nodes[:, column]
@@ -150,7 +194,7 @@ def p2g(points: ReferencePoints, grid: ReferenceGrid, scheme: ReferenceScheme) -
     """Nodal mass (N...), momentum (N..., d) and force f_ext + f_int (N..., d)."""
     d = points.x.shape[1]
     m_i, p_i, f_i = np.zeros(grid.n_nodes), np.zeros((*grid.n_nodes, d)), np.zeros((*grid.n_nodes, d))
-    all_nodes, all_w, all_grad = weights(points.x, grid.origin, grid.h, grid.n_nodes, scheme.correct)
+    all_nodes, all_w, all_grad = weights(points.x, grid.origin, grid.h, grid.n_nodes, scheme.correct, scheme.basis)
     V = points.J * points.V0  # Eq. 30
     for p in range(len(points.x)):
         L, sigma, m = points.grad_v[p, :d, :d], points.sigma[p], points.m[p]
@@ -184,7 +228,7 @@ def grid_update(m: Array, p: Array, f: Array, fixed: Array, scheme: ReferenceSch
 def g2p(points: ReferencePoints, v: Array, a: Array, grid: ReferenceGrid, scheme: ReferenceScheme) -> ReferencePoints:
     """Points with new v, x and grad_v; v and a (N..., d) are v~ and a of the nodes."""
     n, d = points.x.shape
-    all_nodes, all_w, all_grad = weights(points.x, grid.origin, grid.h, grid.n_nodes, scheme.correct)
+    all_nodes, all_w, all_grad = weights(points.x, grid.origin, grid.h, grid.n_nodes, scheme.correct, scheme.basis)
     Sv, Sa, L = np.zeros((n, d)), np.zeros((n, d)), np.zeros((n, 3, 3))
     for p in range(n):
         for node, w, grad in zip(all_nodes[p], all_w[p], all_grad[p], strict=True):
@@ -209,7 +253,7 @@ def affine_matrices(x: Array, v: Array, grid: ReferenceGrid, scheme: ReferenceSc
     """C_p = B_p D_p^-1 (n, d, d) of Jiang et al. 2015 (doi:10.1145/2766996, Eq. 8-10) from the nodal velocities."""
     n, d = x.shape
     C = np.zeros((n, d, d))
-    all_nodes, all_w, _ = weights(x, grid.origin, grid.h, grid.n_nodes, scheme.correct)
+    all_nodes, all_w, _ = weights(x, grid.origin, grid.h, grid.n_nodes, scheme.correct, scheme.basis)
     for p in range(n):
         B, D = np.zeros((d, d)), np.zeros((d, d))
         for node, w in zip(all_nodes[p], all_w[p], strict=True):
@@ -318,7 +362,7 @@ def nodal_velocity(m: Array, p: Array, fixed: Array, scheme: ReferenceScheme) ->
 def velocity_gradient(x: Array, v: Array, grid: ReferenceGrid, scheme: ReferenceScheme) -> Array:
     """Gradient (n, 3, 3) at the points of the nodal velocity v (N..., d), Eq. 28."""
     n, d = x.shape
-    all_nodes, all_w, all_grad = weights(x, grid.origin, grid.h, grid.n_nodes, scheme.correct)
+    all_nodes, all_w, all_grad = weights(x, grid.origin, grid.h, grid.n_nodes, scheme.correct, scheme.basis)
     L = np.zeros((n, 3, 3))
     for p in range(n):
         for node, w, grad in zip(all_nodes[p], all_w[p], all_grad[p], strict=True):

@@ -8,6 +8,8 @@ from mpmcol.jit import device
 from mpmcol.simd import any_positive, larger, round_down, splat, where_positive
 
 WIDTH = 3
+TRAVEL = 1.0
+STIFFNESS = 6.0
 
 
 @device

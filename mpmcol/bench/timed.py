@@ -17,7 +17,8 @@ from mpmcol.jit import driver, phase, prange, variant
 from mpmcol.kernels.cycle import DT, sum_nodes, sum_points
 from mpmcol.kernels.grid import clear, update_grid
 from mpmcol.kernels.transfer import make_p2g
-from mpmcol.kernels.update import TRANSFERS, make_update_points
+from mpmcol.kernels.transfer_any import TRANSFERS
+from mpmcol.kernels.update import make_update_points
 from mpmcol.simd import lane
 
 VECTOR_PHASES = ("clear", "p2g", "update_grid", "update_points", "sums")

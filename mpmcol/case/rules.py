@@ -136,6 +136,16 @@ RULES = (
         "must be left out with {1}, which has no FLIP velocity",
     ),
     Rule(
+        ("method.kernel_correction", "method.basis"),
+        lambda correction, basis: correction or basis != "linear",
+        "must be left out with {1}, whose weights need none",
+    ),
+    Rule(
+        ("method.transfer", "method.basis"),
+        lambda transfer, basis: transfer != "apic" or basis != "linear",
+        'cannot be "apic" with {1}, where its matrix is the velocity gradient: the same as "tpic"',
+    ),
+    Rule(
         ("method.transfer", "method.kernel_correction"),
         lambda transfer, correction: transfer != "apic" or correction,
         'cannot be "apic" with {1}: beside walls its matrix needs weights that add up to one',

@@ -103,8 +103,15 @@ class Grid(Keys):
 class Method(Keys):
     """The material point method and its variants."""
 
-    basis: Literal["quadratic"] = choice("B-spline that carries the points' data to the nodes", "quadratic")
-    kernel_correction: bool = choice("exact linear hats in the half cell next to a wall", True)
+    basis: Literal["linear", "quadratic", "cubic"] = choice(
+        "B-spline that carries the points' data to the nodes; with linear hats, points that cross cells ring",
+        "quadratic",
+    )
+    kernel_correction: bool = choice(
+        "weights next to a wall keep constants and linear fields: hats in its half cell, for the cubic spline the node "
+        "outside as a linear continuation; false cuts the spline off",
+        True,
+    )
     transfer: Literal["taylor-flip", "flip", "pic", "tpic", "apic"] = choice(
         "velocity transfer; taylor-flip (Taylor P2G, FLIP update) is the paper's, tpic has a PIC update, apic carries "
         "an affine matrix from the weights in place of the velocity gradient",

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from mpmcol.basis import BASES
 from mpmcol.jit import device, driver, variant
 from mpmcol.kernels.grid import (
     DAMPING,
@@ -37,9 +38,9 @@ L_DAMPING, L_WALLS, L_WORK, L_NODE_WORK, L_GRID, L_KINETIC, L_UNBALANCED, LEDGER
 
 
 @device
-def is_ordered(clock):
-    """Whether every point is less than one cell away from where it was sorted."""
-    return clock[TRAVELLED] < 1.0
+def is_ordered(clock, reach):
+    """Whether every point is less than `reach` cells away from where it was sorted."""
+    return clock[TRAVELLED] < reach
 
 
 @device
@@ -84,6 +85,7 @@ def make_cycle(
 ) -> Callable[..., Any]:
     """The compiled loop over steps for this dimension, these two laws and this scheme."""
     step, row = make_step(dimension, column_law, base_law, scheme), ROW[dimension]
+    reach = BASES[scheme.basis].TRAVEL
     lanes_moved = LANES if scheme.stress_order == "musl" else 0
 
     @driver
@@ -112,7 +114,7 @@ def make_cycle(
         node_report, tile_report = reports
         laws, moved = (column, base, c2_column, c2_base), np.empty(lanes_moved * (len(rows) // row))
         for _ in range(steps):
-            if clock[TIME] >= end or not is_ordered(clock):
+            if clock[TIME] >= end or not is_ordered(clock, reach):
                 break
             dt = clock[DT]
             step(rows, grid, tiles, settings, laws, smallest_mass, dt, moved, node_report, tile_report)

@@ -1,7 +1,8 @@
 """Points in order of tiles, so that tiles of one group can be scattered in parallel and memory is read in line.
 
-The first node of a point's stencil decides its tile. A point may travel up to one cell before the next sort: its
-stencil then still keeps clear of every other tile of the same colour. Works in two and three dimensions.
+The first node of a point's quadratic stencil decides its tile. A point may travel up to one cell before the next sort
+(half a cell with the cubic basis): its stencil then still keeps clear of every other tile of the same colour, and of
+all nodes but those of its tile and the tiles beside it. Works in two and three dimensions.
 """
 
 from __future__ import annotations

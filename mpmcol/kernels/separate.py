@@ -15,12 +15,12 @@ from mpmcol.basis import BASES
 from mpmcol.jit import phase, prange, variant
 from mpmcol.kernels.sums import keep_columns, make_sums, restore_columns, set_columns
 from mpmcol.kernels.transfer import AHEAD, forces, prefetch_record
+from mpmcol.kernels.transfer_any import make_transfer
 from mpmcol.kernels.update import (
     FAULT,
     NO_FAULT,
     NODE_WORK,
     SPEED,
-    TRANSFERS,
     TRAVEL,
     WORK,
     Box,
@@ -28,14 +28,15 @@ from mpmcol.kernels.update import (
     make_update_stresses,
 )  # fmt: skip
 from mpmcol.simd import LANES, lane, larger, load, splat, store, where_positive
-from mpmcol.state import L_ZZ, Scheme, X
+from mpmcol.state import L_ZZ, ROW, Scheme, X
 
 
 def make_move(dimension: int, scheme: Scheme) -> Callable[..., None]:
     """G2P without stress."""
-    gather, limits, row = TRANSFERS[dimension].gather, TRANSFERS[dimension].limits, TRANSFERS[dimension].ROW
+    transfer = make_transfer(dimension, scheme.basis)
+    gather, limits, row = transfer.gather, transfer.limits, transfer.ROW
     affine, waits = scheme.affine, scheme.stress_order == "musl"
-    sums = make_sums(dimension, BASES["quadratic"], affine)
+    sums = make_sums(dimension, BASES[scheme.basis], affine)
 
     @phase
     @variant(dimension, *scheme)
@@ -70,7 +71,7 @@ def make_strain(dimension: int, column_law: ModuleType, base_law: ModuleType, sc
     """The stress update with the gradient of the present nodal velocities."""
     column_stress = make_update_stresses(dimension, column_law)
     base_stress = make_update_stresses(dimension, base_law)
-    sums, row, kept = make_sums(dimension, BASES["quadratic"], False), TRANSFERS[dimension].ROW, dimension * LANES
+    sums, row, kept = make_sums(dimension, BASES[scheme.basis], False), ROW[dimension], dimension * LANES
     waits, flat = scheme.stress_order == "musl", dimension == 2
 
     @phase

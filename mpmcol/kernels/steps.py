@@ -15,7 +15,8 @@ from mpmcol.jit import device, variant
 from mpmcol.kernels.grid import clear, find_velocities, update_grid
 from mpmcol.kernels.separate import make_move, make_strain
 from mpmcol.kernels.transfer import make_p2g
-from mpmcol.kernels.update import TRANSFERS, make_update_points
+from mpmcol.kernels.transfer_any import make_transfer
+from mpmcol.kernels.update import make_update_points
 from mpmcol.state import Scheme
 
 
@@ -25,7 +26,7 @@ def make_step(dimension: int, column_law: ModuleType, base_law: ModuleType, sche
 
 
 def _make_usl(dimension: int, column_law: ModuleType, base_law: ModuleType, scheme: Scheme) -> Callable[..., Any]:
-    p2g = make_p2g(TRANSFERS[dimension])
+    p2g = make_p2g(make_transfer(dimension, scheme.basis))
     update_points = make_update_points(dimension, column_law, base_law, scheme)
 
     @device
@@ -42,7 +43,7 @@ def _make_usl(dimension: int, column_law: ModuleType, base_law: ModuleType, sche
 
 
 def _make_usf(dimension: int, column_law: ModuleType, base_law: ModuleType, scheme: Scheme) -> Callable[..., Any]:
-    p2g, move = make_p2g(TRANSFERS[dimension]), make_move(dimension, scheme)
+    p2g, move = make_p2g(make_transfer(dimension, scheme.basis)), make_move(dimension, scheme)
     strain = make_strain(dimension, column_law, base_law, scheme)
 
     @device
@@ -63,7 +64,7 @@ def _make_usf(dimension: int, column_law: ModuleType, base_law: ModuleType, sche
 
 
 def _make_musl(dimension: int, column_law: ModuleType, base_law: ModuleType, scheme: Scheme) -> Callable[..., Any]:
-    p2g, move = make_p2g(TRANSFERS[dimension]), make_move(dimension, scheme)
+    p2g, move = make_p2g(make_transfer(dimension, scheme.basis)), make_move(dimension, scheme)
     strain = make_strain(dimension, column_law, base_law, scheme)
 
     @device

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -18,8 +17,8 @@ AHEAD = 24  # points: memory answers in the time that so many take
 WALL_GAP = 0.1  # in h: a point closer to one wall would be stiffer than the default time step bears (nu up to 0.3)
 
 
-def make_p2g(transfer: ModuleType) -> Callable[..., None]:
-    """P2G over all points, with the dimension's stencil frozen in."""
+def make_p2g(transfer: Any) -> Callable[..., None]:
+    """P2G over all points, with a stencil (`transfer_any.make_transfer`) frozen in."""
     scatter, row = transfer.scatter, transfer.ROW
 
     @phase

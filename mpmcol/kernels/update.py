@@ -11,18 +11,18 @@ import numpy as np
 from mpmcol.basis import BASES
 from mpmcol.grid import Grid
 from mpmcol.jit import device, phase, prange, variant
-from mpmcol.kernels import stress_2d, stress_3d, transfer_2d, transfer_3d
+from mpmcol.kernels import stress_2d, stress_3d
 from mpmcol.kernels.sums import keep_columns, make_sums, restore_columns
 from mpmcol.kernels.transfer import AHEAD, prefetch_record
+from mpmcol.kernels.transfer_any import make_transfer
 from mpmcol.simd import LANES, any_positive, lane, larger, largest_lane, load, splat, sum_lanes, vector, where_positive
-from mpmcol.state import PAPER, Scheme, Settings
+from mpmcol.state import PAPER, ROW, Scheme, Settings
 
 # what a tile of points reports
 SPEED, TRAVEL, WORK, NODE_WORK, FAULT, TILE_REPORT = range(6)
 
 EDGE_CELLS = 2  # material this close to an open end of the domain stops the run
 NO_FAULT = -1.0
-TRANSFERS = {2: transfer_2d, 3: transfer_3d}
 STRESSES = {2: stress_2d, 3: stress_3d}
 
 
@@ -53,11 +53,12 @@ def make_update_points(
     dimension: int, column_law: ModuleType, base_law: ModuleType, scheme: Scheme = PAPER
 ) -> Callable[..., None]:
     """G2P and stress, tile by tile, with the dimension, the laws of column and base and the scheme frozen in."""
-    gather, limits, row = TRANSFERS[dimension].gather, TRANSFERS[dimension].limits, TRANSFERS[dimension].ROW
+    transfer = make_transfer(dimension, scheme.basis)
+    gather, limits, row = transfer.gather, transfer.limits, transfer.ROW
     column_stress = make_update_stresses(dimension, column_law)
     base_stress = make_update_stresses(dimension, base_law)
     affine, kept = scheme.affine, dimension * LANES
-    sums = make_sums(dimension, BASES["quadratic"], affine)
+    sums = make_sums(dimension, BASES[scheme.basis], affine)
 
     @phase
     @variant(dimension, column_law, base_law, *scheme)
@@ -97,7 +98,7 @@ def make_update_points(
 
 def make_update_stresses(dimension: int, law: ModuleType) -> Callable[..., Any]:
     """The stress update of a range of points, eight at a time."""
-    update_stress, row = STRESSES[dimension].make_update_stress(law), TRANSFERS[dimension].ROW
+    update_stress, row = STRESSES[dimension].make_update_stress(law), ROW[dimension]
 
     @device
     @variant(dimension, law)

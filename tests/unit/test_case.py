@@ -372,6 +372,8 @@ def test_words_of_three_dimensions(write: Write) -> None:
     ("overrides", "message"),
     [
         (["transfer=tpic", "flip_fraction=0.9"], 'must be left out with method.transfer = "tpic"'),
+        (["basis=linear", "kernel_correction=false"], 'must be left out with method.basis = "linear"'),
+        (["basis=linear", "transfer=apic"], 'cannot be "apic" with method.basis = "linear"'),
         (["transfer=apic", "kernel_correction=false"], 'cannot be "apic" with method.kernel_correction = false'),
     ],
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from mpmcol.case import load_case
+from mpmcol.layout import make_layout
 from mpmcol.scene import build_scene
 from mpmcol.state import PAPER, Scheme
 
@@ -18,6 +19,8 @@ from mpmcol.state import PAPER, Scheme
         (["transfer=tpic"], 1.0, 0.0, PAPER),
         (["transfer=apic"], 1.0, 0.0, Scheme(affine=True)),
         (["stress_order=usf"], 1.0, 1.0, Scheme("usf")),
+        (["basis=cubic"], 1.0, 1.0, Scheme(basis="cubic")),
+        (["basis=linear", "transfer=flip"], 0.0, 1.0, Scheme(basis="linear")),
         (["stress_order=musl", "transfer=apic"], 1.0, 0.0, Scheme("musl", affine=True)),
     ],
     ids=str,
@@ -27,3 +30,21 @@ def test_words_of_the_method(words: list[str], taylor: float, flip_fraction: flo
     for stage in (scene.equilibrate, scene.collapse):
         assert (stage.settings.taylor, stage.settings.flip_fraction) == (taylor, flip_fraction)
     assert scene.scheme == scheme
+
+
+@pytest.mark.parametrize(
+    ("overrides", "told"),
+    [
+        (["time.cfl=0.73"], ""),
+        (["time.cfl=0.74"], "time.cfl = 0.74 exceeds 0.73"),
+        (["time.cfl=1.0", "method.basis=cubic"], ""),
+        (["time.cfl=1.02", "method.basis=cubic"], "time.cfl = 1.02 exceeds 1.01"),
+        (["method.basis=linear"], "with time.cfl = 0.5 a point alone is unstable where it is within 0.085 h"),
+    ],
+    ids=str,
+)
+def test_time_steps_that_a_point_alone_does_not_bear_are_told(overrides: list[str], told: str) -> None:
+    """Bounds for nu = 0.2 in plane strain, from the eigenvalues of one point."""
+    warnings = [text for text in make_layout(load_case("quickstart", overrides)).warnings if "cfl" in text]
+    assert len(warnings) == (1 if told else 0)
+    assert all(told in text for text in warnings)

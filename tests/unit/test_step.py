@@ -99,7 +99,10 @@ COMBINATIONS += [(3, "mohr-coulomb", change | {"gravity_z": 1.0}) for change in 
 AXISYMMETRIC, PIC = {"axisymmetric": True}, {"flip_fraction": 0.0}
 SCHEMES = [(Scheme(affine=True), d) for d in (2, 3)] + [(Scheme(order), d) for order in ("usf", "musl") for d in (2, 3)]
 SCHEMES += [(Scheme("musl", affine=True), 2)]
+SCHEMES += [(Scheme(basis=basis), d) for basis in ("linear", "cubic") for d in (2, 3)]
+SCHEMES += [(Scheme("usf", affine=True, basis="cubic"), 2)]
 SCHEME_COMBINATIONS = [(scheme, d, change) for scheme, d in SCHEMES for change in ([PIC, AXISYMMETRIC][: 4 - d])]
+SCHEME_COMBINATIONS += [(Scheme(basis="cubic"), d, {"kernel_correction": False}) for d in (2, 3)]
 
 
 @pytest.mark.parametrize(("d", "law", "change"), COMBINATIONS, ids=str)
@@ -132,7 +135,8 @@ def compare_with_reference(d: int, law: str, change: dict, scheme: Scheme) -> No
         choices = reference.ReferenceScheme(
             solver.dt, gravity, settings.alpha_d, settings.taylor, settings.flip_fraction, settings.position_factor,
             settings.wall_impulse, settings.opening_strain, settings.kernel_correction, settings.axisymmetric,
-            m_min=1e-20 * points.m.min(), stress_order=scheme.stress_order, apic=scheme.affine,
+            m_min=1e-20 * points.m.min(), stress_order=scheme.stress_order, basis=scheme.basis,
+            apic=scheme.affine,
         )  # fmt: skip
         assert solver.advance(1.0, max_steps=1) == -1
         expected = reference.step(expected, reference_grid, np.stack(fixed, -1), materials, choices)

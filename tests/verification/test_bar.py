@@ -107,6 +107,16 @@ def test_stress_first_gains_the_energy_that_stress_last_loses(order: str, energy
     assert bar.cross_motion < 1e-12
 
 
+@pytest.mark.parametrize(
+    ("basis", "cfl", "energy"), [("linear", 0.5, 0.9996), ("cubic", 0.5, 0.9985), ("cubic", 1.1, 0.9965)]
+)
+def test_period_and_energy_with_other_bases(basis: str, cfl: float, energy: float) -> None:
+    """The cubic one bears time steps up to 1.13 for a point alone in one dimension, the quadratic one 0.82."""
+    bar = vibration("taylor-flip", cfl, scheme=Scheme(basis=basis))
+    assert bar.period == pytest.approx(PERIOD, rel=1e-3)
+    assert bar.energy == pytest.approx(energy, abs=2e-4)
+
+
 def test_musl_halves_the_loss_of_flip() -> None:
     lost = {order: 1.0 - vibration("flip", 0.5, scheme=Scheme(order)).energy for order in ("usl", "musl")}
     assert 0.0 < lost["musl"] < 0.6 * lost["usl"]

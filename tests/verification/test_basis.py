@@ -7,6 +7,7 @@ from itertools import product
 import numpy as np
 import pytest
 
+from mpmcol.basis import BASES
 from mpmcol.basis.quadratic import spline, splines
 from mpmcol.simd import vector
 
@@ -77,3 +78,78 @@ def test_all_lanes_have_the_bits_of_the_single_spline(correction: bool) -> None:
         found = splines(s, bottom, top, correction)
         for axis, (place, n) in enumerate(zip(places, lengths, strict=True)):
             assert [value[4 + axis] for value in found] == list(spline(place, n, correction))
+
+
+# ------------------------------------------------------------------------------------------- any basis
+
+every_basis = pytest.mark.parametrize("basis", list(BASES))
+
+
+def dense_weights(basis: str, s: np.ndarray, correction: bool = True) -> tuple[np.ndarray, np.ndarray]:
+    """Weights and gradients (n, NODES) of all nodes of an axis at `s` (n,), all inside the grid."""
+    far = np.inf
+    w, g = np.zeros((2, len(s), NODES))
+    for place, w_p, g_p in zip(s, w, g, strict=True):
+        lanes = vector(-far, -far, -far, -far, 0.5, 0.5, 0.5, -far), vector(*[far] * 4, *[NODES - 1.5] * 3, far)
+        base, *rest = BASES[basis].padded(vector(*[place] * 8), *lanes, correction)
+        found = np.array(rest)[:, 5]
+        width = BASES[basis].WIDTH
+        assert 0 <= base[5] <= NODES - width and not np.any(found[width:4]) and not np.any(found[4 + width :])
+        nodes = int(base[5]) + np.arange(width)
+        w_p[nodes], g_p[nodes] = found[:width], found[4 : 4 + width]
+    return w, g
+
+
+@every_basis
+def test_every_basis_reproduces_constants_and_coordinates_in_every_cell(basis: str) -> None:
+    w, g = dense_weights(basis, EVERY_CELL)
+    nodes = np.arange(NODES)
+    assert np.all(w >= -1e-16)
+    np.testing.assert_allclose(w.sum(axis=1), 1.0, atol=EXACT)
+    np.testing.assert_allclose(w @ nodes, EVERY_CELL, atol=EXACT)
+    np.testing.assert_allclose(g.sum(axis=1), 0.0, atol=EXACT)
+    np.testing.assert_allclose(g @ nodes, 1.0, atol=EXACT)
+
+
+@every_basis
+@pytest.mark.parametrize("correction", [True, False])
+def test_gradients_are_the_derivatives_of_the_weights(basis: str, correction: bool) -> None:
+    step = 1e-6
+    s = EVERY_CELL[1:-1]
+    s = s[np.abs(2.0 * s - np.round(2.0 * s)) > 1e-3]  # where no two pieces join
+    (up, _), (down, _), (_, g) = (dense_weights(basis, s + shift, correction) for shift in (step, -step, 0.0))
+    np.testing.assert_allclose((up - down) / (2.0 * step), g, atol=1e-9)
+
+
+@pytest.mark.parametrize("join", [1.0, 2.0, NODES - 2.0])
+def test_pieces_of_the_cubic_basis_join_with_equal_value_slope_and_curvature(join: float) -> None:
+    step = 1e-4
+    low, high = (dense_weights("cubic", np.array([join + shift for shift in shifts]))
+                 for shifts in ((-step, -1e-12), (1e-12, step)))  # fmt: skip
+    np.testing.assert_allclose(low[0][1], high[0][0], atol=1e-11)
+    np.testing.assert_allclose(low[1][1], high[1][0], atol=1e-11)
+    np.testing.assert_allclose((low[1][1] - low[1][0]), (high[1][1] - high[1][0]), atol=4.0 * step**2)
+
+
+def test_far_from_walls_cubic_weights_are_those_of_the_b_spline() -> None:
+    """(1 - r)^3 / 6 ... from the convolution of hats: 1/6, 2/3, 1/6 on a node, 1/48 and 23/48 between two."""
+    w, _ = dense_weights("cubic", np.array([2.0, 2.5]))
+    np.testing.assert_allclose(w[0], [0.0, 1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0, 0.0, 0.0], atol=1e-15)
+    np.testing.assert_allclose(w[1], [0.0, 1.0 / 48.0, 23.0 / 48.0, 23.0 / 48.0, 1.0 / 48.0, 0.0], atol=1e-15)
+
+
+def test_without_correction_the_cubic_spline_is_cut_off_at_the_wall() -> None:
+    xi = np.linspace(0.01, 0.99, 50)
+    for s in (xi, NODES - 1.0 - xi):
+        w, g = dense_weights("cubic", s, correction=False)
+        np.testing.assert_allclose(w.sum(axis=1), 1.0 - (1.0 - xi) ** 3 / 6.0)
+        np.testing.assert_allclose(np.abs(g.sum(axis=1)), 0.5 * (1.0 - xi) ** 2)
+
+
+@every_basis
+def test_stiffness_bounds_what_one_point_feels_away_from_walls(basis: str) -> None:
+    s = np.linspace(2.001, 2.999, 999)
+    w, g = dense_weights(basis, s)
+    largest = (g**2 / np.where(w > 0.0, w, 1.0)).sum(axis=1).max()
+    assert largest <= BASES[basis].STIFFNESS
+    assert largest > min(0.98 * BASES[basis].STIFFNESS, 900.0)

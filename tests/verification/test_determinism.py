@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from mpmcol.state import PAPER, Scheme
 from tests.verification.blocks import advance_steps
 from tests.verification.test_energy import DAMPED, collapse
 
@@ -17,15 +18,16 @@ ROOT = Path(__file__).absolute().parents[2]
 STEPS = 400
 IN_ANOTHER_PROCESS = """
 from mpmcol.jit import set_threads
-from tests.verification.test_determinism import fingerprint
+from tests.verification.test_determinism import OTHER, fingerprint
 for threads in (1, 2, 4):
-    print(set_threads(threads), fingerprint(2), fingerprint(3))
+    print(set_threads(threads), fingerprint(2), fingerprint(3), fingerprint(2, scheme=OTHER))
 """
+OTHER = Scheme("musl", affine=True, basis="cubic")
 
 
-def fingerprint(d: int, chunk: int = STEPS) -> str:
+def fingerprint(d: int, chunk: int = STEPS, scheme: Scheme = PAPER) -> str:
     """Hash of all points, the clock and the ledger after STEPS steps in d dimensions, `chunk` steps a call."""
-    solver = collapse(DAMPED, d)
+    solver = collapse(DAMPED, d, scheme=scheme)
     for done in range(0, STEPS, chunk):
         advance_steps(solver, min(chunk, STEPS - done))
     assert solver.steps == STEPS
@@ -47,9 +49,13 @@ def test_equal_for_1_2_and_4_threads() -> None:
     )
     threads, *prints = zip(*(line.split() for line in run.stdout.splitlines()), strict=True)
     assert threads == ("1", "2", "4")
-    assert [set(each) for each in prints] == [{fingerprint(2)}, {fingerprint(3)}]
+    assert [set(each) for each in prints] == [{fingerprint(2)}, {fingerprint(3)}, {fingerprint(2, scheme=OTHER)}]
 
 
 @pytest.mark.parametrize("d", [2, 3])
 def test_equal_however_the_calls_are_cut(d: int) -> None:
     assert fingerprint(d, chunk=1) == fingerprint(d, chunk=7) == fingerprint(d)
+
+
+def test_so_is_another_scheme() -> None:
+    assert fingerprint(2, 7, OTHER) == fingerprint(2, scheme=OTHER)

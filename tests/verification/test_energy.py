@@ -51,6 +51,7 @@ WIDTH, HEIGHT, BASE = 0.08, 0.16, 0.02
 LENGTH, SPACING = {2: 0.5, 3: 0.24}, {2: 0.01, 3: 0.02}
 YOUNG = 1e6
 DAMPED = PLAIN._replace(alpha_d=0.05)
+SCHEMES = [Scheme("usf"), Scheme("musl"), Scheme(affine=True), Scheme(basis="linear"), Scheme(basis="cubic")]
 
 
 def collapse(settings: Settings, d: int = 2, h: float | None = None, scheme: Scheme = PAPER) -> Solver:
@@ -124,7 +125,7 @@ def test_the_ledger_of_a_collapse_closes(d: int, axisymmetric: bool, wall_impuls
 
 
 @pytest.mark.parametrize(("d", "axisymmetric"), [(2, False), (2, True), (3, False)], ids=["plane", "axi", "space"])
-@pytest.mark.parametrize("scheme", [Scheme("usf"), Scheme("musl"), Scheme(affine=True)], ids=str)
+@pytest.mark.parametrize("scheme", SCHEMES, ids=str)
 def test_the_ledger_of_every_scheme_closes(scheme: Scheme, d: int, axisymmetric: bool) -> None:
     """Its terms are the same: the work on the nodes is that of the stress that made the forces, whenever it was made.
 

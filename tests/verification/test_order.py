@@ -7,6 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from mpmcol.basis import BASES
 from mpmcol.basis.quadratic import base_node
 from mpmcol.grid import NODE, TILE, Grid, Tiles, allocate_grid, tile_count
 from mpmcol.kernels.order import BAND, scratch, sort_points
@@ -71,14 +72,23 @@ def test_points_stand_by_tile_then_kind_then_cell(d: int) -> None:
             assert cells == sorted(cells)
 
 
-def touched(points: Points, grid: Grid, seed: int) -> np.ndarray:
-    """Addresses (n, 3 ** d) of the nodes of all stencils, each point moved by less than a cell along each axis."""
-    d, moved = points.dimension, Points(len(points), points.dimension)
-    step = np.random.default_rng(seed).choice([-0.999, -0.5, 0.0, 0.5, 0.999], points.x.shape)
+def stencils(points: Points, grid: Grid, basis: str) -> np.ndarray:
+    """First node (n, 3) of each point's stencil in a basis."""
+    counts, first = (grid.n_x, grid.n_y, grid.n_z), np.zeros((len(points), 3), int)
+    for axis in range(points.dimension):
+        cells = (points.x[:, [axis]] - ORIGIN[axis]) / H
+        first[:, axis] = BASES[basis].padded(cells, 0.5, counts[axis] - 1.5, True)[0][:, 0]
+    return first
+
+
+def touched(points: Points, grid: Grid, seed: int, basis: str = "quadratic", travel: float | None = None) -> np.ndarray:
+    """Addresses (n, width ** d) of the nodes of all stencils, each point moved by less than `travel` cells an axis."""
+    d, moved, travel = points.dimension, Points(len(points), points.dimension), travel or BASES[basis].TRAVEL
+    step = travel * np.random.default_rng(seed).choice([-0.999, -0.5, 0.0, 0.5, 0.999], points.x.shape)
     low, high = np.array(ORIGIN[:d]), np.array(ORIGIN[:d]) + H * np.array(CELLS[d])
     moved.x[:] = np.clip(points.x + H * step, low + 1e-9, high - 1e-9)
-    i, j, k = first_nodes(moved, grid).T
-    reach = range(3)
+    i, j, k = stencils(moved, grid, basis).T
+    reach = range(BASES[basis].WIDTH)
     columns = [
         grid.ax[i + a] + grid.ay[j + b] + (grid.az[k + c] if d == 3 else 0)
         for a in reach for b in reach for c in (reach if d == 3 else (0,))
@@ -86,12 +96,16 @@ def touched(points: Points, grid: Grid, seed: int) -> np.ndarray:
     return np.stack(columns, axis=1)
 
 
+every_basis = pytest.mark.parametrize("basis", list(BASES))
+
+
 @DIMENSIONS
-def test_active_tiles_hold_every_node_in_reach(d: int) -> None:
+@every_basis
+def test_active_tiles_hold_every_node_in_reach(basis: str, d: int) -> None:
     _, after, grid, tiles = sorted_points(d)
     assert np.all(np.diff(tiles.active) > 0) and np.all(tiles.active % grid.tile_doubles == 0)
     for seed in range(20):
-        reached = np.unique(touched(after, grid, seed) // grid.tile_doubles * grid.tile_doubles)
+        reached = np.unique(touched(after, grid, seed, basis) // grid.tile_doubles * grid.tile_doubles)
         assert np.all(np.isin(reached, tiles.active))
 
 
@@ -105,14 +119,21 @@ def test_active_tiles_are_those_around_points_only() -> None:
         assert grid.ax[8] + grid.ay[8] + (grid.az[8] if d == 3 else 0) in active
 
 
-@DIMENSIONS
-def test_tiles_of_a_group_share_no_node(d: int) -> None:
+def nodes_of_tiles(basis: str, d: int, travel: float | None = None) -> tuple[Tiles, list[set[int]]]:
+    """Tiles and the addresses that the points of each can reach."""
     _, after, grid, tiles = sorted_points(d)
     nodes: list[set[int]] = [set() for _ in tiles.split]
     for seed in range(20):
-        addresses = touched(after, grid, seed)
+        addresses = touched(after, grid, seed, basis, travel)
         for t in range(len(tiles.split)):
             nodes[t] |= set(np.unique(addresses[tiles.start[t] : tiles.start[t + 1]]).tolist())
+    return tiles, nodes
+
+
+@DIMENSIONS
+@every_basis
+def test_tiles_of_a_group_share_no_node(basis: str, d: int) -> None:
+    tiles, nodes = nodes_of_tiles(basis, d)
     assert sorted(tiles.grouped) == list(range(len(tiles.split)))
     assert len(tiles.group_start) == 2**d + 1 and tiles.group_start[-1] == len(tiles.split)
     shared_by_groups = set()
@@ -122,6 +143,13 @@ def test_tiles_of_a_group_share_no_node(d: int) -> None:
         assert len(set().union(*own)) == sum(map(len, own))
         shared_by_groups |= set().union(*own)
     assert len(shared_by_groups) < sum(map(len, nodes))  # groups do share: the test can fail
+
+
+@DIMENSIONS
+def test_cubic_stencils_of_a_group_would_meet_if_points_travelled_a_whole_cell(d: int) -> None:
+    tiles, nodes = nodes_of_tiles("cubic", d, travel=1.0)
+    groups = [[nodes[t] for t in tiles.grouped[first:stop]] for first, stop in pairwise(tiles.group_start)]
+    assert any(len(set().union(*own)) < sum(map(len, own)) for own in groups)
 
 
 @DIMENSIONS
