@@ -71,7 +71,7 @@ def update_grid(
 def find_velocities(grid: Grid, tiles: Tiles, smallest_mass: float) -> None:
     """Momentum to velocity, at rest where walls hold it, for an update of the stress alone.
 
-    Reads: nodes (m, mv), fixed. Writes: nodes (v). Eq. (21).
+    Reads: nodes (m, mv), fixed. Writes: nodes (m, v). Eq. (21).
     """
     nodes, fixed, active, size = grid.nodes, grid.fixed, tiles.active, grid.tile_doubles
     floor = MASS_FLOOR * smallest_mass
@@ -82,8 +82,8 @@ def find_velocities(grid: Grid, tiles: Tiles, smallest_mass: float) -> None:
             if m <= floor:
                 store(nodes, o, nothing)
             else:
-                velocity = load(nodes, o) * (1.0 / m) * momenta
-                store(nodes, o, where_positive(_held(fixed[o // NODE]), 0.0, velocity))
+                v = where_positive(_held(fixed[o // NODE]), 0.0, load(nodes, o) * (1.0 / m) * momenta)
+                store(nodes, o, vector(m, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0) + v)
 
 
 @device
