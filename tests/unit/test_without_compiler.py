@@ -18,7 +18,8 @@ from mpmcol.scene import build_scene
 from mpmcol.solver import Solver
 
 scene = build_scene(load_case(CASE, OVERRIDES))
-solver = Solver(scene.points, scene.grid, scene.collapse.settings, scene.collapse.column, scene.base)
+stage = scene.collapse
+solver = Solver(scene.points, scene.grid, stage.settings, stage.column, scene.base, scene.scheme)
 assert solver.advance(1.0, max_steps=3) == -1
 order = np.argsort(solver.points.id)
 np.save(OUT, np.column_stack([solver.points.x, solver.points.v, solver.points.sigma, solver.points.J])[order])
@@ -30,13 +31,15 @@ TINY = {
     "quickstart": ["grid.spacing=0.015", "geometry.aspect=0.5"],
     "lube-quarter": ["grid.spacing=0.03", "geometry.aspect=0.5", "geometry.base=rigid"],
 }
+CHOICES = [[], ["method.basis=cubic", "method.transfer=apic", "method.stress_order=musl"]]
 
 
+@pytest.mark.parametrize("choices", CHOICES, ids=["default", "cubic apic musl"])
 @pytest.mark.parametrize("case", list(TINY))
-def test_plain_python_gives_what_the_compiled_kernels_give(case: str, tmp_path: Path) -> None:
+def test_plain_python_gives_what_the_compiled_kernels_give(case: str, choices: list[str], tmp_path: Path) -> None:
     for disabled in ("0", "1"):
         program = PROGRAM.replace("OUT", repr(str(tmp_path / f"{disabled}.npy")))
-        program = program.replace("CASE", repr(case)).replace("OVERRIDES", repr(TINY[case]))
+        program = program.replace("CASE", repr(case)).replace("OVERRIDES", repr(TINY[case] + choices))
         environment = os.environ | {"NUMBA_DISABLE_JIT": disabled}
         child = subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True)
         assert child.returncode == 0, child.stderr
