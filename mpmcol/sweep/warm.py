@@ -12,8 +12,9 @@ if TYPE_CHECKING:
 
 def kernels_of(point: Point) -> tuple[object, ...]:
     """What decides which kernels a run needs: points of equal value share them."""
-    case = point.case
-    return case.geometry.dimension, case.material.law, case.stages.equilibrate.law
+    case, method = point.case, point.case.method
+    scheme = method.basis, method.stress_order, method.transfer == "apic"
+    return case.geometry.dimension, case.material.law, case.stages.equilibrate.law, *scheme
 
 
 def smallest_of_each(points: Sequence[Point]) -> list[Point]:
@@ -30,7 +31,7 @@ def warm(source: str) -> None:
 
     scene = build_scene(load_case(source))
     for stage in (scene.equilibrate, scene.collapse):
-        Solver(scene.points, scene.grid, stage.settings, stage.column, scene.base).prepare()
+        Solver(scene.points, scene.grid, stage.settings, stage.column, scene.base, scene.scheme).prepare()
 
 
 if __name__ == "__main__":

@@ -28,6 +28,7 @@ from mpmcol.sweep.progress import Progress, counts, plan_of, share_done, time_le
 from mpmcol.sweep.shares import Shares
 from mpmcol.sweep.states import read_state
 from mpmcol.sweep.task import Ending, Task, carry_out, run_command
+from mpmcol.sweep.warm import smallest_of_each
 from mpmcol.version import code_version
 
 # What a run does, as far as the engine sees it: argv is the folder, then what is to happen
@@ -355,3 +356,17 @@ def test_compiling_comes_before_the_first_runs(tmp_path: Path, monkeypatch: pyte
     list(run_points(points, Shares(1, 1)))
     assert [command[1:3] for command in commands] == [["-m", "mpmcol.sweep.warm"]]
     assert len(commands[0]) == 4 and "/a1-" in commands[0][3]  # both models share their kernels
+
+
+@pytest.mark.parametrize(
+    ("axis", "sets"),
+    [
+        ("method.transfer=flip,pic,tpic,taylor-flip", 1),
+        ("method.transfer=tpic,apic", 2),
+        ("method.stress_order=usl,usf,musl", 3),
+        ("method.basis=linear,quadratic,cubic", 3),
+    ],
+)
+def test_schemes_have_kernels_of_their_own(axis: str, sets: int, tmp_path: Path) -> None:
+    points = plan_points("lube-cylinder", parse_axes("1", ["grid.spacing=0.02", axis])[0], tmp_path)
+    assert len(smallest_of_each(points)) == sets
