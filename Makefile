@@ -18,7 +18,7 @@ demo: $(READY)   ## install, run cases/quickstart.toml, draw its charts
 	$(BIN)/mpmcol run cases/quickstart.toml --out runs/demo --fresh
 	$(BIN)/mpmcol plot runs/demo
 
-test: $(READY)   ## the tests, under five minutes on two cores
+test: $(READY)   ## the tests: five minutes on two cores, kernels compiled anew
 	$(BIN)/python -m pytest
 
 test-all: $(READY) ## all tests, the slow ones too
