@@ -12,6 +12,7 @@ from mpmcol.measure import FRONTS
 from mpmcol.paper.report import Verdict
 from mpmcol.sweep.members import Finished
 
+FARTHEST = 3.05  # times the finest spacing
 QUANTITIES = (*(f"zeta.{front}" for front in FRONTS), "beta")
 
 
@@ -26,15 +27,19 @@ class Limit:
 def extrapolate(h: Sequence[float], values: Sequence[float]) -> Limit | None:
     """Least-squares line y = y_0 + c h, first order as the base's gap and the front's thickness are; its y_0.
 
-    The standard error is that of the scatter about the line. None for fewer than three spacings.
+    Taken are the spacings up to FARTHEST times the finest: coarser ones are not on the line. The standard error is that
+    of the scatter about the line. None for fewer than three spacings.
     """
-    if len(set(h)) < 3:
+    spacing, value = np.asarray(h, dtype=float), np.asarray(values, dtype=float)
+    near = spacing <= FARTHEST * spacing.min(initial=np.inf)
+    spacing, value = spacing[near], value[near]
+    if len(set(spacing.tolist())) < 3:
         return None
-    matrix = np.stack((np.ones(len(h)), np.asarray(h)), axis=1)
+    matrix = np.stack((np.ones(len(spacing)), spacing), axis=1)
     inverse = np.linalg.inv(matrix.T @ matrix)
-    fit = inverse @ matrix.T @ np.asarray(values)
-    residual = np.asarray(values) - matrix @ fit
-    variance = float(residual @ residual) / (len(h) - 2)
+    fit = inverse @ matrix.T @ value
+    residual = value - matrix @ fit
+    variance = float(residual @ residual) / (len(spacing) - 2)
     return Limit(float(fit[0]), float(np.sqrt(variance * inverse[0, 0])))
 
 

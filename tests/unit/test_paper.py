@@ -31,19 +31,24 @@ def finished(a: float, h: float, zeta: float, beta: float = 0.5) -> Finished:
 
 
 def test_a_line_is_extrapolated_exactly() -> None:
-    limit = extrapolate([4.0, 2.0, 1.0], [1.0 + 0.1 * h for h in (4.0, 2.0, 1.0)])
+    limit = extrapolate([3.0, 2.0, 1.0], [1.0 + 0.1 * h for h in (3.0, 2.0, 1.0)])
     assert limit is not None
     assert limit.value == pytest.approx(1.0, rel=1e-12) and limit.error == pytest.approx(0.0, abs=1e-12)
 
 
 def test_the_error_of_a_limit_is_that_of_its_scatter() -> None:
     """Of many series with normal noise, the limits scatter as the fit says on average."""
-    rng, h = np.random.default_rng(1), [6.0, 4.5, 3.0, 2.0, 1.0]
+    rng, h = np.random.default_rng(1), [3.0, 2.5, 2.0, 1.5, 1.0]
     limits = [extrapolate(h, 2.0 + 0.1 * np.array(h) + 0.05 * rng.normal(size=5)) for _ in range(4000)]
     values = np.array([limit.value for limit in limits if limit])
     variances = np.array([limit.error**2 for limit in limits if limit])
     assert values.mean() == pytest.approx(2.0, abs=0.005)
     assert np.sqrt(variances.mean()) == pytest.approx(values.std(), rel=0.05)
+
+
+def test_coarse_grids_do_not_bend_the_line() -> None:
+    limit = extrapolate([10.0, 3.0, 2.0, 1.0], [0.0, 1.3, 1.2, 1.1])
+    assert limit is not None and limit.value == pytest.approx(1.0, rel=1e-12)
 
 
 def test_two_spacings_have_no_limit() -> None:
