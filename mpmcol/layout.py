@@ -20,7 +20,7 @@ from mpmcol.measure import ColumnShape
 RUNOUT_MARGIN = 0.5  # r_i beyond the farthest-running experiment
 EMPTY_FACTOR = 2.0  # on the runout over a rigid base, where the empty part of the domain costs nothing
 HEADROOM_CELLS = 6
-END_CELLS = 3  # kept free before the open ends, where material stops the run
+END_CELLS = 4  # nodes this near to an open end hold what comes: far enough from it for the support of every basis
 SOFT = 0.01  # weight over stiffness from which on a unit is probably wrong
 # its record, sorting, its share of the nodes that are touched, and what is copied while a snapshot is written
 BYTES_PER_POINT = {2: 600, 3: 800}
@@ -66,6 +66,10 @@ class Layout:
         """Where the grid begins, m."""
         side = -self.length if self.is_full else 0.0
         return (side, -self.base, side)[: self.dimension]
+
+    def is_held(self, x: np.ndarray) -> np.ndarray:
+        """Which of the points at x (n, d) are so near to an open end of the domain that it holds them."""
+        return np.asarray(np.abs(x[:, ::2]).max(axis=1) > self.length - (END_CELLS + 1) * self.h)
 
     def fall_time(self, gravity: float) -> float:
         """tau = sqrt(h_i / g), s."""

@@ -11,7 +11,7 @@ from mpmcol.case import Case
 from mpmcol.geometries import GEOMETRIES
 from mpmcol.grid import Grid, allocate_grid, node_coordinates, set_fixed
 from mpmcol.laws import LAWS, elastic
-from mpmcol.layout import Layout, make_layout, refuse_if_too_large
+from mpmcol.layout import END_CELLS, Layout, make_layout, refuse_if_too_large
 from mpmcol.solver import Body
 from mpmcol.state import BASE, Points, Scheme, Settings
 
@@ -143,14 +143,16 @@ def assign_k0(case: Case, layout: Layout, points: Points) -> None:
 def close_walls(grid: Grid, layout: Layout, gate_opening: float) -> None:
     """Fix velocities: v = 0 at the floor, v normal to walls, axis, planes of symmetry and ends, and at the gate.
 
-    The gate holds all nodes at and beyond the column's surface above the base and above `gate_opening` (m, inf: none).
+    Above the base the ends hold END_CELLS wide, so that grains that run ahead come to rest there. The gate holds all
+    nodes at and beyond the column's surface above the base and above `gate_opening` (m, inf: none).
     """
     x, y, *z = node_coordinates(grid)
     slack = ON_NODE * layout.h
     floor = y < -layout.base + slack
     horizontal = (x, *z)
     sides = [(c < c.min() + slack) | (c > c.max() - slack) for c in horizontal]
+    ends = [(abs(c) > layout.length - END_CELLS * layout.h - slack) & (y > slack) for c in horizontal]
     gate = GEOMETRIES[layout.shape].gate(horizontal, layout.r_i - slack, layout.depth - slack)
     closed = (y > slack) & (y > gate_opening - slack)
-    held = [floor | side | (surface & closed) for side, surface in zip(sides, gate, strict=True)]
+    held = [floor | side | end | (surface & closed) for side, end, surface in zip(sides, ends, gate, strict=True)]
     set_fixed(grid, held[0], floor, *held[1:])

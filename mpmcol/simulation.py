@@ -23,6 +23,8 @@ from mpmcol.recorder import Recorder, describe, versions
 from mpmcol.results import RESULT_SCHEMA, Results, measure_snapshot, prepare_folder, write_result
 from mpmcol.scene import Scene, Stage, build_scene, close_walls
 from mpmcol.solver import Solver
+from mpmcol.state import BASE
+from mpmcol.stop import Stopped, StopRequest, stop_request
 
 Progress = Callable[[str, float], None]  # stage, share of it that is done
 Say = Callable[[str], None]  # one line for the person who waits
@@ -31,15 +33,18 @@ CHECKS_PER_TAU = 50
 REST_WINDOW = 0.2  # in tau: the column rests when it has been quiet for this long
 REST_ENERGY = 1e-5  # grid kinetic energy over m g h_i
 REST_FRONT = 0.1  # in h
+MOST_HELD = (3, 1e-3)  # points, or this share of the column: more at the ends of the domain are no lone grains
 CALM_CHECKS = 3  # checks in a row under the tolerance that end the equilibration
 
 
 class Run:
     """One run of a case into a folder; `outcome` is the content of result.json."""
 
-    def __init__(self, case: Case, folder: Path, threads: int, fresh: bool, progress: Progress, say: Say) -> None:
+    def __init__(
+        self, case: Case, folder: Path, threads: int, fresh: bool, progress: Progress, say: Say, stop: StopRequest
+    ) -> None:
         self.case, self.folder, self.threads = case, folder, threads
-        self.progress, self.say = progress, say
+        self.progress, self.say, self.stop = progress, say, stop
         self.scene: Scene = build_scene(case)  # may refuse the case: before anything old is removed
         prepare_folder(folder, fresh)
         scene, stage = self.scene, self.scene.equilibrate
@@ -108,11 +113,17 @@ class Run:
                     checks += 1
                     self._lift_gate()
                     self.recorder.record("collapse")
+                    self._watch_ends()
                     self.progress("collapse", solver.time / limit)
                     self.at_rest = solver.time > lifting + self.tau and self._is_quiet()
         self.progress("collapse", 1.0)
         how = "at rest" if self.at_rest else "ended"
         self._say_stage("collapse", f"{how} after {solver.time / self.tau:.2f} sqrt(h_i/g)")
+        if len(held := self._held_points()):
+            self._warn(
+                f"the end of the domain at {self.scene.layout.length:.4g} m holds points that ran ahead ({len(held)}): "
+                "front_max tells no more than that; a larger geometry.domain_length lets them run"
+            )
         if snapshots and self.case.output.times is not None:
             self._warn(f"output.times: {len(snapshots)} of them came after the end at {solver.time:.4g} s")
         self.recorder.snapshot("rest" if self.at_rest else "end")
@@ -171,14 +182,32 @@ class Run:
             self.wall_s[what] += time.perf_counter() - started - (self.recorder.seconds - written)
 
     def _advance(self, stage: str, end: float) -> None:
-        """Step to `end`; on a point that goes wrong, keep the last state and raise NumericalFailure."""
+        """Step to `end`; on a point that goes wrong, keep the last state and raise NumericalFailure.
+
+        Raises Stopped when a signal has come.
+        """
         while self.solver.time < end:
+            self.stop.heed()
             row = self.solver.advance(end)
             if row >= 0:
-                failure = diagnose(self.solver, row, stage)
                 self.recorder.record(stage)
-                self.recorder.snapshot("failed")
-                raise NumericalFailure(message(failure), failure)
+                self._fail(row, stage)
+
+    def _fail(self, row: int, stage: str) -> None:
+        failure = diagnose(self.solver, row, stage)
+        self.recorder.snapshot("failed")
+        raise NumericalFailure(message(failure), failure)
+
+    def _held_points(self) -> np.ndarray:
+        """Rows of the column's points that the ends of the domain hold."""
+        points = self.solver.points
+        return np.flatnonzero(self.scene.layout.is_held(points.x) & (points.kind != BASE))
+
+    def _watch_ends(self) -> None:
+        """Lone grains may wait at the ends of the domain; the flow itself must not come there."""
+        held, (least, share) = self._held_points(), MOST_HELD
+        if len(held) > max(least, share * self.scene.column_points):
+            self._fail(int(held[0]), "collapse")
 
     def _lift_gate(self) -> None:
         """Leave closed what the gate has not passed yet; an instantaneous gate is gone at once."""
@@ -231,13 +260,14 @@ def run(
 
     Raises UsageError if the folder holds a finished run and `fresh` is false, or another run writes there, or the case
     does not fit; NumericalFailure if the run diverges
-    (the folder then holds everything up to there), OutputError if something cannot be written.
+    (the folder then holds everything up to there), OutputError if something cannot be written; KeyboardInterrupt on
+    SIGINT and SIGTERM, after a last snapshot and the result up to there, and at once on the second.
     """
     folder, used = Path(folder), set_threads(threads)
     if threads is not None and used != threads:
         say(f"note: {used} threads instead of {threads}; NUMBA_NUM_THREADS sets the most")
-    with locked(folder):
-        return _run(Run(case, folder, used, fresh, progress, say))
+    with locked(folder), stop_request() as stop:
+        return _run(Run(case, folder, used, fresh, progress, say, stop))
 
 
 def _run(simulation: Run) -> Results:
@@ -251,8 +281,8 @@ def _run(simulation: Run) -> Results:
     except NumericalFailure as error:
         write_result(folder, simulation.outcome("failed") | {"failure": error.failure})
         raise
-    except KeyboardInterrupt:
+    except Stopped:
         simulation.recorder.snapshot("stopped")
         write_result(folder, simulation.outcome("stopped"))
-        raise
+        raise KeyboardInterrupt from None
     return Results(folder)

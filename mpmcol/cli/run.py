@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import signal
 import sys
 from contextlib import ExitStack
 from pathlib import Path
@@ -53,7 +52,6 @@ def run(
     from mpmcol.results import Results
     from mpmcol.simulation import run as simulate
 
-    signal.signal(signal.SIGTERM, signal.default_int_handler)  # a scheduler's wish is a Ctrl-C
     try:
         with reporter:
             results = simulate(

@@ -1,4 +1,4 @@
-"""Material that comes to an end of the domain stops the run and is told where; planes of symmetry are no end."""
+"""The flow stops the run at an end of the domain, a lone grain is held there; planes of symmetry are no end."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import mpmcol
 from mpmcol.errors import NumericalFailure
 from mpmcol.simulation import Run
 from mpmcol.state import BASE
+from mpmcol.stop import StopRequest
 
 RADIUS, LENGTH, SPEED = 0.097, 0.36, 8.0  # m, m, m/s
 COARSE = ("grid.spacing=0.0194", "stages.equilibrate.law=mohr-coulomb", "stages.initial_stress=k0")
@@ -27,7 +28,7 @@ ENDS = {
 def thrown(model: str, direction: tuple[float, ...], folder: Path) -> Run:
     """A coarse run at its release, its column thrown in the given direction."""
     case = mpmcol.load_case("lube-quarter", [f"geometry.model={model}", *COARSE, *SMALL])
-    run = Run(case, folder / "run", 1, True, lambda stage, share: None, lambda line: None)
+    run = Run(case, folder / "run", 1, True, lambda stage, share: None, lambda line: None, StopRequest())
     run.release()
     run.solver.points.v[run.solver.points.kind != BASE] = SPEED * np.array(direction)
     return run
@@ -48,9 +49,9 @@ def test_each_end_of_the_full_domain_stops_the_run(direction: tuple[float, ...],
         assert "reached the top of the domain" in text and "set a larger geometry.domain_height" in text
         assert top <= y < top + 0.5 * h
     else:
-        end = run.scene.layout.length - 2.0 * h
+        length = run.scene.layout.length
         assert "reached the end of the domain" in text and "set a larger geometry.domain_length" in text
-        assert end <= np.sign(direction[axis]) * failure["value"] < end + 0.5 * h
+        assert length - 5.0 * h <= np.sign(direction[axis]) * failure["value"] < length - 2.0 * h
 
 
 @pytest.mark.parametrize("axis", [0, 2], ids="xz")
@@ -58,7 +59,23 @@ def test_the_high_ends_of_a_quarter_stop_the_run_too(axis: int, tmp_path: Path) 
     run = thrown("quarter", tuple(np.eye(3)[axis]), tmp_path)
     with pytest.raises(NumericalFailure, match="reached the end of the domain") as stopped:
         run.collapse()
-    assert stopped.value.failure["value"] == stopped.value.failure["position"][axis] > 0.3
+    assert stopped.value.failure["value"] == stopped.value.failure["position"][axis] > LENGTH - 0.1
+
+
+@pytest.mark.parametrize("direction", [(1.0, 0.0, 0.0), (0.0, 0.0, -1.0)], ids=["x", "z"])
+def test_a_lone_grain_is_held_at_the_end_and_told(direction: tuple[float, ...], tmp_path: Path) -> None:
+    """It flies ahead of the flow, and the run goes on without it."""
+    run = thrown("full", (0.0, 0.0, 0.0), tmp_path)
+    points, layout = run.solver.points, run.scene.layout
+    lone = points.id[np.flatnonzero(points.kind != BASE)[-1]]
+    (row,) = np.flatnonzero(points.id == lone)
+    points.x[row] = 0.24 * np.array(direction) + (0.0, 2.5 * layout.h, 0.0)
+    points.v[row] = SPEED * np.array(direction)
+    run.solver.sort()
+    run.collapse()
+    reach = float(points.x[points.id == lone][0] @ np.array(direction))
+    assert layout.length - 5.0 * layout.h < reach < layout.length - 2.0 * layout.h
+    assert "holds points that ran ahead (1)" in run.warnings[-1]
 
 
 def test_planes_of_symmetry_are_no_end(tmp_path: Path) -> None:
