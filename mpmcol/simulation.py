@@ -19,6 +19,7 @@ from mpmcol.files import locked
 from mpmcol.jit import set_threads
 from mpmcol.kernels import cycle
 from mpmcol.measure import stop_time
+from mpmcol.memory import peak_memory
 from mpmcol.recorder import Recorder, describe, versions
 from mpmcol.results import RESULT_SCHEMA, Results, measure_snapshot, prepare_folder, write_result
 from mpmcol.scene import Scene, Stage, build_scene, close_walls
@@ -51,6 +52,7 @@ class Run:
         self.solver = Solver(scene.points, scene.grid, stage.settings, stage.column, scene.base, scene.scheme)
         self.recorder = Recorder(case, self.scene, self.solver, folder, threads)
         self.wall_s = dict.fromkeys(("compile", "equilibrate", "collapse", "output"), 0.0)
+        self._cpu_s = -time.process_time()
         self.tau = self.scene.layout.fall_time(case.geometry.gravity)
         self.collapse_steps = 0
         self.at_rest = False
@@ -156,7 +158,9 @@ class Run:
             "steps": solver.steps,
             "dt": solver.dt,
             "wall_s": self.wall_s,
+            "core_seconds": self._cpu_s + time.process_time(),
             "ns_per_point_step": self.wall_s["collapse"] / work * 1e9,
+            "peak_memory_bytes": peak_memory(),
             "ledger": recorder.energy_ledger(),
             "worst_J": [float(J) for J in recorder.worst_J],
             "threads": self.threads,
@@ -169,8 +173,10 @@ class Run:
         self.solver.settings = stage.settings
         self.solver.bodies = (stage.column, self.scene.base)
         self.progress(f"{name}: preparing kernels (compiled once, then kept)", 0.0)
+        compiling = time.process_time()
         with self._timed("compile"):
             self.solver.prepare()
+        self._cpu_s -= time.process_time() - compiling
 
     @contextmanager
     def _timed(self, what: str) -> Iterator[None]:

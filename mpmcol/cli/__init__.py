@@ -25,6 +25,7 @@ COMMANDS = {
     "status": "mpmcol.cli.status:status",
     "paper": "mpmcol.cli.paper:paper",
     "validate": "mpmcol.cli.validate:validate",
+    "pareto": "mpmcol.cli.pareto:pareto",
     "measure": "mpmcol.cli.measure:measure",
     "plot": "mpmcol.cli.plot:plot",
     "render": "mpmcol.cli.render:render",

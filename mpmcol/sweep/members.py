@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,8 +10,9 @@ from typing import Any
 from mpmcol.case import load_case
 from mpmcol.results import Results
 from mpmcol.sweep.conduct import Watcher, conduct
-from mpmcol.sweep.engine import Outcome
+from mpmcol.sweep.engine import Outcome, run_points
 from mpmcol.sweep.points import Point, make_point
+from mpmcol.sweep.states import read_state
 from mpmcol.sweep.table import Row, make_rows
 
 SNAPSHOTS = "output.snapshots"
@@ -71,9 +72,20 @@ def carry_out_members(
     """Run each member once, completing what the folder `out` holds; how the runs ended, and those that ended well."""
     needed = list(dict.fromkeys(members))
     outcomes = conduct([member.point(out) for member in needed], out, jobs, threads, watcher=watcher)
-    found = {
+    return outcomes, _finished(needed, outcomes)
+
+
+def find_members(members: Iterable[Member], out: Path) -> tuple[list[Outcome], Found]:
+    """As `carry_out_members`, but nothing is run: those that have ended in the folder `out`."""
+    points = {member: member.point(out) for member in members}
+    ended = {member: point for member, point in points.items() if read_state(point.folder).has_ended}
+    outcomes = list(run_points(list(ended.values())))
+    return outcomes, _finished(list(ended), outcomes)
+
+
+def _finished(members: Sequence[Member], outcomes: Sequence[Outcome]) -> Found:
+    return {
         member: Finished(row, outcome.point.folder)
-        for member, outcome, row in zip(needed, outcomes, make_rows(outcomes), strict=True)
+        for member, outcome, row in zip(members, outcomes, make_rows(outcomes), strict=True)
         if outcome.status == "done"
     }
-    return outcomes, found

@@ -1,0 +1,89 @@
+"""What a study becomes: pareto.csv, pareto.md, environment.json, and a chart for each scene."""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from mpmcol.experiments import Experiment, find_experiment
+from mpmcol.files import atomic_write
+from mpmcol.pareto.chart import scene_chart
+from mpmcol.pareto.choice import CHOSEN_BY, of_scene, pareto_front
+from mpmcol.pareto.reference import QUANTITIES, Reference
+from mpmcol.pareto.score import COSTS, PROFILE, Scored
+from mpmcol.pareto.study import Study
+from mpmcol.pareto.text import markdown
+from mpmcol.recorder import versions
+from mpmcol.sweep.table import csv_text
+
+CSV_FILE, TEXT_FILE, ENVIRONMENT_FILE = "pareto.csv", "pareto.md", "environment.json"
+
+
+def write_report(study: Study, references: Mapping[str, Reference], scored: Sequence[Scored], out: Path) -> list[Path]:
+    """Write all tables and charts into `out`; returns the files."""
+    experiments = {scene: experiment_of(one) for one in scored if one.runs and (scene := one.setting.scene)}
+    charts = [
+        path
+        for scene, reference in references.items()
+        for path in _draw(study, scene, reference, scored, experiments[scene], out)
+    ]
+    about = environment()
+    text = markdown(study, references, scored, experiments, charts, about)
+    atomic_write(out / CSV_FILE, csv_text(list(table_rows(study, scored))).encode())
+    atomic_write(out / TEXT_FILE, text.encode())
+    atomic_write(out / ENVIRONMENT_FILE, (json.dumps(about, indent=1) + "\n").encode())
+    return [out / CSV_FILE, out / TEXT_FILE, out / ENVIRONMENT_FILE, *charts]
+
+
+def table_rows(study: Study, scored: Sequence[Scored]) -> Iterator[dict[str, Any]]:
+    """A row for each setting: what it is, what it costs, its errors, whether others beat it, and why runs failed."""
+    fronts = {
+        (scene, quantity): [kept.one for kept in pareto_front(of_scene(scored, scene), quantity)]
+        for scene in study.scenes
+        for quantity in CHOSEN_BY
+    }
+    for one in scored:
+        setting, scene = one.setting, study.scenes[one.setting.scene]
+        row: dict[str, Any] = {
+            "scene": setting.scene, "case": scene.case, "a": scene.aspect, "family": setting.family,
+            "cells": setting.cells, "runs": len(one.runs), "failed": len(setting.members) - len(one.runs),
+        }  # fmt: skip
+        row |= {name: one.cost[name] if one.runs else None for name in COSTS}
+        for quantity in (*QUANTITIES, PROFILE):
+            error = one.errors.get(quantity)
+            row |= {f"{quantity} {what}": error and getattr(error, what) for what in ("bias", "scatter", "usual")}
+        row |= {f"{quantity} unbeaten": one in fronts[setting.scene, quantity] for quantity in CHOSEN_BY}
+        yield row | {"message": "; ".join(one.failures)}
+
+
+def experiment_of(scored: Scored) -> Experiment:
+    """The experiment that the case of a setting names."""
+    case = scored.runs[0].results.case
+    return find_experiment(case.score.experiment, case.geometry.model, case.geometry.section)
+
+
+def environment() -> dict[str, Any]:
+    """The machine and the versions that the costs belong to."""
+    system = {"machine": platform.machine(), "cpu": _cpu(), "cores": os.cpu_count(), "system": platform.system()}
+    return {**versions(), **system}
+
+
+def _cpu() -> str:
+    """The processor's name, where the system tells it."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+    except OSError:
+        return platform.processor()
+    return next((line.partition(":")[2].strip() for line in lines if line.startswith("model name")), "")
+
+
+def _draw(
+    study: Study, scene: str, reference: Reference, scored: Sequence[Scored], experiment: Experiment, out: Path
+) -> list[Path]:
+    own = of_scene(scored, scene)
+    name = "".join(letter if letter.isalnum() or letter in ".-" else "-" for letter in scene)
+    return scene_chart(out / f"pareto-{name}.png", scene, own, reference, experiment, study.base)

@@ -1,0 +1,69 @@
+"""A setting of a study: a scene with one family's choices at one spacing, run some times."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+
+from mpmcol.case import Case, load_case
+from mpmcol.pareto.study import Family, Scene, Study, Value
+from mpmcol.sweep.members import Member, with_settings
+
+# The front is chaotic: runs whose time steps differ by a hundredth are as good as independent.
+CFL_STEP = 0.03
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One place on the chart: its runs differ in nothing but the time step, by CFL_STEP."""
+
+    scene: str
+    family: str
+    cells: float  # r_i / h
+    members: tuple[Member, ...]
+
+    def __str__(self) -> str:
+        return f"{self.scene}, {self.family}, r_i/h = {self.cells:g}"
+
+
+def settings_of(study: Study) -> Iterator[Setting]:
+    """All settings of a study."""
+    for scene, content in study.scenes.items():
+        for name in study.families_of(scene):
+            for cells in study.cells_of(name):
+                runs = _members(content, study.families[name], cells, study.repeats_of(name))
+                yield Setting(scene, name, cells, runs)
+
+
+def overrides_of(case: Case, family: Family) -> dict[str, Value]:
+    """The values that a family replaces in a case; its softness becomes Young's moduli, which are never raised."""
+    values = dict(family.set)
+    if family.softness is not None:
+        modulus = case.material.density * case.geometry.gravity * case.geometry.h_i / family.softness
+        values["material.youngs_modulus"] = min(modulus, case.material.youngs_modulus)
+    return values
+
+
+def _members(scene: Scene, family: Family, cells: float, repeats: int) -> tuple[Member, ...]:
+    case = _load(scene.case, scene.aspect)
+    values = {**scene.set, **overrides_of(case, family)}
+    cfl = float(values.pop("time.cfl", case.time.cfl))
+    h = round(case.geometry.r_i / cells, 9)
+    texts = {key: as_text(value) for key, value in values.items()}
+    return tuple(
+        with_settings(scene.case, scene.aspect, h, **texts, **{"time.cfl": f"{cfl * (1.0 - CFL_STEP * i):.6g}"})
+        for i in range(repeats)
+    )
+
+
+def as_text(value: Value) -> str:
+    """A value as it is written in `--set KEY=VALUE`."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f"{value:.9g}" if isinstance(value, float) else str(value)
+
+
+@cache
+def _load(case: str, aspect: float) -> Case:
+    return load_case(case, [f"geometry.aspect={aspect}"])

@@ -1,0 +1,105 @@
+"""Studies of cost against error as TOML files: which scenes, which families of settings, how fine."""
+
+from __future__ import annotations
+
+import tomllib
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from mpmcol.case.source import shipped_cases
+from mpmcol.errors import UsageError
+
+Cells = tuple[Annotated[float, Field(ge=2.0, le=1000.0)], ...]
+Value = str | bool | float
+
+
+class _Strict(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Scene(_Strict):
+    """A collapse whose converged runout, height and profile are sought."""
+
+    case: str  # a shipped case or a path
+    aspect: float = Field(gt=0.0)
+    set: dict[str, Value] = {}  # further values of the case
+
+
+class Family(_Strict):
+    """Settings that differ from a scene's own in some choices, at some spacings."""
+
+    set: dict[str, Value] = {}
+    softness: float | None = Field(None, gt=0.0, lt=0.1)  # rho g h_i / E; the scene's own if absent
+    cells: Cells | None = None  # r_i / h; the study's if absent
+    scenes: tuple[str, ...] | None = None  # all if absent
+    repeats: int | None = Field(None, ge=1)
+    offered: bool = False  # whether `mpmcol run --accuracy` may choose it
+
+
+class Study(_Strict):
+    """Scenes times families times spacings, every setting run some times; `reference` names two families."""
+
+    schema_: Literal[1] = Field(1, alias="schema")
+    title: str = ""
+    repeats: int = Field(4, ge=1, le=20)  # runs of a setting, with time steps a little apart
+    cells: Cells
+    base: str  # family that single choices are compared with
+    reference: tuple[str, str]  # families that are refined independently
+    scenes: dict[str, Scene] = Field(min_length=1)
+    families: dict[str, Family] = Field(min_length=1)
+
+    @model_validator(mode="after")
+    def _names(self) -> Study:
+        for name in (self.base, *self.reference):
+            if name not in self.families:
+                raise ValueError(f"no family is called {name!r}")
+        if self.reference[0] == self.reference[1]:
+            raise ValueError("reference takes two different families")
+        for family, content in self.families.items():
+            for scene in content.scenes or ():
+                if scene not in self.scenes:
+                    raise ValueError(f"families.{family}: no scene is called {scene!r}")
+        return self
+
+    def cells_of(self, family: str) -> Cells:
+        """r_i / h of a family's settings, coarsest first."""
+        return tuple(sorted(self.families[family].cells or self.cells))
+
+    def repeats_of(self, family: str) -> int:
+        """Runs of each of a family's settings."""
+        return self.families[family].repeats or self.repeats
+
+    def families_of(self, scene: str) -> list[str]:
+        """Families that a scene is run with."""
+        return [name for name, family in self.families.items() if family.scenes is None or scene in family.scenes]
+
+
+def shipped_studies() -> dict[str, Path]:
+    """Studies that come with mpmcol, by name."""
+    folder = next(iter(shipped_cases().values())).parent / "studies"
+    return {path.stem: path for path in sorted(folder.glob("*.toml"))}
+
+
+def load_study(source: str) -> Study:
+    """Read a study: a shipped one by its name, or a file. Raises UsageError that names file and key."""
+    path = shipped_studies().get(source, Path(source))
+    try:
+        content = tomllib.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        near = get_close_matches(source, shipped_studies(), n=1)
+        hint = f"did you mean {near[0]!r}?" if near else f"shipped: {', '.join(shipped_studies())}"
+        raise UsageError(f"{source}: no such study; {hint}") from None
+    except (OSError, ValueError) as error:  # a TOMLDecodeError tells line and column
+        raise UsageError(f"{path}: cannot be read: {error}") from None
+    try:
+        return Study.model_validate(content)
+    except ValidationError as invalid:
+        raise UsageError("\n".join(_told(path, error) for error in invalid.errors())) from None
+
+
+def _told(path: Path, error: Any) -> str:
+    key = ".".join(str(part) for part in error["loc"])
+    return f"{path}: {key + ': ' if key else ''}{error['msg'].removeprefix('Value error, ')}"
