@@ -13,7 +13,9 @@ from mpmcol import version
 PACKAGE = Path(mpmcol.__file__).parent
 # used by a simulation, but without a say in its numbers: words of the case file, whose values stand in every resolved
 # case, messages, and files
-HARMLESS = {"case", "units.py", "errors.py", "faults.py", "files.py", "version.py", "__init__.py"}
+HARMLESS = {
+    "case", "units.py", "errors.py", "faults.py", "files.py", "version.py", "__init__.py", "memory.py", "stop.py",
+}  # fmt: skip
 
 
 def entry(module: str) -> str:
