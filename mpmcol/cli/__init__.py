@@ -26,6 +26,7 @@ COMMANDS = {
     "paper": "mpmcol.cli.paper:paper",
     "validate": "mpmcol.cli.validate:validate",
     "pareto": "mpmcol.cli.pareto:pareto",
+    "plan": "mpmcol.cli.plan:plan",
     "measure": "mpmcol.cli.measure:measure",
     "plot": "mpmcol.cli.plot:plot",
     "render": "mpmcol.cli.render:render",

@@ -12,7 +12,7 @@ from typing import Any
 from mpmcol.experiments import Experiment, find_experiment
 from mpmcol.files import atomic_write
 from mpmcol.pareto.chart import scene_chart
-from mpmcol.pareto.choice import CHOSEN_BY, of_scene, pareto_front
+from mpmcol.pareto.choice import CHOSEN_BY, kept_errors, of_scene, pareto_front
 from mpmcol.pareto.reference import QUANTITIES, Reference
 from mpmcol.pareto.score import COSTS, PROFILE, Scored
 from mpmcol.pareto.study import Study
@@ -33,14 +33,20 @@ def write_report(study: Study, references: Mapping[str, Reference], scored: Sequ
     ]
     about = environment()
     text = markdown(study, references, scored, experiments, charts, about)
-    atomic_write(out / CSV_FILE, csv_text(list(table_rows(study, scored))).encode())
+    atomic_write(out / CSV_FILE, csv_text(list(table_rows(study, references, scored))).encode())
     atomic_write(out / TEXT_FILE, text.encode())
     atomic_write(out / ENVIRONMENT_FILE, (json.dumps(about, indent=1) + "\n").encode())
     return [out / CSV_FILE, out / TEXT_FILE, out / ENVIRONMENT_FILE, *charts]
 
 
-def table_rows(study: Study, scored: Sequence[Scored]) -> Iterator[dict[str, Any]]:
+def table_rows(study: Study, references: Mapping[str, Reference], scored: Sequence[Scored]) -> Iterator[dict[str, Any]]:
     """A row for each setting: what it is, what it costs, its errors, whether others beat it, and why runs failed."""
+    kept = {
+        (id(kept.one), quantity): kept.error
+        for scene in study.scenes
+        for quantity in CHOSEN_BY
+        for kept in kept_errors(of_scene(scored, scene), quantity)
+    }
     fronts = {
         (scene, quantity): [kept.one for kept in pareto_front(of_scene(scored, scene), quantity)]
         for scene in study.scenes
@@ -56,7 +62,11 @@ def table_rows(study: Study, scored: Sequence[Scored]) -> Iterator[dict[str, Any
         for quantity in (*QUANTITIES, PROFILE):
             error = one.errors.get(quantity)
             row |= {f"{quantity} {what}": error and getattr(error, what) for what in ("bias", "scatter", "usual")}
-        row |= {f"{quantity} unbeaten": one in fronts[setting.scene, quantity] for quantity in CHOSEN_BY}
+        reference = references.get(setting.scene)
+        for quantity in CHOSEN_BY:
+            row[f"{quantity} kept"] = kept.get((id(one), quantity))
+            row[f"{quantity} reference +-"] = reference and reference.uncertainty(quantity)
+            row[f"{quantity} unbeaten"] = one in fronts[setting.scene, quantity]
         yield row | {"message": "; ".join(one.failures)}
 
 

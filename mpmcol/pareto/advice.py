@@ -1,0 +1,97 @@
+"""The cheapest setting for a case that keeps to an accuracy, by the shipped study."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from mpmcol.case import Case, load_case
+from mpmcol.errors import UsageError
+from mpmcol.pareto.settings import as_text, overrides_of
+from mpmcol.pareto.study import Value
+from mpmcol.pareto.table import QUANTITIES, Row, place_of, scenes_around, shipped_rows, shipped_study
+from mpmcol.sweep.points import Point
+
+POINTS_PER_CELL = 4  # of the study where a family says nothing else
+
+
+@dataclass(frozen=True)
+class Advice:
+    """A setting for a case, and what it was found to keep to."""
+
+    family: str
+    cells: float  # r_i / h
+    values: Mapping[str, Value]  # of the case, to be replaced
+    within: Mapping[str, float]  # quantity -> relative error that nine of ten runs keep to, in all `scenes`
+    scenes: Sequence[str]  # of the study, between which the case lies
+    core_seconds: float  # expected, on the machine of the study
+
+    @property
+    def overrides(self) -> list[str]:
+        """The values as `--set` takes them."""
+        return as_overrides(self.values)
+
+    @property
+    def error(self) -> float:
+        """The larger of the errors in runout and height."""
+        return max(self.within.values())
+
+    def __str__(self) -> str:
+        errors = ", ".join(f"{quantity} {error:.1%}" for quantity, error in self.within.items())
+        return (
+            f'"{self.family}" at r_i/h = {self.cells:g}: {", ".join(self.overrides)}\n'
+            f"  its errors in the study: {errors} (9 of 10 runs; {'; '.join(self.scenes)})\n"
+            f"  expected: about {self.core_seconds:.2g} core-seconds on the machine of the study"
+        )
+
+
+def advise(source: str | Path, overrides: Sequence[str], accuracy: float) -> Advice:
+    """The cheapest offered setting whose errors in runout and height kept to `accuracy` in all scenes around a case.
+
+    Args:
+        source, overrides: of the case, as `load_case` takes them.
+        accuracy: relative.
+
+    Raises:
+        UsageError: none did; it tells the best that there is.
+    """
+    candidates = list(options(source, overrides))
+    keeping = [one for one in candidates if one.error <= accuracy]
+    if not keeping:
+        best = min(candidates, key=lambda one: one.error)
+        raise UsageError(
+            f"no setting of the study keeps to {accuracy:.3g} around this case; the most accurate:\n{best}\n"
+            f"ask for --accuracy {best.error:.1%} or more, or give grid.spacing yourself"
+        )
+    return min(keeping, key=lambda one: one.core_seconds)
+
+
+def options(source: str | Path, overrides: Sequence[str]) -> Iterator[Advice]:
+    """All offered settings of the study for a case, with their errors around it and their costs."""
+    case = load_case(source, overrides)
+    scenes = scenes_around(place_of(case))
+    by_setting: dict[tuple[str, float], list[Row]] = {}
+    for row in shipped_rows():
+        if row.scene in scenes and shipped_study().families[row.family].offered:
+            by_setting.setdefault((row.family, row.cells), []).append(row)
+    for (family, cells), rows in by_setting.items():
+        if len(rows) == len(scenes):
+            values = values_for(case, family, cells)
+            asked = load_case(source, [*overrides, *as_overrides(values)])
+            pace = max(row.seconds_per_point_step for row in rows)
+            within = {quantity: max(row.within[quantity] for row in rows) for quantity in QUANTITIES}
+            yield Advice(family, cells, values, within, scenes, pace * Point({}, asked, Path()).work)
+
+
+def values_for(case: Case, family: str, cells: float) -> dict[str, Value]:
+    """The values of a case that make it a setting of the study; a cylinder in 3D becomes axisymmetric."""
+    values: dict[str, Value] = {"grid.spacing": case.geometry.r_i / cells}
+    if case.geometry.dimension == 3:
+        values |= {"geometry.model": "axisymmetric", "grid.points_per_cell": POINTS_PER_CELL}
+    return values | overrides_of(case, shipped_study().families[family])
+
+
+def as_overrides(values: Mapping[str, Value]) -> list[str]:
+    """Values as `--set` takes them."""
+    return [f"{key}={as_text(value)}" for key, value in values.items()]
