@@ -48,12 +48,10 @@ def advised(case: str, overrides: Sequence[str], accuracy: float, silent: bool) 
 
 def certified(case: str, overrides: Sequence[str], advice: Advice, out: Path, as_json: bool, quiet: bool) -> None:
     """Run a case as advised at two spacings, print runout and height with error bars, and end the command."""
-    from mpmcol.cli.sweep import heed_signals
     from mpmcol.cli.sweep_display import Display
     from mpmcol.pareto.certify import certify
     from mpmcol.sweep.engine import exit_code
 
-    heed_signals()
     with Display(out, quiet or as_json) as display:
         outcomes, quantities = certify(case, overrides, advice, out, watcher=display)
     if as_json:

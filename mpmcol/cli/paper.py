@@ -28,14 +28,12 @@ def paper(
     unknown = [name for name in figures if name not in (*NAMES, "all")]
     if unknown:
         raise click.BadParameter(f"{unknown[0]!r}: expected {', '.join(NAMES)} or all", param_hint="figures")
-    from mpmcol.cli.sweep import heed_signals
     from mpmcol.cli.sweep_display import Display
     from mpmcol.paper import FIGURES, reproduce
     from mpmcol.sweep.engine import exit_code
 
     chosen = [name for name in NAMES if name in figures] if figures and "all" not in figures else list(NAMES)
     folder = out or Path("paper-quick" if quick else "paper")
-    heed_signals()
     with Display(folder / "runs", quiet) as display:
         outcomes, reports, files = reproduce(chosen, quick, folder, jobs, threads, display)
     for name, report in reports.items():

@@ -19,7 +19,6 @@ def pareto(study: str, out: Path | None, jobs: int | None, report_only: bool, qu
     Errors are told apart: of discretisation, against a converged value with an uncertainty of its own, and of the
     model, against the experiment with its scatter. The same command again completes what is missing.
     """
-    from mpmcol.cli.sweep import heed_signals
     from mpmcol.cli.sweep_display import Display
     from mpmcol.pareto import RUNS, carry_out_study
     from mpmcol.pareto.study import load_study
@@ -27,7 +26,6 @@ def pareto(study: str, out: Path | None, jobs: int | None, report_only: bool, qu
 
     loaded = load_study(study)
     folder = out or Path("pareto") / Path(study).stem
-    heed_signals()
     with Display(folder / RUNS, quiet) as display:
         studied = carry_out_study(loaded, folder, jobs, display, report_only)
     if not quiet:

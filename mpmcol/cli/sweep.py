@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import signal
 from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -90,7 +89,6 @@ def _run(
     from mpmcol.sweep.points import notes
     from mpmcol.sweep.publish import publish
 
-    heed_signals()
     with Display(out, quiet) as display:
         for note in notes(points):
             display.say(f"note: {note}")
@@ -104,13 +102,6 @@ def _run(
     else:
         click.echo("\n".join(closing_lines(published)))
     click.get_current_context().exit(exit_code(outcomes))
-
-
-def heed_signals() -> None:
-    """A scheduler's wish and a lost terminal are a Ctrl-C, but for a sweep that was started with nohup."""
-    for number in (signal.SIGTERM, signal.SIGHUP):
-        if signal.getsignal(number) is not signal.SIG_IGN:
-            signal.signal(number, signal.default_int_handler)
 
 
 def _print_forecast(points: list[Point], jobs: int | None, threads: int | None, to_json: bool) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 import time
 from collections.abc import Iterator
@@ -41,6 +42,7 @@ class Display(Watcher):
         self._looked = 0.0
 
     def __enter__(self) -> Display:
+        heed_signals()
         return self
 
     def __exit__(self, kind: type[BaseException] | None, *error: object) -> None:
@@ -81,6 +83,13 @@ class Display(Watcher):
 
     def _parts(self) -> list[Part]:
         return self._progress.parts() if self._progress else []
+
+
+def heed_signals() -> None:
+    """A scheduler's wish and a lost terminal are a Ctrl-C, but for a sweep that was started with nohup."""
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        if signal.getsignal(number) is not signal.SIG_IGN:
+            signal.signal(number, signal.default_int_handler)
 
 
 def how_far(parts: list[Part], jobs: int) -> str:

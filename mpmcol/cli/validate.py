@@ -40,14 +40,12 @@ def validate(
 
     Exit code 4 if a check fails.
     """
-    from mpmcol.cli.sweep import heed_signals
     from mpmcol.cli.sweep_display import Display
     from mpmcol.sweep.engine import exit_code
     from mpmcol.sweep.plan import as_json
     from mpmcol.validation import validate as carry_out
 
     folder = out or Path("validation-quick" if quick else "validation")
-    heed_signals()
     with Display(folder / "runs", quiet) as display:
         found = carry_out(names, quick, folder, jobs, threads, display)
     click.echo(as_json(_record(found, quick)) if to_json else "\n".join(_lines(found)))
