@@ -196,7 +196,7 @@ def test_a_dry_run_writes_nothing() -> None:
     assert told.exit_code == 0, told.output
     assert "a1 " in told.stdout and "at a time, 1 thread each" in told.stdout and "nothing was run" in told.stdout
     record = json.loads(invoke(*SWEEP, "--dry-run", "--json").stdout)
-    assert record["threads"] == 1 and [point["points"] for point in record["points"]] == [184, 300]
+    assert record["threads"] == 1 and [point["points"] for point in record["points"]] == [188, 304]
     assert list(Path().iterdir()) == []
 
 
