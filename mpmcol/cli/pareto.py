@@ -22,6 +22,7 @@ def pareto(study: str, out: Path | None, jobs: int | None, report_only: bool, qu
     from mpmcol.cli.sweep_display import Display
     from mpmcol.pareto import RUNS, carry_out_study
     from mpmcol.pareto.study import load_study
+    from mpmcol.pareto.text import closing_lines
     from mpmcol.sweep.engine import exit_code
 
     loaded = load_study(study)
@@ -29,6 +30,6 @@ def pareto(study: str, out: Path | None, jobs: int | None, report_only: bool, qu
     with Display(folder / RUNS, quiet) as display:
         studied = carry_out_study(loaded, folder, jobs, display, report_only)
     if not quiet:
-        click.echo((folder / "pareto.md").read_text())
+        click.echo("\n".join(closing_lines(loaded, studied.scored)))
         click.echo(f"in {folder}: {', '.join(path.name for path in studied.files)}")
     click.get_current_context().exit(0 if report_only else exit_code(studied.outcomes))

@@ -29,6 +29,16 @@ def markdown(
     return "\n".join(lines).rstrip() + "\n"
 
 
+def closing_lines(study: Study, scored: Sequence[Scored]) -> Iterator[str]:
+    """The cheapest settings, for a terminal."""
+    for scene in study.scenes:
+        yield f"{scene}: the cheapest of the settings that keep to an error"
+        for quantity in CHOSEN_BY:
+            for goal in GOALS:
+                if one := cheapest(of_scene(scored, scene), quantity, goal):
+                    yield f"  {quantity:18} {goal:4.0%}  {one.cost['core_seconds']:8.2f} core-seconds  {name_of(one)}"
+
+
 def name_of(one: Scored) -> str:
     """A setting for a person."""
     return f"{one.setting.family}, r_i/h = {one.setting.cells:g}"
