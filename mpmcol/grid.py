@@ -11,6 +11,7 @@ from mpmcol.state import aligned_zeros
 
 NODE = 8  # doubles in a node's record: one cache line
 TILE = 4  # nodes along an edge of a tile: 16 or 64 nodes
+WALLS, ASLEEP = 0b000111, 0b111000  # bits of a node's mask: what walls hold, and what points that sleep hold
 
 
 class Grid(NamedTuple):
@@ -21,7 +22,7 @@ class Grid(NamedTuple):
     """
 
     nodes: np.ndarray  # (n_addresses * 8,) node records
-    fixed: np.ndarray  # (n_addresses,) uint8: bits 0, 1, 2 fix v_x, v_y, v_z
+    fixed: np.ndarray  # (n_addresses,) uint8: bits 0, 1, 2 fix v_x, v_y, v_z, as do 3, 4, 5 beside points that sleep
     ax: np.ndarray  # (n_x,) offset of column i in `nodes`, in doubles
     ay: np.ndarray  # (n_y,)
     az: np.ndarray  # (n_z,)
@@ -36,7 +37,10 @@ class Grid(NamedTuple):
 
 
 class Tiles(NamedTuple):
-    """Points in order: tile t holds points start[t] to start[t + 1], the column's before split[t]."""
+    """Points in order: tile t holds points start[t] to start[t + 1], the column's before split[t].
+
+    Points from start[n_tiles] on sleep.
+    """
 
     start: np.ndarray  # (n_tiles + 1,)
     split: np.ndarray  # (n_tiles,)
@@ -49,6 +53,12 @@ class Tiles(NamedTuple):
 def tile_count(n_nodes: int) -> int:
     """Tiles along an axis of `n_nodes` nodes."""
     return (n_nodes + TILE - 1) // TILE
+
+
+@device
+def tile_coordinates(tile: int, tiles: tuple[int, int, int]) -> tuple[int, int, int]:
+    """Position of a tile among the tiles, from its number."""
+    return tile // (tiles[1] * tiles[2]), tile // tiles[2] % tiles[1], tile % tiles[2]
 
 
 def allocate_grid(origin: tuple[float, ...], h: float, cells: tuple[int, ...]) -> Grid:
@@ -81,12 +91,15 @@ def node_records(grid: Grid) -> np.ndarray:
 
 
 def set_fixed(grid: Grid, *fixed: np.ndarray) -> None:
-    """Fix velocity components by one boolean mask an axis, each broadcastable to (n_x, n_y[, n_z])."""
+    """Fix velocity components by one boolean mask an axis, each broadcastable to (n_x, n_y[, n_z]).
+
+    What points that sleep hold stays held.
+    """
     bits, shape = np.zeros(_padded(grid), np.uint8), _shape(grid)
     for bit, mask in enumerate(fixed):
         bits[tuple(slice(n) for n in shape)] |= np.broadcast_to(mask, shape).astype(np.uint8) << bit
     blocks = _blocks(grid, grid.fixed)
-    blocks[:] = bits.reshape(blocks.shape)
+    blocks[:] = bits.reshape(blocks.shape) | (blocks & ASLEEP)
 
 
 def _shape(grid: Grid) -> tuple[int, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,7 +10,7 @@ import numpy as np
 
 from mpmcol.case import Case
 from mpmcol.geometries import GEOMETRIES
-from mpmcol.grid import Grid, allocate_grid, node_coordinates, set_fixed
+from mpmcol.grid import TILE, Grid, allocate_grid, node_coordinates, set_fixed
 from mpmcol.laws import LAWS, elastic
 from mpmcol.layout import END_CELLS, Layout, make_layout, refuse_if_too_large
 from mpmcol.solver import Body
@@ -29,10 +30,11 @@ ON_NODE = 1e-6  # in h: how far a node may be from an edge and still stand on it
 
 @dataclass(frozen=True)
 class Stage:
-    """What differs from stage to stage: the column's law and the damping."""
+    """What differs from stage to stage: the column's law, the damping, and where the base sleeps."""
 
     column: Body
     settings: Settings
+    margin: int = 0  # tiles around the column beyond which the base sleeps; 0: nothing does
 
 
 @dataclass(frozen=True)
@@ -76,8 +78,17 @@ def build_scene(case: Case) -> Scene:
         scheme=Scheme(case.method.stress_order, case.method.transfer == "apic", case.method.basis),
         base=make_body(elastic, case.base_material),
         equilibrate=Stage(make_body(first_law, case.material), make_settings(case, layout, stages.equilibrate.damping)),
-        collapse=Stage(make_body(LAWS[own_law], case.material), make_settings(case, layout, stages.collapse.damping)),
+        collapse=Stage(
+            make_body(LAWS[own_law], case.material),
+            make_settings(case, layout, stages.collapse.damping),
+            awake_margin(layout) if case.method.sleeping_base else 0,
+        ),
     )
+
+
+def awake_margin(layout: Layout) -> int:
+    """Tiles around the column under which a base stays awake: as wide as it is thick, for so far it bends."""
+    return math.ceil(layout.base / layout.h / TILE - ON_NODE)
 
 
 def make_body(law: Any, material: Any) -> Body:

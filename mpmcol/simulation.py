@@ -172,6 +172,7 @@ class Run:
         """Hand the stage's law and numbers to the solver and have its kernels ready."""
         self.solver.settings = stage.settings
         self.solver.bodies = (stage.column, self.scene.base)
+        self.solver.margin = stage.margin
         self.progress(f"{name}: preparing kernels (compiled once, then kept)", 0.0)
         compiling = time.process_time()
         with self._timed("compile"):

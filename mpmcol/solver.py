@@ -42,6 +42,7 @@ class Solver:
         self.clock = np.zeros(cycle.CLOCK)
         self.ledger = np.zeros(cycle.LEDGER)
         self.tiles: Tiles | None = None
+        self.margin = 0  # tiles around the column beyond which the base sleeps; 0: nothing does
         self.smallest_mass = float(points.m.min())
         self._scratch = scratch(grid)
         self._steps_per_call = _FIRST_CALL_STEPS
@@ -74,9 +75,9 @@ class Solver:
         self._call(self.time, 0)
 
     def sort(self) -> None:
-        """Put the points in order of tiles and list the tiles they can touch."""
+        """Put the points in order of tiles, those that sleep last, and list the tiles that the others can touch."""
         row = ROW[self.points.dimension]
-        self.tiles = Tiles(*sort_points(self.points.rows.reshape(-1), row, self.grid, *self._scratch))
+        self.tiles = Tiles(*sort_points(self.points.rows.reshape(-1), row, self.grid, *self._scratch, self.margin))
         self.clock[cycle.TRAVELLED] = 0.0
         self._reports = (
             np.zeros((len(self.tiles.active), NODE_REPORT)),

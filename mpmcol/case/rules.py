@@ -151,6 +151,11 @@ RULES = (
         'cannot be "apic" with {1}: beside walls its matrix needs weights that add up to one',
     ),
     Rule(
+        ("method.sleeping_base", "geometry.base"),
+        lambda sleeping, base: not sleeping or base == "elastic",
+        "must be left out with {1}, which has no points",
+    ),
+    Rule(
         ("stages.equilibrate.law", "material.law"),
         lambda stage, column: stage in (None, "elastic", column),
         'must be "elastic" or the column\'s own, {1}',

@@ -130,6 +130,11 @@ class Method(Keys):
     )
     wall_impulse: bool = choice("points feel the impulse of a wall; false is the paper's form", True)
     opening_strain: bool = choice("material that has opened stays stress-free until it is closed again", True)
+    sleeping_base: bool = choice(
+        "during the collapse the base is left out, and its nodes are held, farther from the column than it is thick; "
+        "saves a tenth to a fifth of the time, in 3D half of it",
+        False,
+    )
 
 
 class Time(Keys):

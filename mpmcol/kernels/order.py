@@ -10,8 +10,9 @@ from __future__ import annotations
 import numpy as np
 
 from mpmcol.basis.quadratic import base_node
-from mpmcol.grid import TILE, Grid, tile_count
+from mpmcol.grid import TILE, Grid, tile_coordinates, tile_count
 from mpmcol.jit import device, kernel, prange
+from mpmcol.kernels.sleep import hold_nodes, mark_awake
 from mpmcol.simd import LANES, load, store
 from mpmcol.state import KIND, X, Y, Z
 
@@ -19,11 +20,12 @@ BAND = 512  # tiles: their nodes are half a megabyte in two dimensions, two in t
 
 
 @kernel
-def sort_points(rows: np.ndarray, row: int, grid: Grid, count: np.ndarray, mark: np.ndarray):
+def sort_points(rows: np.ndarray, row: int, grid: Grid, count: np.ndarray, mark: np.ndarray, margin: int):
     """Put the records in `rows`, of `row` doubles each, in order of tile, kind and cell; returns the arrays of `Tiles`.
 
-    Reads: rows. Writes: rows, count (n_tiles,) and mark (n_tiles,) as scratch, zero on entry and on return.
-    Eq. (19)-(20) are sums over points in this order.
+    Tiles more than `margin` tiles from the column sleep: their points come last (margin 0: none sleeps). Reads: rows.
+    Writes: rows, fixed if tiles may sleep, count (n_tiles,) and mark (n_tiles,) as scratch, zero on entry and on
+    return. Eq. (19)-(20) are sums over points in this order.
     """
     n = len(rows) // row
     tiles = tile_count(grid.n_x), tile_count(grid.n_y), tile_count(grid.n_z)
@@ -31,7 +33,10 @@ def sort_points(rows: np.ndarray, row: int, grid: Grid, count: np.ndarray, mark:
     tile_of, bucket_of = np.empty(n, np.int32), np.empty(n, np.uint8)
     for p in prange(n):
         tile_of[p], bucket_of[p] = _place(rows, p * row, grid, tiles, buckets)
-    occupied, start = _count(tile_of, count)
+    if margin > 0:
+        mark_awake(np.unique(tile_of[bucket_of < buckets]), margin, tiles, mark)
+    occupied, awake = _occupied(tile_of, count, margin, mark)
+    start = _starts(occupied, count)
     by_tile = np.empty(n, np.int32)
     for p in range(n):
         by_tile[count[tile_of[p]]] = p
@@ -41,8 +46,11 @@ def sort_points(rows: np.ndarray, row: int, grid: Grid, count: np.ndarray, mark:
         split[t] = _order_tile(by_tile, bucket_of, buckets, start[t], start[t + 1], order)
         count[occupied[t]] = 0
     _permute(rows, row, order)
-    grouped, group_start = _group(occupied, tiles)
-    return start, split, grouped, group_start, _reachable(occupied, grid, tiles, mark)
+    grouped, group_start = _group(occupied[:awake], tiles)
+    active = _reachable(occupied[:awake], grid, tiles, mark)
+    if margin > 0:
+        hold_nodes(active, occupied[awake:], grid, tiles, mark)
+    return start[: awake + 1], split[:awake], grouped, group_start, active
 
 
 @device
@@ -59,16 +67,29 @@ def _place(rows, o, grid, tiles, buckets):
 
 
 @device
-def _count(tile_of, count):
-    """Occupied tiles in order and where their points start; `count` becomes each tile's next free place."""
+def _occupied(tile_of, count, margin, mark):
+    """Occupied tiles in order, those that sleep after the others, and how many are awake; `count` counts points.
+
+    If there is a margin, tiles awake are those in `mark`, which is zero again on return.
+    """
     for tile in tile_of:
         count[tile] += 1
     occupied = np.flatnonzero(count)
+    if margin == 0:
+        return occupied, len(occupied)
+    is_awake = mark[occupied] > 0
+    mark[:] = 0
+    return np.concatenate((occupied[is_awake], occupied[~is_awake])), np.sum(is_awake)
+
+
+@device
+def _starts(occupied, count):
+    """Where the points of each tile start; `count` becomes each tile's next free place."""
     start = np.zeros(len(occupied) + 1, np.int64)
     for t in range(len(occupied)):
         start[t + 1] = start[t] + count[occupied[t]]
         count[occupied[t]] = start[t]
-    return occupied, start
+    return start
 
 
 @device
@@ -121,7 +142,7 @@ def _group(occupied, tiles):
         stop = _band_end(occupied, tiles, first)
         for colour in range(colours):
             for t in range(first, stop):
-                x, y, z = _coordinates(occupied[t], tiles)
+                x, y, z = tile_coordinates(occupied[t], tiles)
                 if x % 2 + 2 * (y % 2) + 4 * (z % 2) == colour:
                     grouped[k] = t
                     k += 1
@@ -138,15 +159,9 @@ def _band_end(occupied, tiles, first):
     if n - first < 2 * BAND:
         return n
     stop = first + BAND
-    while stop < n and _coordinates(occupied[stop], tiles)[0] == _coordinates(occupied[stop - 1], tiles)[0]:
+    while stop < n and tile_coordinates(occupied[stop], tiles)[0] == tile_coordinates(occupied[stop - 1], tiles)[0]:
         stop += 1
     return stop
-
-
-@device
-def _coordinates(tile, tiles):
-    """Position of a tile among the tiles, from its number."""
-    return tile // (tiles[1] * tiles[2]), tile // tiles[2] % tiles[1], tile % tiles[2]
 
 
 @device
@@ -155,7 +170,7 @@ def _reachable(occupied, grid, tiles, mark):
     around = 27 if tiles[2] > 1 else 9
     active, found = np.empty(around * len(occupied), np.int64), 0
     for tile in occupied:
-        x, y, z = _coordinates(tile, tiles)
+        x, y, z = tile_coordinates(tile, tiles)
         for tx in range(max(x - 1, 0), min(x + 2, tiles[0])):
             for ty in range(max(y - 1, 0), min(y + 2, tiles[1])):
                 for tz in range(max(z - 1, 0), min(z + 2, tiles[2])):

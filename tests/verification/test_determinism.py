@@ -20,14 +20,14 @@ IN_ANOTHER_PROCESS = """
 from mpmcol.jit import set_threads
 from tests.verification.test_determinism import OTHER, fingerprint
 for threads in (1, 2, 4):
-    print(set_threads(threads), fingerprint(2), fingerprint(3), fingerprint(2, scheme=OTHER))
+    print(set_threads(threads), fingerprint(2), fingerprint(3), fingerprint(2, scheme=OTHER), fingerprint(3, margin=1))
 """
 OTHER = Scheme("musl", affine=True, basis="cubic")
 
 
-def fingerprint(d: int, chunk: int = STEPS, scheme: Scheme = PAPER) -> str:
+def fingerprint(d: int, chunk: int = STEPS, scheme: Scheme = PAPER, margin: int = 0) -> str:
     """Hash of all points, the clock and the ledger after STEPS steps in d dimensions, `chunk` steps a call."""
-    solver = collapse(DAMPED, d, scheme=scheme)
+    solver = collapse(DAMPED, d, scheme=scheme, margin=margin)
     for done in range(0, STEPS, chunk):
         advance_steps(solver, min(chunk, STEPS - done))
     assert solver.steps == STEPS
@@ -49,7 +49,9 @@ def test_equal_for_1_2_and_4_threads() -> None:
     )
     threads, *prints = zip(*(line.split() for line in run.stdout.splitlines()), strict=True)
     assert threads == ("1", "2", "4")
-    assert [set(each) for each in prints] == [{fingerprint(2)}, {fingerprint(3)}, {fingerprint(2, scheme=OTHER)}]
+    here = [fingerprint(2), fingerprint(3), fingerprint(2, scheme=OTHER), fingerprint(3, margin=1)]
+    assert [set(each) for each in prints] == [{each} for each in here]
+    assert len(set(here)) == len(here)
 
 
 @pytest.mark.parametrize("d", [2, 3])

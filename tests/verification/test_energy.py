@@ -54,8 +54,11 @@ DAMPED = PLAIN._replace(alpha_d=0.05)
 SCHEMES = [Scheme("usf"), Scheme("musl"), Scheme(affine=True), Scheme(basis="cubic"), Scheme(basis="linear")]
 
 
-def collapse(settings: Settings, d: int = 2, h: float | None = None, scheme: Scheme = PAPER) -> Solver:
-    """An unstressed column of sand on an elastic base, free to collapse: beside a wall, in 3D in a corner of two."""
+def collapse(settings: Settings, d: int = 2, h: float | None = None, scheme: Scheme = PAPER, margin: int = 0) -> Solver:
+    """An unstressed column of sand on an elastic base, free to collapse: beside a wall, in 3D in a corner of two.
+
+    The base sleeps beyond `margin` tiles from the column, if there is a margin.
+    """
     h = h or SPACING[d]
     axisymmetric, length = settings.axisymmetric, LENGTH[d]
     below = lattice((0.0, -BASE, 0.0)[:d], (length, 0.0, length)[:d], h / 2)
@@ -65,7 +68,9 @@ def collapse(settings: Settings, d: int = 2, h: float | None = None, scheme: Sch
     cells = round(length / h), round(0.24 / h), round(length / h)
     grid = walled_grid((0.0, -BASE, 0.0)[:d], h, cells[:d], rollers="left right back front", no_slip="bottom")
     soft = {"youngs_modulus": YOUNG}
-    return make_solver(joined(base, column), grid, settings, sand_body(**soft), elastic_body(**soft), scheme)
+    solver = make_solver(joined(base, column), grid, settings, sand_body(**soft), elastic_body(**soft), scheme)
+    solver.margin = margin
+    return solver
 
 
 class Ledger(NamedTuple):
@@ -86,8 +91,10 @@ class Ledger(NamedTuple):
 
 
 @cache
-def ledger_of(settings: Settings, d: int = 2, h: float | None = None, scheme: Scheme = PAPER) -> Ledger:
-    solver = collapse(settings, d, h, scheme)
+def ledger_of(
+    settings: Settings, d: int = 2, h: float | None = None, scheme: Scheme = PAPER, margin: int = 0
+) -> Ledger:
+    solver = collapse(settings, d, h, scheme, margin)
     points, column = solver.points, solver.points.kind == COLUMN
     scale = G * points.m[column] @ points.x[column, 1]
     potential, kinetic = potential_energy(points), kinetic_energy(points)

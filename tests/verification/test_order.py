@@ -44,7 +44,7 @@ def sorted_points(d: int) -> tuple[Points, Points, Grid, Tiles]:
     before, grid = mixed_points(d), allocate_grid(ORIGIN[:d], H, CELLS[d])
     after, zeros = Points(len(before), d), scratch(grid)
     after.rows[:] = before.rows
-    tiles = Tiles(*sort_points(after.rows.reshape(-1), ROW[d], grid, *zeros))
+    tiles = Tiles(*sort_points(after.rows.reshape(-1), ROW[d], grid, *zeros, 0))
     assert not any(np.any(each) for each in zeros)
     return before, after, grid, tiles
 
@@ -114,7 +114,7 @@ def test_active_tiles_are_those_around_points_only() -> None:
     for d, expected in ((2, 9), (3, 27)):
         grid, point = allocate_grid((0.0,) * d, H, (40,) * d), Points(1, d)
         point.x[:] = 2.0 * H * TILE + 2.0 * H
-        active = Tiles(*sort_points(point.rows.reshape(-1), ROW[d], grid, *scratch(grid))).active
+        active = Tiles(*sort_points(point.rows.reshape(-1), ROW[d], grid, *scratch(grid), 0)).active
         assert len(active) == expected
         assert grid.ax[8] + grid.ay[8] + (grid.az[8] if d == 3 else 0) in active
 
@@ -161,7 +161,7 @@ def test_many_tiles_are_grouped_in_bands(d: int) -> None:
     centres = np.stack(np.meshgrid(*(axis,) * d, indexing="ij"), axis=-1).reshape(-1, d)
     points = Points(len(centres), d)
     points.x[:] = centres
-    tiles = Tiles(*sort_points(points.rows.reshape(-1), ROW[d], grid, *scratch(grid)))
+    tiles = Tiles(*sort_points(points.rows.reshape(-1), ROW[d], grid, *scratch(grid), 0))
     place = (points.x / (H * TILE)).astype(int)
     assert sorted(tiles.grouped) == list(range(len(centres)))
     layers = [place[tiles.grouped[first:stop]] for first, stop in pairwise(tiles.group_start)]

@@ -1,0 +1,152 @@
+"""A base that sleeps far from the column: who sleeps, which nodes that holds, and what it does to a collapse."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import mpmcol
+from mpmcol.basis import BASES
+from mpmcol.basis.quadratic import base_node
+from mpmcol.errors import CaseError
+from mpmcol.grid import ASLEEP, NODE, TILE, Grid, set_fixed
+from mpmcol.solver import Solver
+from mpmcol.state import COLUMN, PAPER, Scheme
+from tests.verification.blocks import advance_steps, advance_to, by_id
+from tests.verification.test_energy import DAMPED, collapse, ledger_of
+
+DIMENSIONS = pytest.mark.parametrize("d", [2, 3])
+EVERYWHERE = 1000  # tiles: a margin that leaves nobody asleep
+
+
+def sorted_collapse(d: int, margin: int, scheme: Scheme = PAPER) -> tuple[Solver, int]:
+    """The collapse of test_energy over a base that sleeps, and how many of its points are awake."""
+    solver = collapse(DAMPED, d, scheme=scheme, margin=margin)
+    solver.sort()
+    return solver, awake_points(solver)
+
+
+def awake_points(solver: Solver) -> int:
+    assert solver.tiles is not None
+    return int(solver.tiles.start[-1])
+
+
+def axes_of(grid: Grid, d: int) -> list[tuple[float, int, np.ndarray]]:
+    """First node (m), number of nodes, and their offsets along each axis."""
+    origin, counts = (grid.origin_x, grid.origin_y, grid.origin_z), (grid.n_x, grid.n_y, grid.n_z)
+    return list(zip(origin, counts, (grid.ax, grid.ay, grid.az), strict=True))[:d]
+
+
+def nodes_of(x: np.ndarray, grid: Grid, basis: str, travel: float) -> np.ndarray:
+    """Numbers of the nodes that points at `x` (n, d) touch, now and after `travel` cells to all sides."""
+    total = np.zeros((len(x), 1), np.int64)
+    for axis, (origin, count, offsets) in enumerate(axes_of(grid, x.shape[1])):
+        s = (x[:, [axis]] - origin) / grid.h + travel * np.array([-1.0, 0.0, 1.0])
+        s = np.clip(s, 1e-9, count - 1 - 1e-9).reshape(-1, 1)
+        first = BASES[basis].padded(s, 0.5, count - 1.5, True)[0][:, 0].astype(int).reshape(len(x), -1)
+        reached = np.concatenate([offsets[first + k] for k in range(BASES[basis].WIDTH)], axis=1)
+        total = (total[:, :, None] + reached[:, None, :]).reshape(len(x), -1)
+    return np.unique(total // NODE)
+
+
+@pytest.mark.parametrize(("d", "margin"), [(2, 1), (2, 3), (3, 1)])
+def test_tiles_beyond_the_margin_sleep_and_no_others(d: int, margin: int) -> None:
+    solver, awake = sorted_collapse(d, margin)
+    axes = enumerate(axes_of(solver.grid, d))
+    first = [[base_node((x - o) / solver.grid.h, n) for x in solver.points.x[:, axis]] for axis, (o, n, _) in axes]
+    tile, column = np.array(first).T // TILE, solver.points.kind == COLUMN
+    occupied, number = np.unique(tile, axis=0, return_inverse=True)
+    own = np.unique(tile[column], axis=0)
+    distance = np.array([np.abs(own - each).max(axis=1).min() for each in occupied])[number.ravel()]
+    assert np.all(distance[:awake] <= margin) and np.all(distance[awake:] > margin)
+    assert 0.2 < awake / len(column) < 0.95
+
+
+@DIMENSIONS
+@pytest.mark.parametrize("basis", list(BASES))
+def test_nodes_of_sleeping_points_are_held_and_the_column_meets_none(basis: str, d: int) -> None:
+    """Of the active nodes; the column may travel as far as the next sort lets it."""
+    solver, awake = sorted_collapse(d, 1, Scheme(basis=basis))
+    assert solver.tiles is not None
+    points, grid, size = solver.points, solver.grid, solver.grid.tile_doubles // NODE
+    active = (solver.tiles.active[:, None] // NODE + np.arange(size)).ravel()
+    held = np.flatnonzero(grid.fixed & ASLEEP)
+    set_fixed(grid, *d * (False,))  # as a gate that is lifted
+    np.testing.assert_array_equal(np.flatnonzero(grid.fixed), held)
+    touched = np.intersect1d(nodes_of(points.x[awake:], grid, basis, 0.0), active)
+    assert len(touched) and np.all(np.isin(touched, held))
+    column = points.x[points.kind == COLUMN]
+    assert not np.any(np.isin(nodes_of(column, grid, basis, 0.999 * BASES[basis].TRAVEL), held))
+
+
+@DIMENSIONS
+def test_held_nodes_stand_still_while_the_others_fall(d: int) -> None:
+    solver, _ = sorted_collapse(d, 1)
+    advance_steps(solver, 1)
+    assert solver.tiles is not None
+    nodes, held = solver.grid.nodes.reshape(-1, NODE), (solver.grid.fixed & ASLEEP) > 0
+    masses, velocities = nodes[:, 0], nodes[:, 1 : 1 + d]
+    assert np.all(velocities[held] == 0.0) and np.any(masses[held] > 0.0)
+    free = ~held & (masses > 0.0) & (solver.grid.fixed == 0)
+    assert np.any(free) and np.all(np.any(velocities[free] != 0.0, axis=1))
+
+
+@DIMENSIONS
+def test_tiles_wake_as_the_flow_comes_and_the_others_keep_their_state(d: int) -> None:
+    solver, first = sorted_collapse(d, 1)
+    before, asleep = by_id(solver), solver.points.id[first:]
+    advance_to(solver, {2: 0.2, 3: 0.1}[d])
+    last = awake_points(solver)
+    assert last > 1.1 * first
+    still = solver.points.id[last:]
+    assert len(still) > 20 and np.all(np.isin(still, asleep))
+    np.testing.assert_array_equal(by_id(solver).rows[still], before.rows[still])
+    woken = np.setdiff1d(asleep, still)
+    assert np.all(np.any(by_id(solver).rows[woken] != before.rows[woken], axis=1))
+
+
+@pytest.mark.parametrize("wall_impulse", [True, False], ids=["impulse", "no impulse"])
+@pytest.mark.parametrize(("d", "axisymmetric"), [(2, False), (2, True), (3, False)], ids=["plane", "axi", "space"])
+def test_the_ledger_closes_while_tiles_wake(d: int, axisymmetric: bool, wall_impulse: bool) -> None:
+    """What sleeps keeps its energy, and nodes beside it are walls."""
+    ledger = ledger_of(DAMPED._replace(axisymmetric=axisymmetric, wall_impulse=wall_impulse), d, margin=1)
+    assert ledger.potential < -0.4
+    assert abs(ledger.residual) <= 1e-6
+
+
+@DIMENSIONS
+def test_a_margin_as_wide_as_the_domain_changes_no_bit(d: int) -> None:
+    rows = []
+    for margin in (0, EVERYWHERE):
+        solver = collapse(DAMPED, d, margin=margin)
+        advance_to(solver, 0.05)
+        rows.append(solver.points.rows)
+    np.testing.assert_array_equal(*rows)
+
+
+def test_a_run_sleeps_from_the_release_on(tmp_path: Path) -> None:
+    """One fall time later the front and the base's stress are as without sleep, under which nothing stays in place."""
+    keys = ["grid.spacing=0.01", "stages.collapse.max_time_factor=1.0", "output.snapshots=1"]
+    still, moved = (
+        mpmcol.run(mpmcol.load_case("quickstart", [*keys, f"method.sleeping_base={word}"]), tmp_path / word)
+        for word in ("true", "false")
+    )
+    shares, stress = [], []
+    for results in (still, moved):
+        last = results.snapshot(-1)
+        base = np.argsort(last.arrays["id"])[-np.sum(~last.column) :]  # numbered after the column
+        shares.append(np.mean(np.all(last.arrays["displacement"][base] == 0.0, axis=1)))
+        stress.append(last.arrays["stress"][base])
+    assert 0.2 < shares[0] < 0.9 and shares[1] == 0.0
+    assert np.abs(stress[0] - stress[1]).max() < 1e-2 * np.abs(stress[1]).max()
+    assert still.measure().zeta["front_max"] == pytest.approx(moved.measure().zeta["front_max"], abs=1e-3)
+    flow = still.history["stage"] == "collapse"
+    assert np.abs(still.history["residual"][flow]).max() < 1e-9 * still.history["damping"][flow].max()
+
+
+def test_a_rigid_floor_has_nothing_that_could_sleep() -> None:
+    rigid = ["geometry.base=rigid", "method.wall_impulse=true"]
+    with pytest.raises(CaseError, match="sleeping_base = true: must be left out"):
+        mpmcol.load_case("quickstart", [*rigid, "method.sleeping_base=true"])
