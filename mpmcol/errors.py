@@ -37,6 +37,12 @@ class NumericalFailure(MpmcolError):
         self.failure = failure
 
 
+class Interrupted(MpmcolError):
+    """A run was asked to end and has kept its state; the same command goes on with it."""
+
+    exit_code = 75
+
+
 class OutputError(MpmcolError):
     """A file could not be written or read."""
 

@@ -16,6 +16,7 @@ from mpmcol.errors import OutputError, UsageError
 # the folder of a run
 LOCK = ".lock"
 CASE_FILE, RESULT_FILE, HISTORY_FILE = "case.resolved.toml", "result.json", "history.csv"
+CHECKPOINT_FILES = ("checkpoint-0.npz", "checkpoint-1.npz")  # written in turn
 # what may lie in it before the run: the case that it is to run, and what it says while it does
 GIVEN_CASE_FILE, LOG_FILE = "case.toml", "run.log"
 

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import platform
 import time
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from mpmcol.case import Case, resolved_toml
+from mpmcol.errors import OutputError
 from mpmcol.files import atomic_write, make_folder
 from mpmcol.kernels import cycle
 from mpmcol.laws import LAWS
@@ -17,7 +19,7 @@ from mpmcol.layout import column_shape
 from mpmcol.measure import Measurement, measure
 from mpmcol.results import CASE_FILE, write_history
 from mpmcol.scene import Scene
-from mpmcol.snapshot import Snapshot, describe_snapshot, write_index, write_snapshot
+from mpmcol.snapshot import Snapshot, describe_snapshot, list_snapshots, write_index, write_snapshot
 from mpmcol.solver import Solver
 from mpmcol.state import BASE, Points
 from mpmcol.version import code_version
@@ -51,7 +53,7 @@ class Recorder:
     def start_ledger(self) -> None:
         """Measure energies and displacements from now on."""
         points = self.solver.points
-        self._released = positions_by_id(points)
+        self.released = positions_by_id(points)
         self.solver.ledger[:] = 0.0
         self._start = _energies(self.case, points)
 
@@ -96,12 +98,27 @@ class Recorder:
     def snapshot(self, stage: str) -> None:
         """Write the present state as the next snapshot, and the index and the history with it."""
         started = time.perf_counter()
-        taken = take_snapshot(self.case, self.solver, stage, self._released)
+        taken = take_snapshot(self.case, self.solver, stage, self.released)
         path = write_snapshot(self.folder, len(self._written), taken, self._meta, self.case.output.compression)
         self._written.append(describe_snapshot(path))
         write_index(self.folder, self._written)
         self._save_history()
         self.seconds += time.perf_counter() - started
+
+    def memory(self) -> dict[str, Any]:
+        """What it knows of the run so far, but for `released`, as plain values."""
+        return {
+            "rows": self.rows, "start": self._start, "worst_J": [float(J) for J in self.worst_J],
+            "snapshots": len(self._written), "seconds": self.seconds,
+        }  # fmt: skip
+
+    def recall(self, memory: Mapping[str, Any], released: np.ndarray) -> None:
+        """Go on from `memory`; snapshots taken later are written over. Raises OutputError if an earlier one is gone."""
+        self.rows, self._start, self.worst_J = memory["rows"], memory["start"], memory["worst_J"]
+        self.released, self.seconds = released, memory["seconds"]
+        self._written = [describe_snapshot(path) for path in list_snapshots(self.folder)[: memory["snapshots"]]]
+        if len(self._written) < memory["snapshots"]:
+            raise OutputError(f"{self.folder}: snapshots are missing; run the case again with --fresh")
 
     def _save_history(self) -> None:
         write_history(self.folder, self.rows)

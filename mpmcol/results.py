@@ -17,6 +17,7 @@ from mpmcol.case import Case, load_case
 from mpmcol.errors import OutputError, UsageError
 from mpmcol.files import (
     CASE_FILE,
+    CHECKPOINT_FILES,
     GIVEN_CASE_FILE,
     HISTORY_FILE,
     LOCK,
@@ -33,7 +34,7 @@ RESULT_SCHEMA = 1
 # the case last, so that a folder half emptied is still known for a run's
 OWN_FILES = (
     RESULT_FILE, HISTORY_FILE, "run.vtkhdf", "run.vtkhdf.series", "snapshots", "profile.png", "front.png", "energy.png",
-    "collapse.gif", "topview.png", CASE_FILE,
+    "collapse.gif", "topview.png", *CHECKPOINT_FILES, CASE_FILE,
 )  # fmt: skip
 HISTORY = (
     "stage", "step", "time", "dt", "kinetic", "potential", "elastic", "plastic", "damping", "walls", "transfer",

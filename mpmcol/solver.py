@@ -70,18 +70,23 @@ class Solver:
         self.clock[cycle.DT] = self.settings.cfl * self.grid.h / speed.max()
 
     def prepare(self) -> None:
-        """Compile or load the kernels of the present laws, and sort the points, without taking a step."""
-        self.sort()
+        """Compile or load the kernels of the present laws, and sort the points unless they are, without a step."""
+        if self.tiles is None:
+            self.sort()
         self._call(self.time, 0)
 
     def sort(self) -> None:
         """Put the points in order of tiles, those that sleep last, and list the tiles that the others can touch."""
         row = ROW[self.points.dimension]
-        self.tiles = Tiles(*sort_points(self.points.rows.reshape(-1), row, self.grid, *self._scratch, self.margin))
+        self.list_tiles(Tiles(*sort_points(self.points.rows.reshape(-1), row, self.grid, *self._scratch, self.margin)))
         self.clock[cycle.TRAVELLED] = 0.0
+
+    def list_tiles(self, tiles: Tiles) -> None:
+        """Take the points to be in the order that `tiles` lists."""
+        self.tiles = tiles
         self._reports = (
-            np.zeros((len(self.tiles.active), NODE_REPORT)),
-            np.zeros((len(self.tiles.split), TILE_REPORT)),
+            np.zeros((len(tiles.active), NODE_REPORT)),
+            np.zeros((len(tiles.split), TILE_REPORT)),
         )
 
     def advance(self, end: float, max_steps: int = 2**62) -> int:

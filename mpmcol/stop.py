@@ -1,42 +1,53 @@
-"""Signals that ask a run to end: noted when they come, heeded where nothing is half done."""
+"""What asks a run to end, signals and a limit of time: noted when it comes, heeded where nothing is half done."""
 
 from __future__ import annotations
 
 import signal
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from math import inf
 from types import FrameType
 
-SIGNALS = (signal.SIGINT, signal.SIGTERM)  # a scheduler's wish is a Ctrl-C
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGUSR1)  # a person, a scheduler, a scheduler some time before
 
 
 class Stopped(Exception):
-    """A run has been asked to end, and may keep what it has."""
+    """A run has been asked to end, and may keep what it has; the text says by what."""
 
 
 class StopRequest:
-    """Whether a signal has asked this process to end."""
+    """Whether this process has been asked to end."""
 
-    def __init__(self) -> None:
-        self._asked = False
+    def __init__(self, max_wall: float = inf) -> None:
+        self._deadline = time.monotonic() + max_wall
+        self._signal = ""
+
+    @property
+    def asked(self) -> str:
+        """By what; "" if it has not been."""
+        return self._signal or ("the limit of time" if time.monotonic() > self._deadline else "")
 
     def heed(self) -> None:
-        """Raise Stopped if a signal has come."""
-        if self._asked:
-            raise Stopped
+        """Raise Stopped if it has been."""
+        if asked := self.asked:
+            raise Stopped(asked)
 
     def note(self, number: int, frame: FrameType | None) -> None:
         """The handler of the signals; the second one ends the process wherever it is."""
-        if self._asked:
+        if self._signal:
             raise KeyboardInterrupt
-        self._asked = True
+        self._signal = signal.Signals(number).name
 
 
 @contextmanager
-def stop_request() -> Iterator[StopRequest]:
-    """Note SIGINT and SIGTERM while inside; outside the main thread Python lets none be noted."""
-    request = StopRequest()
+def stop_request(max_wall: float = inf) -> Iterator[StopRequest]:
+    """Note signals while inside, and that `max_wall` seconds have gone by.
+
+    Outside the main thread Python lets no signal be noted.
+    """
+    request = StopRequest(max_wall)
     if threading.current_thread() is not threading.main_thread():
         yield request
         return

@@ -14,7 +14,7 @@ import click
 @click.option("--report-only", is_flag=True, help="Run nothing: tables and charts from the runs that have ended.")
 @click.option("--quiet", is_flag=True, help="Print nothing but errors.")
 def pareto(study: str, out: Path | None, jobs: int | None, report_only: bool, quiet: bool) -> None:
-    """Run STUDY, a TOML file or a shipped study (default, quick), and chart the error of its settings over their cost.
+    """Run STUDY, a TOML file or a shipped one (default, choices, quick), and chart error over cost of its settings.
 
     Errors are told apart: of discretisation, against a converged value with an uncertainty of its own, and of the
     model, against the experiment with its scatter. The same command again completes what is missing.

@@ -6,13 +6,15 @@ import json
 import os
 import sys
 from contextlib import ExitStack
+from math import inf
 from pathlib import Path
 from typing import Any
 
 import click
 
 from mpmcol.cli.accuracy import ACCURACY, advised, certified
-from mpmcol.errors import NumericalFailure
+from mpmcol.cli.duration import DURATION, duration
+from mpmcol.errors import Interrupted, NumericalFailure
 
 
 @click.command()
@@ -22,7 +24,11 @@ from mpmcol.errors import NumericalFailure
 @click.option("--accuracy", type=ACCURACY, help="Choose model and grid so that runout and height keep to it, e.g. 5%.")
 @click.option("--certify", is_flag=True, help="With --accuracy: zeta and beta with an error bar, from two spacings.")
 @click.option("--threads", type=click.IntRange(1), help="Number of threads; all cores by default.")
-@click.option("--fresh", is_flag=True, help="Replace the results of a finished run.")
+@click.option("--fresh", is_flag=True, help="Begin anew: replace a finished run, forget an unfinished one.")
+@click.option("--go-on", is_flag=True, help="Go on with an unfinished run though case or code differ from its own.")
+@click.option("--checkpoint", type=DURATION, default="5min", show_default=True, help="Time between two checkpoints.")
+@click.option("--max-wall", type=DURATION, help="Stop after this time, e.g. 2h; the same command goes on.")
+@click.option("--requeue-code", type=click.IntRange(0, 255), help="Exit code of a run that was stopped, instead of 75.")
 @click.option("--dry-run", is_flag=True, help="Check everything and say what the run will cost; write nothing.")
 @click.option("--json", "as_json", is_flag=True, help="Print result.json as one line on stdout.")
 @click.option("--quiet", is_flag=True, help="Print nothing but errors.")
@@ -34,6 +40,10 @@ def run(
     certify: bool,
     threads: int | None,
     fresh: bool,
+    go_on: bool,
+    checkpoint: float,
+    max_wall: float | None,
+    requeue_code: int | None,
     dry_run: bool,
     as_json: bool,
     quiet: bool,
@@ -43,6 +53,9 @@ def run(
     Stages: equilibrate under gravity behind the gate, release, collapse, rest. Results go to a folder that
     `mpmcol measure`, `plot` and `render` read. With --accuracy 5% the setting is the cheapest that kept to it in
     `mpmcol pareto`, whose errors are those of discretisation, not of the model.
+
+    A run that was stopped, or killed, goes on where it was when the same command is given again, and ends with equal
+    bits. Ctrl-C, SIGTERM, SIGUSR1 and --max-wall stop it in good order (exit code 75), a second Ctrl-C at once.
     """
     if certify and accuracy is None:
         raise click.UsageError("--certify goes with --accuracy, which chooses the grid")
@@ -68,8 +81,13 @@ def run(
     try:
         with reporter:
             results = simulate(
-                loaded, folder, threads=threads, fresh=fresh, progress=reporter.progress, say=reporter.say
-            )
+                loaded, folder, threads=threads, fresh=fresh, go_on=go_on, checkpoint_seconds=checkpoint,
+                max_wall=inf if max_wall is None else max_wall, progress=reporter.progress, say=reporter.say,
+            )  # fmt: skip
+    except Interrupted as end:
+        if requeue_code is not None:
+            end.exit_code = requeue_code
+        raise
     except NumericalFailure:
         if as_json:
             click.echo(json.dumps(Results(folder).summary))
@@ -152,10 +170,3 @@ def _print_estimate(case: Any, threads: int | None, as_json: bool) -> None:
     for name, value in rows:
         click.echo(f"{name:26s} {value}")
     click.echo("nothing was run")
-
-
-def duration(seconds: float) -> str:
-    """A time for a person."""
-    if seconds < 120.0:
-        return f"{seconds:.0f} s"
-    return f"{seconds / 60.0:.0f} min" if seconds < 7200.0 else f"{seconds / 3600.0:.1f} h"

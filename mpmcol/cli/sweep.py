@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mpmcol.cli.run import duration
+from mpmcol.cli.duration import duration
 
 if TYPE_CHECKING:
     from mpmcol.sweep.points import Point

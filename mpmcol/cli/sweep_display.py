@@ -13,7 +13,7 @@ from typing import Any
 
 import click
 
-from mpmcol.cli.run import duration
+from mpmcol.cli.duration import duration
 from mpmcol.measure import FRONTS
 from mpmcol.sweep.conduct import Watcher
 from mpmcol.sweep.engine import Outcome

@@ -68,7 +68,8 @@ def measured(folder: Path) -> list[dict[str, str]]:
     """The table without what may differ from one time to the next: names of folders, and cost."""
     with (folder / "table.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
-    return [{name: value for name, value in row.items() if "second" not in name and "ns_" not in name} for row in rows]
+    cost = ("second", "ns_", "memory")
+    return [{name: value for name, value in row.items() if not any(word in name for word in cost)} for row in rows]
 
 
 def last_positions(folder: Path) -> list[np.ndarray]:

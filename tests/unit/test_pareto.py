@@ -151,7 +151,7 @@ def test_an_unknown_study_is_told_with_the_nearest() -> None:
 
 
 def test_shipped_studies_hold_cases_that_are_right() -> None:
-    assert set(shipped_studies()) == {"default", "quick"}
+    assert set(shipped_studies()) == {"choices", "default", "quick"}
     for name in shipped_studies():
         members = {setting.members[0] for setting in settings_of(load_study(name))}
         points = [member.point(Path("x")) for member in members]

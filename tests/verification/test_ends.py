@@ -9,9 +9,10 @@ import pytest
 
 import mpmcol
 from mpmcol.errors import NumericalFailure
-from mpmcol.simulation import Run
+from mpmcol.scene import build_scene
+from mpmcol.simulation import set_up
+from mpmcol.stages import Run
 from mpmcol.state import BASE
-from mpmcol.stop import StopRequest
 
 RADIUS, LENGTH, SPEED = 0.097, 0.36, 8.0  # m, m, m/s
 COARSE = ("grid.spacing=0.0194", "stages.equilibrate.law=mohr-coulomb", "stages.initial_stress=k0")
@@ -28,7 +29,7 @@ ENDS = {
 def thrown(model: str, direction: tuple[float, ...], folder: Path) -> Run:
     """A coarse run at its release, its column thrown in the given direction."""
     case = mpmcol.load_case("lube-quarter", [f"geometry.model={model}", *COARSE, *SMALL])
-    run = Run(case, folder / "run", 1, True, lambda stage, share: None, lambda line: None, StopRequest())
+    run = set_up(case, build_scene(case), folder / "run", 1, lambda stage, share: None, lambda line: None)
     run.release()
     run.solver.points.v[run.solver.points.kind != BASE] = SPEED * np.array(direction)
     return run
@@ -75,7 +76,7 @@ def test_a_lone_grain_is_held_at_the_end_and_told(direction: tuple[float, ...], 
     run.collapse()
     reach = float(points.x[points.id == lone][0] @ np.array(direction))
     assert layout.length - 5.0 * layout.h < reach < layout.length - 2.0 * layout.h
-    assert "holds points that ran ahead (1)" in run.warnings[-1]
+    assert "holds points that ran ahead (1)" in run.course.warnings[-1]
 
 
 def test_planes_of_symmetry_are_no_end(tmp_path: Path) -> None:

@@ -11,10 +11,9 @@ import mpmcol
 from mpmcol.grid import NODE, Grid, node_coordinates
 from mpmcol.layout import Layout
 from mpmcol.scene import Scene, build_scene, close_walls
-from mpmcol.simulation import Run
+from mpmcol.simulation import set_up
 from mpmcol.solver import Solver
 from mpmcol.state import BASE
-from mpmcol.stop import StopRequest
 from tests.verification.blocks import G, advance_to, by_id
 
 H, RADIUS, HEIGHT, DEPTH, DENSITY = 0.02, 0.1, 0.0875, 0.06, 2650.0
@@ -121,7 +120,8 @@ def test_the_gate_rises_at_its_speed(section: tuple[str, ...], tmp_path: Path) -
             seen.append((run.solver.time, gate_heights(run.scene)))
 
     short = (f"stages.gate_speed={speed}", "stages.collapse.max_time_factor=0.2", "output.snapshots=1")
-    run = Run(case_of("quarter", section, *short), tmp_path / "run", 1, True, look, lambda line: None, StopRequest())
+    case = case_of("quarter", section, *short)
+    run = set_up(case, build_scene(case), tmp_path / "run", 1, look, lambda line: None)
     run.release()
     run.collapse()
     y = node_coordinates(run.scene.grid)[1].ravel()
