@@ -25,6 +25,7 @@ COMMANDS = {
     "status": "mpmcol.cli.status:status",
     "paper": "mpmcol.cli.paper:paper",
     "validate": "mpmcol.cli.validate:validate",
+    "stability": "mpmcol.cli.stability:stability",
     "pareto": "mpmcol.cli.pareto:pareto",
     "plan": "mpmcol.cli.plan:plan",
     "measure": "mpmcol.cli.measure:measure",

@@ -1,0 +1,1 @@
+"""Small problems that the scenes of failure and the verification tests share."""

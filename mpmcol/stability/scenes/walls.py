@@ -1,0 +1,48 @@
+"""Lone points beside walls and the axis: hats are stiffer there than splines, and the axis adds the hoop strain."""
+
+from __future__ import annotations
+
+from mpmcol.kernels.transfer import WALL_GAP
+from mpmcol.scene import AXIS_GAP
+from mpmcol.stability.problems.lone_point import GROWN, LonePoint
+from mpmcol.stability.scene import Scene
+from mpmcol.stability.scenes.time_step import BETWEEN, SIGN, SOURCE, UNIT, bound_theory, lone_point_trials
+
+IN_3D = (BETWEEN, BETWEEN)
+THREE_WALLS = "left bottom back"
+
+
+def _scene(name: str, where: str, point: LonePoint, default_stands: bool, remedy: str) -> Scene:
+    mechanism = f"A lone point {where}: the weight of the node beside it falls with the distance, its gradient does not."
+    return Scene(
+        name, mechanism, SIGN, UNIT, GROWN, SOURCE, remedy, lone_point_trials(point, default_stands), bound_theory(point)
+    )
+
+
+SCENES = (
+    _scene(
+        "wall-one", f"{WALL_GAP} h from a smooth wall, where the solver keeps it, nu = 0.2",
+        LonePoint((WALL_GAP, *IN_3D), rollers="left"), True,
+        "points are kept 0.1 h off walls; at 0.05 h the bound would be 0.45",
+    ),
+    _scene(
+        "wall-corner", f"{WALL_GAP} h from each of three smooth walls, nu = 0.3",
+        LonePoint((WALL_GAP,) * 3, nu=0.3, rollers=THREE_WALLS), False,
+        "time.cfl = 0.44; a step from each point's own bound, or a wider gap, would do it by itself",
+    ),
+    _scene(
+        "axis-default", f"{AXIS_GAP} h from the axis, where the solver keeps it with four points a cell, nu = 0.2",
+        LonePoint((AXIS_GAP, BETWEEN), axisymmetric=True, rollers="left"), True,
+        "points are kept 0.2 h off the axis; at 0.05 h the bound would be 0.28",
+    ),
+    _scene(
+        "axis-stiff", f"{AXIS_GAP} h from the axis, nu = 0.35",
+        LonePoint((AXIS_GAP, BETWEEN), nu=0.35, axisymmetric=True, rollers="left"), False,
+        "time.cfl = 0.44; or a gap that grows with nu: 0.25 h",
+    ),
+    _scene(
+        "axis-dense", "h / 8 from the axis, where the first of sixteen points a cell is, nu = 0.2",
+        LonePoint((0.125, BETWEEN), axisymmetric=True, rollers="left"), False,
+        "time.cfl = 0.41, or four points a cell; the gap to the axis is then 0.2 h",
+    ),
+)  # fmt: skip
