@@ -6,37 +6,19 @@ import numpy as np
 import pytest
 
 from mpmcol.grid import node_records
-from mpmcol.solver import Solver
-from mpmcol.state import Points, Settings
+from mpmcol.stability.problems.fall import H, thrown_block
 from tests.verification.blocks import (
     PLAIN,
     WEIGHTLESS,
     G,
     advance_steps,
     by_id,
-    elastic_body,
     kinetic_energy,
-    lattice,
-    make_solver,
-    points_at,
     potential_energy,
-    walled_grid,
 )
 
-H = 0.1
-STIFF = elastic_body(density=1000.0, youngs_modulus=1e9, poissons_ratio=0.0)  # c_p = 1000 m/s
 THROWN = (0.7, 1.5, -0.4)  # m/s
 both_dimensions = pytest.mark.parametrize("d", [2, 3])
-
-
-def thrown_block(v: tuple[float, ...], settings: Settings = PLAIN) -> tuple[Solver, Points]:
-    """A stress-free block of three cells a side in the middle of a large grid, and its points at the start."""
-    d = len(v)
-    x = lattice((2.03, 4.01, 2.07)[:d], (2.33, 4.31, 2.37)[:d], H / 2)
-    points = points_at(x, H / 2, density=1000.0)
-    points.v[:] = v
-    solver = make_solver(points, walled_grid((0.0,) * d, H, (45, 90, 45)[:d]), settings, body=STIFF)
-    return solver, by_id(solver)
 
 
 @both_dimensions

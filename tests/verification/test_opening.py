@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 import pytest
 
-from mpmcol.grid import node_coordinates, set_fixed
 from mpmcol.solver import Solver
+from mpmcol.stability.problems.sand import H, in_a_box, stacked_layers
 from mpmcol.state import COLUMN, Points
 from tests.verification.blocks import (
-    PLAIN,
     WEIGHTLESS,
     advance_steps,
     advance_to,
@@ -23,38 +20,6 @@ from tests.verification.blocks import (
     points_at,
     walled_grid,
 )
-
-H = 0.02
-
-
-def in_a_box(points: Points, width: int, opening_strain: bool) -> Solver:
-    """Sand above the floor of a smooth box `width` cells wide."""
-    grid = walled_grid((0.0, 0.0), H, (width + 6, 100))
-    x, y = node_coordinates(grid)
-    set_fixed(grid, (x < 0.5 * H) | (x > (width - 0.5) * H), y < 0.5 * H)
-    return make_solver(points, grid, PLAIN._replace(alpha_d=0.1, opening_strain=opening_strain))
-
-
-class Deposit(NamedTuple):
-    height: float  # of the layers of points, over that at the start
-    area: float  # sum of V over that at the start
-    gross_area: float  # the gaps that the opening strain stands for included
-    largest_J: float
-    was_open: float  # largest opening strain on the way
-
-
-def stacked_layers(opening_strain: bool, layers: int = 16, width: int = 4) -> Deposit:
-    """A stack whose layers are thrown apart upward and downward, fall, and come together on the floor."""
-    x = lattice((0.0, 4 * H), (width * H, (4 + layers) * H), H / 2)
-    points = points_at(x, H / 2, kind=COLUMN)
-    points.v[:, 1] = 6.0 * (x[:, 1] - x[:, 1].mean())
-    solver, was_open = in_a_box(points, width, opening_strain), 0.0
-    for k in range(50):
-        advance_to(solver, 0.03 * (k + 1))
-        was_open = max(was_open, solver.points.opening.max())
-    last, start = by_id(solver), points.V0.sum()
-    height = np.ptp(last.x[:, 1]) / np.ptp(x[:, 1])
-    return Deposit(height, last.V.sum() / start, last.V @ (1.0 + last.opening) / start, last.J.max(), was_open)
 
 
 def test_layers_that_come_together_keep_their_area() -> None:

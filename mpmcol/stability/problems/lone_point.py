@@ -16,9 +16,9 @@ from mpmcol.basis.quadratic import spline
 from mpmcol.errors import NumericalFailure
 from mpmcol.stability.blocks import (
     DENSITY,
-    E,
     SIDES,
     WEIGHTLESS,
+    E,
     advance_steps,
     elastic_body,
     make_solver,

@@ -13,10 +13,10 @@ THREE_WALLS = "left bottom back"
 
 
 def _scene(name: str, where: str, point: LonePoint, default_stands: bool, remedy: str) -> Scene:
-    mechanism = f"A lone point {where}: the weight of the node beside it falls with the distance, its gradient does not."
-    return Scene(
-        name, mechanism, SIGN, UNIT, GROWN, SOURCE, remedy, lone_point_trials(point, default_stands), bound_theory(point)
-    )
+    """A lone point there, tried on both sides of its bound and at the default."""
+    mechanism = f"A lone point {where}: its hat's weight falls with the distance, its gradient does not."
+    trials = lone_point_trials(point, default_stands)
+    return Scene(name, mechanism, SIGN, UNIT, GROWN, SOURCE, remedy, trials, bound_theory(point))
 
 
 SCENES = (
