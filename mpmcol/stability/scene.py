@@ -118,7 +118,7 @@ class SceneOutcome:
     @property
     def verdict(self) -> Verdict:
         """The first that is not as it should be."""
-        verdicts = [outcome.verdict for outcome in (*self.trials, *self.theory)]
+        verdicts = [trial.verdict for trial in self.trials] + [known.verdict for known in self.theory]
         return next((verdict for verdict in verdicts if verdict != "as expected"), "as expected")
 
 

@@ -29,14 +29,17 @@ AT_REST = 1e-4  # unbalanced force over the weight
 
 @cache
 def settled_column(
-    cells: int, d: int, scheme: Scheme = PAPER, young: float = 1e8, settings: Settings = DAMPED
+    cells: int, d: int, scheme: Scheme = PAPER, young: float = 1e8, settings: Settings = DAMPED, per_axis: int = 2
 ) -> tuple[Points, np.ndarray, float]:
-    """Elastic points at rest, their initial heights, and the force that is left unbalanced, over the weight."""
-    h, body = HEIGHT / cells, elastic_body(youngs_modulus=young)
+    """Elastic points at rest, their initial heights, and the force that is left unbalanced, over the weight.
+
+    per_axis: points along each edge of a cell.
+    """
+    h, spacing, body = HEIGHT / cells, HEIGHT / cells / per_axis, elastic_body(youngs_modulus=young)
     wide = 3 if scheme.basis == "cubic" else 2
-    x = lattice((0.0,) * d, (wide * h, HEIGHT, wide * h)[:d], h / 2)
+    x = lattice((0.0,) * d, (wide * h, HEIGHT, wide * h)[:d], spacing)
     grid = walled_grid((0.0,) * d, h, (wide, cells + 3, wide)[:d], rollers="left right bottom back front")
-    solver = make_solver(points_at(x, h / 2), grid, settings, body=body, scheme=scheme)
+    solver = make_solver(points_at(x, spacing), grid, settings, body=body, scheme=scheme)
     advance_to(solver, 30.0 * 4.0 * HEIGHT / np.sqrt(body.wave_speed2))
     return by_id(solver), x[:, 1], float(solver.ledger[L_UNBALANCED])
 

@@ -12,6 +12,17 @@ from mpmcol.stability.scene import Scene
 FAMILIES = (
     "time_step",
     "walls",
+    "moduli",
+    "weights",
+    "transfers",
+    "quadrature",
+    "locking",
+    "motion",
+    "damping",
+    "opening",
+    "initial",
+    "softening",
+    "collapses",
 )
 
 SCENES: dict[str, Scene] = {

@@ -40,8 +40,13 @@ SCENES = tuple(
     Scene(
         name=f"time-step-{name}",
         mechanism=f"A lone point between nodes, in {where}: its strain overshoots in every step and grows.",
-        sign=SIGN, unit=UNIT, bound=GROWN, source=SOURCE, trials=lone_point_trials(point), theory=bound_theory(point),
+        sign=SIGN,
+        unit=UNIT,
+        bound=GROWN,
+        source=SOURCE,
+        trials=lone_point_trials(point),
+        theory=bound_theory(point),
         remedy="time.cfl below 0.67 in 3D and 0.73 in 2D (nu = 0.2); the default 0.5 keeps a quarter in hand",
     )
     for name, (point, where) in POINTS.items()
-)  # fmt: skip
+)

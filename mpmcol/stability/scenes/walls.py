@@ -16,7 +16,17 @@ def _scene(name: str, where: str, point: LonePoint, default_stands: bool, remedy
     """A lone point there, tried on both sides of its bound and at the default."""
     mechanism = f"A lone point {where}: its hat's weight falls with the distance, its gradient does not."
     trials = lone_point_trials(point, default_stands)
-    return Scene(name, mechanism, SIGN, UNIT, GROWN, SOURCE, remedy, trials, bound_theory(point))
+    return Scene(
+        name=name,
+        mechanism=mechanism,
+        sign=SIGN,
+        unit=UNIT,
+        bound=GROWN,
+        source=SOURCE,
+        remedy=remedy,
+        trials=trials,
+        theory=bound_theory(point),
+    )
 
 
 SCENES = (

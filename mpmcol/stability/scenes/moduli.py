@@ -1,0 +1,152 @@
+"""What stiffness does: nearly incompressible material, transfers that lose the gradient, soft and fast material."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+
+from mpmcol.stability.blocks import (
+    DENSITY,
+    PLAIN,
+    WEIGHTLESS,
+    G,
+    advance_to,
+    elastic_body,
+    elastic_energy,
+    kinetic_energy,
+    lattice,
+    make_solver,
+    points_at,
+    sand_body,
+    walled_grid,
+)
+from mpmcol.stability.problems.lone_point import GROWN, LonePoint, growth
+from mpmcol.stability.scene import Reading, Scene, Trial
+from mpmcol.stability.scenes.time_step import BETWEEN, DEFAULT_CFL, SIGN, SOURCE, UNIT, bound_theory, lone_point_trials
+from mpmcol.state import COLUMN
+
+STIFF = LonePoint((BETWEEN,) * 3, nu=0.49)
+FLIP = LonePoint((BETWEEN,) * 3, taylor=0.0)
+H = 0.1
+DROP = 3.15  # m: the height of a column of a = 35 on a radius of 90 mm
+FALL_SPEED = float(np.sqrt(2.0 * G * DROP))
+
+
+def squeezed(young: float) -> Reading:
+    """An elastic column, 1 m high between rollers, whose weight comes at once."""
+    points = points_at(lattice((0.0, 0.0), (2 * H, 1.0), H / 2), H / 2)
+    grid = walled_grid((0.0, 0.0), H, (2, 14), rollers="left right bottom")
+    body = elastic_body(youngs_modulus=young)
+    solver = make_solver(points, grid, PLAIN, body=body)
+    period, least = 4.0 / np.sqrt(body.wave_speed2), 1.0
+    for k in range(1, 31):
+        advance_to(solver, period * k / 30.0)
+        least = min(least, float(solver.points.J.min()))
+    return Reading(1.0 - least, f"rho g H / M = {DENSITY * G / (body.wave_speed2 * DENSITY):.2g}")
+
+
+def flight(young: float) -> Reading:
+    """A block of loose sand that flies as fast as one that fell from 3.15 m."""
+    points = points_at(lattice((0.5, 0.5), (0.8, 0.8), H / 2), H / 2, COLUMN)
+    points.v[:, 0] = FALL_SPEED
+    body = sand_body(youngs_modulus=young)
+    solver = make_solver(points, walled_grid((0.0, 0.0), H, (25, 12)), WEIGHTLESS, body)
+    start = points.x[:, 0].mean()
+    advance_to(solver, 0.1)
+    moved = float(solver.points.x[:, 0].mean() - start)
+    return Reading(
+        abs(moved / (FALL_SPEED * solver.time) - 1.0), f"{FALL_SPEED / np.sqrt(body.wave_speed2):.2g} of the wave speed"
+    )
+
+
+def impact(mach: float) -> Reading:
+    """An elastic block that meets a smooth wall: the largest energy on the way, over that at the start, less 1."""
+    points = points_at(lattice((0.0, 0.5), (1.0, 1.5), H / 2), H / 2)
+    body = elastic_body()
+    c = float(np.sqrt(body.wave_speed2))
+    points.v[:, 0] = -mach * c
+    solver = make_solver(points, walled_grid((0.0, 0.0), H, (30, 20), rollers="left"), WEIGHTLESS, body=body)
+    start, times, energies, least = kinetic_energy(points), [], [], 1.0
+    for k in range(1, 41):
+        advance_to(solver, 0.1 * k / c)
+        times.append(solver.time * c)
+        energies.append((kinetic_energy(solver.points) + elastic_energy(solver.points)) / start)
+        least = min(least, float(solver.points.J.min()))
+    return Reading(1.0 - least, f"energy at the end {energies[-1]:.3f}", (np.array(times), np.array(energies)))
+
+
+SCENES = (
+    Scene(
+        name="incompressible-3d",
+        mechanism="A lone point of nu = 0.49 in three dimensions: three axes act on one stiff volume, three times one "
+        "of them.",
+        sign=SIGN,
+        unit=UNIT,
+        bound=GROWN,
+        source=SOURCE,
+        remedy="time.cfl = 0.45 for nu above 0.45 in 3D (bound 0.471 at nu = 0.5); in 2D the default stands off walls",
+        trials=lone_point_trials(STIFF, default_stands=False),
+        theory=bound_theory(STIFF),
+    ),
+    Scene(
+        name="time-step-flip",
+        mechanism="A lone point without the Taylor term forgets its rate of strain: its bound is 0.71 of the other.",
+        sign=SIGN,
+        unit=UNIT,
+        bound=GROWN,
+        source=SOURCE,
+        remedy="taylor-flip (the default), tpic or apic, which keep it; or time.cfl = 0.4 with flip and pic in 3D",
+        trials=(
+            Trial(f"flip, cfl = {DEFAULT_CFL}, the default", False, partial(growth, FLIP, DEFAULT_CFL)),
+            Trial("flip, cfl = 0.44", True, partial(growth, FLIP, 0.44)),
+            Trial("taylor-flip", True, partial(growth, LonePoint(FLIP.place), DEFAULT_CFL), default=True),
+        ),
+        theory=bound_theory(FLIP),
+    ),
+    Scene(
+        name="soft-column",
+        mechanism="A column so soft that its own weight is no small part of its modulus: the hypoelastic law is "
+        "squeezed flat.",
+        sign="largest loss of volume, 1 - J",
+        unit="",
+        bound=0.1,
+        source="a tenth; weight that comes at once squeezes the foot by 2 rho g H / M",
+        remedy="youngs_modulus of at least 20 rho g H",
+        trials=(
+            Trial("E = 20 kPa", False, partial(squeezed, 2e4), default=True),
+            Trial("E = 1 MPa", True, partial(squeezed, 1e6), default=True),
+        ),
+    ),
+    Scene(
+        name="soft-flight",
+        mechanism=f"Loose sand that falls faster than its own waves ({FALL_SPEED:.1f} m/s after {DROP} m) harms "
+        "nothing, but is "
+        "stopped as a fault.",
+        sign="error of the distance flown",
+        unit="",
+        bound=1e-9,
+        source="free flight is exact",
+        remedy="a stiffer material; the check should look at velocity differences, or leave stress-free points alone",
+        trials=(
+            Trial("E = 0.1 MPa", False, partial(flight, 1e5), default=True),
+            Trial("E = 10 MPa", True, partial(flight, 1e7), default=True),
+        ),
+    ),
+    Scene(
+        name="impact",
+        mechanism="A block that meets a wall at a good part of its wave speed is squeezed far beyond what its law is "
+        "meant for.",
+        sign="largest loss of volume, 1 - J",
+        unit="",
+        bound=0.25,
+        source="a weak shock squeezes by v / c; above 0.6 c the solver stops, since points are faster than their waves",
+        remedy="impacts below a fifth of the wave speed, by a stiffer material",
+        trials=(
+            Trial("v = 0.9 c", False, partial(impact, 0.9), default=True),
+            Trial("v = 0.5 c", False, partial(impact, 0.5), default=True),
+            Trial("v = 0.1 c", True, partial(impact, 0.1), default=True),
+        ),
+        axes=("time over transit time of a wave (-)", "energy over that at the start (-)"),
+    ),
+)
