@@ -21,6 +21,7 @@ from mpmcol.stability.blocks import (
     E,
     advance_steps,
     elastic_body,
+    lattice,
     make_solver,
     points_at,
     walled_grid,
@@ -43,6 +44,7 @@ class LonePoint:
     rollers: str = ""
     taylor: float = 1.0
     flip_fraction: float = 1.0
+    neighbours: int = 0  # points in line with it along each axis, half a cell apart: a body, which theory leaves out
 
     @property
     def dimension(self) -> int:
@@ -52,11 +54,12 @@ class LonePoint:
 
 def growth(point: LonePoint, cfl: float) -> float:
     """Largest stress after STEPS steps over that at the start, infinite if the solver gives up."""
-    x = np.array([point.place])
+    away = lattice((0.0,) * point.dimension, (0.5 * (1 + point.neighbours),) * point.dimension, 0.5) - 0.25
+    x = np.array([point.place]) + away
     points = points_at(x, 0.5, density=DENSITY, axisymmetric=point.axisymmetric)
     body = elastic_body(DENSITY, E, point.nu)
     modulus = body.wave_speed2 * DENSITY
-    start = AMPLITUDE * modulus * np.random.default_rng(5).uniform(0.5, 1.0, (1, 6))
+    start = AMPLITUDE * modulus * np.random.default_rng(5).uniform(0.5, 1.0, (len(x), 6))
     points.sigma = start
     grid = walled_grid((0.0,) * point.dimension, 1.0, (CELLS,) * point.dimension, rollers=point.rollers)
     settings = WEIGHTLESS._replace(

@@ -61,7 +61,7 @@ def flight(young: float) -> Reading:
 
 
 def impact(mach: float) -> Reading:
-    """An elastic block that meets a smooth wall: the largest energy on the way, over that at the start, less 1."""
+    """An elastic block that meets a smooth wall; in the chart its energy."""
     points = points_at(lattice((0.0, 0.5), (1.0, 1.5), H / 2), H / 2)
     body = elastic_body()
     c = float(np.sqrt(body.wave_speed2))

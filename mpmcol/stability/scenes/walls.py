@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from functools import partial
+
 from mpmcol.kernels.transfer import WALL_GAP
 from mpmcol.scene import AXIS_GAP
-from mpmcol.stability.problems.lone_point import GROWN, LonePoint
-from mpmcol.stability.scene import Scene
-from mpmcol.stability.scenes.time_step import BETWEEN, SIGN, SOURCE, UNIT, bound_theory, lone_point_trials
+from mpmcol.stability.problems.lone_point import GROWN, LonePoint, growth
+from mpmcol.stability.scene import Scene, Trial
+from mpmcol.stability.scenes.time_step import BETWEEN, DEFAULT_CFL, SIGN, SOURCE, UNIT, bound_theory, lone_point_trials
 
 IN_3D = (BETWEEN, BETWEEN)
 THREE_WALLS = "left bottom back"
 
 
 def _scene(name: str, where: str, point: LonePoint, default_stands: bool, remedy: str) -> Scene:
-    """A lone point there, tried on both sides of its bound and at the default."""
+    """A lone point there, tried on both sides of its bound and at the default; a body there shares its nodes' mass."""
     mechanism = f"A lone point {where}: its hat's weight falls with the distance, its gradient does not."
-    trials = lone_point_trials(point, default_stands)
+    body = partial(growth, replace(point, neighbours=5), DEFAULT_CFL)
+    trials = (
+        *lone_point_trials(point, default_stands),
+        Trial(f"cfl = {DEFAULT_CFL}, the point in a body", True, body, default=True),
+    )
     return Scene(
         name=name,
         mechanism=mechanism,
