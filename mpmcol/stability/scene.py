@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import inf, isnan
+from math import inf
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -136,4 +136,4 @@ def _try(scene: Scene, trial: Trial) -> TrialOutcome:
         reading = found if isinstance(found, Reading) else Reading(float(found))
     except NumericalFailure as failure:
         reading = Reading(STOPPED, f"stopped: {failure.failure['cause']}, t = {failure.failure['time']:.3g} s")
-    return TrialOutcome(trial, reading, not isnan(reading.sign) and reading.sign <= scene.bound)
+    return TrialOutcome(trial, reading, reading.sign <= scene.bound)  # what is no number has not stood
