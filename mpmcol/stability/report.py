@@ -118,7 +118,7 @@ def _draw(outcome: SceneOutcome, out: Path) -> Path | None:
         axes.plot(*trial.reading.curve, linestyle=dash, color=colour, label=method_of(trial.trial))
     axes.set(xlabel=scene.axes[0], ylabel=scene.axes[1], title=scene.name)
     axes.grid(color="0.9")
-    axes.legend(frameon=False, fontsize="small")
+    figure.legend(loc="outside lower center", ncols=3, frameon=False, fontsize="small")
     path = out / f"{scene.name}.png"
     save_figure(figure, path, svg=False)
     return path

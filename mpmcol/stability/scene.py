@@ -32,7 +32,7 @@ class Trial:
     method: str
     stands: bool
     measure: Callable[[], float | Reading]
-    default: bool = False  # whether a case that says nothing about the method has it
+    default: bool = False  # what a case has that names no method, whatever its material and place
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,6 @@ from mpmcol.stability.blocks import (
     G,
     advance_to,
     elastic_body,
-    elastic_energy,
-    kinetic_energy,
     lattice,
     make_solver,
     points_at,
@@ -60,20 +58,18 @@ def flight(young: float) -> Reading:
     )
 
 
-def impact(mach: float) -> Reading:
-    """An elastic block that meets a smooth wall; in the chart its energy."""
+def impact(mach: float) -> float:
+    """An elastic block that meets a smooth wall."""
     points = points_at(lattice((0.0, 0.5), (1.0, 1.5), H / 2), H / 2)
     body = elastic_body()
     c = float(np.sqrt(body.wave_speed2))
     points.v[:, 0] = -mach * c
     solver = make_solver(points, walled_grid((0.0, 0.0), H, (30, 20), rollers="left"), WEIGHTLESS, body=body)
-    start, times, energies, least = kinetic_energy(points), [], [], 1.0
+    least = 1.0
     for k in range(1, 41):
         advance_to(solver, 0.1 * k / c)
-        times.append(solver.time * c)
-        energies.append((kinetic_energy(solver.points) + elastic_energy(solver.points)) / start)
         least = min(least, float(solver.points.J.min()))
-    return Reading(1.0 - least, f"energy at the end {energies[-1]:.3f}", (np.array(times), np.array(energies)))
+    return 1.0 - least
 
 
 SCENES = (
@@ -114,8 +110,8 @@ SCENES = (
         source="a tenth; weight that comes at once squeezes the foot by 2 rho g H / M",
         remedy="youngs_modulus of at least 20 rho g H",
         trials=(
-            Trial("E = 20 kPa", False, partial(squeezed, 2e4), default=True),
-            Trial("E = 1 MPa", True, partial(squeezed, 1e6), default=True),
+            Trial("E = 20 kPa", False, partial(squeezed, 2e4)),
+            Trial("E = 1 MPa", True, partial(squeezed, 1e6)),
         ),
     ),
     Scene(
@@ -143,10 +139,9 @@ SCENES = (
         source="a weak shock squeezes by v / c; above 0.6 c the solver stops, since points are faster than their waves",
         remedy="impacts below a fifth of the wave speed, by a stiffer material",
         trials=(
-            Trial("v = 0.9 c", False, partial(impact, 0.9), default=True),
-            Trial("v = 0.5 c", False, partial(impact, 0.5), default=True),
-            Trial("v = 0.1 c", True, partial(impact, 0.1), default=True),
+            Trial("v = 0.9 c", False, partial(impact, 0.9)),
+            Trial("v = 0.5 c", False, partial(impact, 0.5)),
+            Trial("v = 0.1 c", True, partial(impact, 0.1)),
         ),
-        axes=("time over transit time of a wave (-)", "energy over that at the start (-)"),
     ),
 )
