@@ -44,7 +44,7 @@ SCENES = (
         trials=(
             Trial(f"beta = {RATE:g}, h = 10 mm", False, partial(change, RATE), default=True),
             Trial(f"beta = {RATE * FINE / COARSE:g}, h = 10 mm", True, partial(change, RATE * FINE / COARSE)),
-            Trial(f"beta = {RATE:g}, h = 20 mm", True, coarse_curve),
+            Trial(f"beta = {RATE:g}, h = 20 mm, which the others are compared with", True, coarse_curve),
         ),
         theory=(
             Theory(
