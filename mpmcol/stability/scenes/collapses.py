@@ -104,7 +104,7 @@ SCENES = (
         unit="",
         bound=0.1,
         source=SCATTER,
-        remedy="stages.gate_speed = inf, the default, or that of the experiment if it is below 5 sqrt(g h_i)",
+        remedy="stages.gate_speed of the experiment where its gate is slower than sqrt(g h_i), here 0.94 m/s; inf else",
         trials=(
             Trial("gate_speed = 0.05 m/s", False, partial(runout_change, "stages.gate_speed=0.05")),
             Trial("gate_speed = 1 m/s", True, partial(runout_change, "stages.gate_speed=1")),
