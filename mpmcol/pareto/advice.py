@@ -73,14 +73,15 @@ def options(source: str | Path, overrides: Sequence[str]) -> Iterator[Advice]:
     scenes = scenes_around(place_of(case))
     by_setting: dict[tuple[str, float], list[Row]] = {}
     for row in shipped_rows():
-        if row.scene in scenes and shipped_study().families[row.family].offered:
+        if row.scene in scenes and row.within and shipped_study().families[row.family].offered:
             by_setting.setdefault((row.family, row.cells), []).append(row)
     for (family, cells), rows in by_setting.items():
         if len(rows) == len(scenes):
             values = values_for(case, family, cells)
             asked = load_case(source, [*overrides, *as_overrides(values)])
             pace = max(row.seconds_per_point_step for row in rows)
-            within = {quantity: max(row.within[quantity] for row in rows) for quantity in QUANTITIES}
+            known = [row.within for row in rows if row.within]
+            within = {quantity: max(errors[quantity] for errors in known) for quantity in QUANTITIES}
             yield Advice(family, cells, values, within, scenes, pace * Point({}, asked, Path()).work)
 
 

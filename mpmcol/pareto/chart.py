@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import cycle
+from math import ceil
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,8 @@ from mpmcol.pareto.score import Scored
 
 NAMES = {"zeta.front_height": r"runout $\zeta$ (front_height)", "beta": r"height $\beta$", "profile": "profile, area"}
 MARKERS = "osv^D<>pPX*h"
-COLUMNS = 6  # of the legend
+COLUMNS, LINE, OTHERS = 6, 0.25, 4  # of the legend: a line's height in inches, and entries that are no families
+PANEL = 5.5  # inches
 LEAST = 1e-3  # errors below are drawn there
 
 
@@ -32,7 +34,11 @@ def scene_chart(
         experiment: its scatter is the error that no comparison with it can go below.
     """
     styles = _styles(list(dict.fromkeys(one.setting.family for one in scored)))
-    figure = Figure(figsize=(13.0, 5.5 + 0.25 * len(styles) / COLUMNS), layout="constrained")
+    height = PANEL + LINE * (ceil((len(styles) + OTHERS) / COLUMNS))
+    figure = Figure(figsize=(13.0, height))
+    figure.subplots_adjust(
+        left=0.06, right=0.99, top=1.0 - 0.7 / height, bottom=1.0 - (PANEL - 0.6) / height, wspace=0.2
+    )
     for axes, quantity in zip(figure.subplots(1, len(CHOSEN_BY)), CHOSEN_BY, strict=True):
         axes.set(xscale="log", yscale="log", xlabel="core-seconds of a run", title=NAMES[quantity])
         for family, style in styles.items():
@@ -44,7 +50,7 @@ def scene_chart(
     figure.axes[0].set_ylabel("relative error that nine of ten runs keep within")
     figure.suptitle(title)
     handles, labels = figure.axes[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=COLUMNS, frameon=False, fontsize="small")
+    figure.legend(handles, labels, loc="lower center", ncols=COLUMNS, frameon=False, fontsize="small")
     return save_figure(figure, path, svg=False)
 
 

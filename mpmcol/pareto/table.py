@@ -42,7 +42,10 @@ class Row:
     cells: float  # r_i / h
     seconds_per_point_step: float  # of a core
     bias: Mapping[str, float]  # error of the mean of its runs, by quantity, relative to the converged value
-    within: Mapping[str, float]  # error kept here and at all finer spacings, and what is not known of that value
+    within: (
+        Mapping[str, float] | None
+    )  # error kept here and at all finer spacings, and what is not known of that value;
+    # None where there were too few spacings to tell
 
 
 def place_of(case: Case) -> Place:
@@ -65,7 +68,7 @@ def shipped_rows() -> tuple[Row, ...]:
     """The rows of the shipped table that have errors."""
     path = shipped_studies()[STUDY].with_suffix(".csv")
     rows = csv.DictReader(path.read_text(encoding="utf-8").splitlines())
-    return tuple(_row(row) for row in rows if row[f"{ZETA} kept"])
+    return tuple(_row(row) for row in rows if row[f"{ZETA} bias"])
 
 
 def scenes_around(place: Place) -> list[str]:
@@ -109,8 +112,9 @@ def _row(row: Mapping[str, Any]) -> Row:
         cells=float(row["cells"]),
         seconds_per_point_step=float(row["core_seconds"]) / float(row["point_steps"]),
         bias={quantity: float(row[f"{quantity} bias"]) for quantity in QUANTITIES},
-        within={
-            quantity: hypot(float(row[f"{quantity} kept"]), float(row[f"{quantity} reference +-"]))
-            for quantity in QUANTITIES
-        },
+        within={quantity: _within(row, quantity) for quantity in QUANTITIES} if row[f"{ZETA} kept"] else None,
     )
+
+
+def _within(row: Mapping[str, Any], quantity: str) -> float:
+    return hypot(float(row[f"{quantity} kept"]), float(row[f"{quantity} reference +-"]))
