@@ -36,7 +36,7 @@ def plan(case: str, overrides: tuple[str, ...], accuracy: float, target: Path | 
         atomic_write(target, resolved_toml(load_case(case, [*overrides, *advice.overrides])).encode())
         click.echo(f"written to {target}; next: mpmcol run {target}")
     else:
-        click.echo("next: mpmcol run CASE --accuracy, or --apply NEW.toml")
+        click.echo(f"next: mpmcol run {case} --accuracy {accuracy:.3g}, or --apply NEW.toml")
 
 
 def _effects(effect: Mapping[str, float] | None) -> str:
