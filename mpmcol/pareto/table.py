@@ -42,10 +42,7 @@ class Row:
     cells: float  # r_i / h
     seconds_per_point_step: float  # of a core
     bias: Mapping[str, float]  # error of the mean of its runs, by quantity, relative to the converged value
-    within: (
-        Mapping[str, float] | None
-    )  # error kept here and at all finer spacings, and what is not known of that value;
-    # None where there were too few spacings to tell
+    within: Mapping[str, float] | None  # error kept here and finer, with the limit's own; None: too few spacings
 
 
 def place_of(case: Case) -> Place:
