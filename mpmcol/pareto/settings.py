@@ -31,7 +31,7 @@ def settings_of(study: Study) -> Iterator[Setting]:
     """All settings of a study."""
     for scene, content in study.scenes.items():
         for name in study.families_of(scene):
-            for cells in study.cells_of(name):
+            for cells in study.cells_of(name, scene):
                 runs = _members(content, study.families[name], cells, study.repeats_of(name))
                 yield Setting(scene, name, cells, runs)
 

@@ -26,6 +26,7 @@ class Scene(_Strict):
     case: str  # a shipped case or a path
     aspect: float = Field(gt=0.0)
     set: dict[str, Value] = {}  # further values of the case
+    finest: float | None = Field(None, ge=2.0)  # r_i / h that no family goes beyond; all of theirs if absent
 
 
 class Family(_Strict):
@@ -64,9 +65,10 @@ class Study(_Strict):
                     raise ValueError(f"families.{family}: no scene is called {scene!r}")
         return self
 
-    def cells_of(self, family: str) -> Cells:
-        """r_i / h of a family's settings, coarsest first."""
-        return tuple(sorted(self.families[family].cells or self.cells))
+    def cells_of(self, family: str, scene: str) -> Cells:
+        """r_i / h of a family's settings in a scene, coarsest first."""
+        finest = self.scenes[scene].finest or float("inf")
+        return tuple(sorted(cells for cells in self.families[family].cells or self.cells if cells <= finest))
 
     def repeats_of(self, family: str) -> int:
         """Runs of each of a family's settings."""

@@ -158,6 +158,11 @@ def test_shipped_studies_hold_cases_that_are_right() -> None:
         assert len({point.folder for point in points}) == len(points) > 10
 
 
+def test_a_scene_may_leave_out_the_finest_spacings(tmp_path: Path) -> None:
+    study = load_study(str(write(tmp_path, "aspect = 0.9", "aspect = 0.9\nfinest = 6")))
+    assert [setting.cells for setting in settings_of(study) if setting.family == "plain"] == [5, 6]
+
+
 def test_softness_becomes_a_modulus_that_is_never_raised() -> None:
     case = load_case("lube-cylinder")
     soft = overrides_of(case, Family(softness=2e-3))["material.youngs_modulus"]
