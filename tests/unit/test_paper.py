@@ -101,8 +101,12 @@ def test_figures_share_runs() -> None:
 
 
 def test_every_factor_changes_the_case(tmp_path: Path) -> None:
-    column = factors.QUICK[0]
-    cases = [factors._member(column, factor, "0.5").point(tmp_path).case for factor in factors.FACTORS]
+    softening = ("lube-channel-dense", 1.0, 0.0045)
+    cases = [
+        factors._member(column, factor, "0.5").point(tmp_path).case
+        for column in (factors.QUICK[0], softening)
+        for factor in factors._factors(column)
+    ]
     assert all(one != other for i, one in enumerate(cases) for other in cases[:i])
 
 
