@@ -31,14 +31,15 @@ class Certified:
 
     quantity: str
     value: float
-    error: float
+    error: float  # the larger of what the two spacings show and what the study found
     change: float  # from the coarser spacing to the finer
     scatter: float  # standard deviation of one run
+    known: float  # error that the setting had in the study
 
     def __str__(self) -> str:
         return (
-            f"{self.quantity}: {self.value:.3f} +- {self.error:.3f} "
-            f"(from the coarser grid {self.change:+.3f}, scatter of a run {self.scatter:.3f})"
+            f"{self.quantity}: {self.value:.3f} +- {self.error:.3f} (from the coarser grid {self.change:+.3f}, "
+            f"scatter of a run {self.scatter:.3f}, in the study +- {self.known:.3f})"
         )
 
 
@@ -66,21 +67,28 @@ def certify(
     if not all(level for both in values.values() for level in both):
         raise OutputError(f"too few runs ended well to tell an error; mpmcol status {out} says why")
     ratio = advice.cells / coarse
-    return outcomes, [error_bar(quantity, both[0], both[1], ratio) for quantity, both in values.items()]
+    return outcomes, [
+        error_bar(quantity, both[0], both[1], ratio, advice.within[quantity]) for quantity, both in values.items()
+    ]
 
 
-def error_bar(quantity: str, coarse: Sequence[float], fine: Sequence[float], ratio: float) -> Certified:
+def error_bar(
+    quantity: str, coarse: Sequence[float], fine: Sequence[float], ratio: float, within: float = 0.0
+) -> Certified:
     """The finer mean with the grid convergence index of Roache 1994 (doi:10.1115/1.2910291) and the scatter of means.
 
     With spacings `ratio` apart: SAFETY |change| / (ratio^ORDER - 1), where the change is taken with the 95 % interval
-    of its own scatter, added in squares.
+    of its own scatter, added in squares. Two spacings alone can agree by luck, or approach the limit at a lower order,
+    so that the bar is never less than the relative error `within` which the study found of this setting.
     """
     change = float(np.mean(fine) - np.mean(coarse))
     variances = [float(np.var(level, ddof=1)) if len(level) > 1 else 0.0 for level in (coarse, fine)]
     scatter = sqrt(np.mean(variances))
     mean_error = scatter * sqrt(1.0 / len(coarse) + 1.0 / len(fine))
-    error = SAFETY * float(np.hypot(change, STUDENT * mean_error)) / (ratio**ORDER - 1.0)
-    return Certified(quantity, float(np.mean(fine)), error, change, scatter)
+    shown = SAFETY * float(np.hypot(change, STUDENT * mean_error)) / (ratio**ORDER - 1.0)
+    value = float(np.mean(fine))
+    known = within * abs(value)
+    return Certified(quantity, value, max(shown, known), change, scatter, known)
 
 
 def _points(source: str | Path, overrides: Sequence[str], cells: float, out: Path) -> list[Point]:

@@ -148,6 +148,8 @@ def test_the_error_bar_holds_the_limit() -> None:
     assert inside > 270
     sure = error_bar(ZETA, [0.9, 0.9], [0.95, 0.95], 2.0)
     assert sure.error == pytest.approx(1.25 * 0.05)
+    lucky = error_bar(ZETA, [0.9, 0.9], [0.9, 0.9], 2.0, within=0.1)
+    assert lucky.error == lucky.known == pytest.approx(0.09)
 
 
 def test_a_certified_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
