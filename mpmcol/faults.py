@@ -10,7 +10,7 @@ from mpmcol.kernels.stress import J_MAX, J_MIN
 from mpmcol.kernels.update import column_box
 from mpmcol.solver import Solver
 
-TIME_STEP = "lower time.cfl (0.5 is the default, 0.67 to 0.73 the limit), or refine grid.spacing"
+TIME_STEP = "lower time.cfl (0.5 is the default), or refine grid.spacing"
 
 
 def diagnose(solver: Solver, row: int, stage: str) -> dict[str, Any]:
@@ -36,11 +36,17 @@ def _cause(solver: Solver, x: np.ndarray, v: np.ndarray, J: float, c2: float) ->
     speed, grid = float(np.linalg.norm(v)), solver.grid
     if not np.isfinite([*x, speed, J]).all():
         return "a number became not finite (NaN)", speed, TIME_STEP
+    free = solver.settings.free_speed
     if not J_MIN <= J <= J_MAX:
         remedy = TIME_STEP + ("" if solver.settings.opening_strain else "; or set method.opening_strain = true")
+        if free**2 > c2:  # what lands that fast is squeezed as far as that by no fault of the method
+            remedy = (
+                f"raise material.youngs_modulus: waves at {np.sqrt(c2):.3g} m/s are slow for this fall; or {remedy}"
+            )
         return f"the volume ratio J left [{J_MIN:g}, {J_MAX:g}]", J, remedy
-    if speed**2 > c2 * J:
+    if speed**2 > max(c2 * J, free**2):
         cause = f"the point is faster than waves in its material ({np.sqrt(c2 * J):.3g} m/s)"
+        cause += f" and than gravity can make it ({free:.3g} m/s)" if free else ""
         return cause, speed, TIME_STEP + "; if that is slow for the material, check its stiffness and density"
     if x[1] >= column_box(grid, solver.settings).y_high:
         return "material reached the top of the domain", float(x[1]), "set a larger geometry.domain_height"

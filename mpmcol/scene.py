@@ -25,6 +25,7 @@ TRANSFERS = {  # Taylor term, share of FLIP
 }
 POSITION_FACTORS = {"trapezoid": 0.5, "paper": 1.0, "end": 0.0}
 AXIS_GAP = 0.2  # in h: points nearer to the axis would be too stiff for the default time step; the first start farther
+FALL_MARGIN = 2.0  # grains that others throw ahead are faster than a free fall
 ON_NODE = 1e-6  # in h: how far a node may be from an edge and still stand on it
 
 
@@ -114,7 +115,13 @@ def make_settings(case: Case, layout: Layout, damping: float) -> Settings:
         axisymmetric=GEOMETRIES[layout.shape].AXISYMMETRIC,
         axis_gap=min(AXIS_GAP, 0.5 / layout.points_per_axis),
         open_low_sides=layout.is_full,
+        free_speed=free_speed(case.geometry.gravity, layout.h_i + layout.base),
     )
+
+
+def free_speed(gravity: float, height: float) -> float:
+    """Speed that gravity can give to material that was at rest at most `height` above all else, m/s."""
+    return FALL_MARGIN * math.sqrt(2.0 * gravity * height)
 
 
 def fill(case: Case, layout: Layout) -> Points:

@@ -153,6 +153,7 @@ class Settings(NamedTuple):
     axis_gap: float = 0.2  # in h: least distance of a point from the axis
     gravity_z: float = 0.0  # m/s2
     open_low_sides: bool = False  # whether the domain is open, too, where x and z begin
+    free_speed: float = 0.0  # m/s that gravity can give; faster points are a fault if they are faster than waves, too
 
 
 class Scheme(NamedTuple):

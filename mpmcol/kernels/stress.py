@@ -80,8 +80,9 @@ def settle(yields, new_history, history, freed, opening, ratio, settings):
 
 
 @device
-def inspect(J, v2, c2):
-    """Wave speed plus speed (Eq. 35-36), and one where a point is finite and slower than its waves."""
-    c2_p = c2 * J
-    sound = where_positive(c2_p - v2, where_positive(J - J_MIN, where_positive(J_MAX - J, 1.0, 0.0), 0.0), 0.0)
+def inspect(J, v2, c2, settings):
+    """Wave speed plus speed (Eq. 35-36), and one where a point is finite and slower than its waves or a free fall."""
+    c2_p, fall2 = c2 * J, settings.free_speed * settings.free_speed
+    limit2 = where_positive(c2_p - fall2, c2_p, fall2)
+    sound = where_positive(limit2 - v2, where_positive(J - J_MIN, where_positive(J_MAX - J, 1.0, 0.0), 0.0), 0.0)
     return root(c2_p) + root(v2), sound

@@ -81,7 +81,7 @@ def make_update_stress(law: ModuleType) -> Callable[..., Any]:
         t, J, opening, q, work = formula(s, L, V0, J, opening, (q_0, q_1), params, settings, dt)
         store_eight(rows, o + 8, ROW, count, (J, l_xx, l_yx, l_zz, t[0], t[3], t[2], opening))
         store_eight(rows, o + 16, ROW, count, (number, l_xy, l_yy, q[0], t[3], t[1], q[1], kind))
-        speed, sound = inspect(J, v_x * v_x + v_y * v_y, c2)
+        speed, sound = inspect(J, v_x * v_x + v_y * v_y, c2, settings)
         sound = where_positive(box.x_high - x, where_positive(box.y_high - y, sound, 0.0), 0.0)
         return work, speed, where_positive(x - box.x_low, sound, 0.0)
 

@@ -83,7 +83,7 @@ def make_update_stress(law: ModuleType) -> Callable[..., Any]:
         store_eight(rows, o + 8, ROW, count, (J, l_xx, l_yx, l_zx, t[0], t[3], t[5], opening))
         store_eight(rows, o + 16, ROW, count, (number, l_xy, l_yy, l_zy, t[3], t[1], t[4], kind))
         store_eight(rows, o + 24, ROW, count, (q[0], l_xz, l_yz, l_zz, t[5], t[4], t[2], q[1]))
-        speed, sound = inspect(J, v_x * v_x + v_y * v_y + v_z * v_z, c2)
+        speed, sound = inspect(J, v_x * v_x + v_y * v_y + v_z * v_z, c2, settings)
         sound = where_positive(box.x_high - x, where_positive(box.y_high - y, sound, 0.0), 0.0)
         sound = where_positive(box.z_high - z, where_positive(x - box.x_low, sound, 0.0), 0.0)
         return work, speed, where_positive(z - box.z_low, sound, 0.0)

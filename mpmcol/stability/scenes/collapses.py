@@ -9,6 +9,7 @@ from mpmcol.stability.scene import Curve, Reading, Scene, Trial
 
 CASE = "quickstart"
 COARSE = "grid.spacing=0.01"
+SOFT_COLUMN = ("geometry.aspect=20", "grid.spacing=0.015")
 TALL = {10: "0.015", 20: "0.015", 35: "0.018"}  # aspect ratio, spacing in m: five or six cells across
 OUTLIERS = "farthest point ahead of the front, over the front"
 OUTLIERS_BOUND, OUTLIERS_SOURCE = 0.25, "a few grains fly ahead in experiments, too; the farthest point is no front"
@@ -55,25 +56,19 @@ SCENES = (
     *(_tall(a, spacing) for a, spacing in TALL.items()),
     Scene(
         name="tall-soft",
-        mechanism="A tall column of soft sand falls faster than its own waves, and the solver takes that for a fault.",
+        mechanism="A tall column of soft sand that falls as fast as its own waves or faster crushes its foot when it "
+        "lands; the fall itself harms nothing.",
         sign=OUTLIERS,
         unit="",
         bound=OUTLIERS_BOUND,
         source=OUTLIERS_SOURCE,
-        remedy="material.youngs_modulus of at least 1 MPa at a = 20; see soft-flight for what the check should ask",
+        remedy="material.youngs_modulus of at least 5 rho g h_i; here 0.2 MPa, better 1 MPa",
         trials=(
+            Trial("E = 0.1 MPa", False, partial(outliers, *SOFT_COLUMN, "material.youngs_modulus=0.1 MPa")),
             Trial(
-                "E = 0.1 MPa, a = 20",
-                False,
-                partial(outliers, "geometry.aspect=20", "grid.spacing=0.015", "material.youngs_modulus=0.1 MPa"),
-                default=True,
+                "E = 0.2 MPa", True, partial(outliers, *SOFT_COLUMN, "material.youngs_modulus=0.2 MPa"), default=True
             ),
-            Trial(
-                "E = 1 MPa, a = 20",
-                True,
-                partial(outliers, "geometry.aspect=20", "grid.spacing=0.015", "material.youngs_modulus=1 MPa"),
-                default=True,
-            ),
+            Trial("E = 1 MPa", True, partial(outliers, *SOFT_COLUMN, "material.youngs_modulus=1 MPa"), default=True),
         ),
         slow=True,
     ),

@@ -1,0 +1,48 @@
+"""What falls faster than its own waves goes on; what is faster than waves and gravity allow does not."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import mpmcol
+from mpmcol.faults import diagnose
+from mpmcol.scene import build_scene, free_speed
+from mpmcol.simulation import set_up
+from mpmcol.stages import Run
+from mpmcol.state import BASE
+
+SOFT = ("grid.spacing=0.015", "material.youngs_modulus=0.002 MPa", "stages.initial_stress=k0")
+
+
+def falling(folder: Path, share: float) -> Run:
+    """A soft column at its release, with a point thrown up at this share of the speed that gravity can give."""
+    case = mpmcol.load_case("quickstart", SOFT)
+    run = set_up(case, build_scene(case), folder / "run", 1, lambda stage, share: None, lambda line: None)
+    run.release()
+    points, waves = run.solver.points, np.sqrt(run.solver.bodies[0].wave_speed2)
+    speed = share * run.solver.settings.free_speed
+    assert speed > 1.1 * waves
+    (row,) = np.flatnonzero(points.id == points.id[points.kind != BASE].max())  # at the top, beside the free side
+    points.v[row, 1] = speed
+    return run
+
+
+def test_the_limit_is_twice_the_fall_from_the_top_of_the_column_to_the_floor(tmp_path: Path) -> None:
+    layout = falling(tmp_path, 0.9).scene.layout
+    assert layout.base > 0.0
+    assert free_speed(9.81, layout.h_i + layout.base) == pytest.approx(2.0 * np.sqrt(19.62 * (0.09 + layout.base)))
+
+
+@pytest.mark.parametrize(("share", "is_fault"), [(0.98, False), (1.2, True)])
+def test_a_point_faster_than_its_waves_is_a_fault_only_beyond_gravity(
+    share: float, is_fault: bool, tmp_path: Path
+) -> None:
+    run = falling(tmp_path, share)
+    fault = run.solver.advance(np.inf, max_steps=1)
+    assert (fault >= 0) == is_fault
+    if is_fault:
+        cause = diagnose(run.solver, fault, "collapse")["cause"]
+        assert "faster than waves in its material" in cause and "than gravity can make it" in cause
