@@ -9,13 +9,13 @@ from math import ceil
 
 import numpy as np
 
-from mpmcol.basis import BASES
 from mpmcol.case import Case
 from mpmcol.errors import UsageError
 from mpmcol.experiments import expected_runout
 from mpmcol.geometries import GEOMETRIES
 from mpmcol.grid import NODE
 from mpmcol.measure import ColumnShape
+from mpmcol.time_step import points_per_axis, time_step_warnings
 
 RUNOUT_MARGIN = 0.5  # r_i beyond the farthest-running experiment
 EMPTY_FACTOR = 2.0  # on the runout over a rigid base, where the empty part of the domain costs nothing
@@ -139,9 +139,9 @@ def make_layout(case: Case) -> Layout:
             f"the column will shorten by about {shortening:.1%} under its own weight: "
             "are material.youngs_modulus and material.density in Pa and kg/m3?"
         )
-    warnings += _time_step_warnings(case)
+    warnings += time_step_warnings(case)
     length, height = _domain(case, h)
-    per_axis = round(case.grid.points_per_cell ** (1.0 / geometry.dimension))
+    per_axis = points_per_axis(case)
     return Layout(
         shape=geometry.shape,
         is_full=geometry.model == "full",
@@ -166,22 +166,6 @@ def _whole_cells(key: str, asked: float, h: float, warnings: list[str]) -> float
             f"geometry.{key} became {cells * h:.6g} m ({cells * h / asked - 1.0:+.2%}), {cells} whole cells"
         )
     return cells * h
-
-
-def _time_step_warnings(case: Case) -> list[str]:
-    """What the time step means for a point alone: stable below 2 / sqrt(STIFFNESS (1 + (d - 1) nu / (1 - nu)))."""
-    cfl, basis, nu = case.time.cfl, case.method.basis, case.material.poissons_ratio
-    sideways = 1.0 + (case.geometry.dimension - 1) * nu / (1.0 - nu)
-    limit = 2.0 / math.sqrt(BASES[basis].STIFFNESS * sideways)
-    if limit == 0.0:  # 1 / (xi (1 - xi)), xi h from a node
-        reach = 0.5 - 0.5 * math.sqrt(max(1.0 - cfl**2 * sideways, 0.0))
-        return [
-            f'method.basis = "{basis}": with time.cfl = {cfl:g} a point alone is unstable where it is within '
-            f"{reach:.2g} h of a line of nodes along each axis; lower time.cfl if the run diverges"
-        ]
-    if cfl <= limit:
-        return []
-    return [f'time.cfl = {cfl:g} exceeds {limit:.2f}, up to which a point alone is stable in the "{basis}" basis']
 
 
 def refuse_if_too_large(layout: Layout) -> None:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from mpmcol.bounds import TRANSFERS
 from mpmcol.case import Case
 from mpmcol.geometries import GEOMETRIES
 from mpmcol.grid import TILE, Grid, allocate_grid, node_coordinates, set_fixed
@@ -15,16 +16,9 @@ from mpmcol.laws import LAWS, elastic
 from mpmcol.layout import END_CELLS, Layout, make_layout, refuse_if_too_large
 from mpmcol.solver import Body
 from mpmcol.state import BASE, Points, Scheme, Settings
+from mpmcol.time_step import axis_gap
 
-TRANSFERS = {  # Taylor term, share of FLIP
-    "taylor-flip": (1.0, 1.0),
-    "flip": (0.0, 1.0),
-    "pic": (0.0, 0.0),
-    "tpic": (1.0, 0.0),
-    "apic": (1.0, 0.0),
-}
 POSITION_FACTORS = {"trapezoid": 0.5, "paper": 1.0, "end": 0.0}
-AXIS_GAP = 0.2  # in h: points nearer to the axis would be too stiff for the default time step; the first start farther
 FALL_MARGIN = 2.0  # grains that others throw ahead are faster than a free fall
 ON_NODE = 1e-6  # in h: how far a node may be from an edge and still stand on it
 
@@ -113,7 +107,7 @@ def make_settings(case: Case, layout: Layout, damping: float) -> Settings:
         opening_strain=method.opening_strain,
         kernel_correction=method.kernel_correction,
         axisymmetric=GEOMETRIES[layout.shape].AXISYMMETRIC,
-        axis_gap=min(AXIS_GAP, 0.5 / layout.points_per_axis),
+        axis_gap=axis_gap(case),
         open_low_sides=layout.is_full,
         free_speed=free_speed(case.geometry.gravity, layout.h_i + layout.base),
     )

@@ -10,9 +10,9 @@ from mpmcol import __version__
 
 # Neither the words of a case file, whose values are in every resolved case, nor what only shows results.
 DECIDING = (
-    "basis", "experiments", "geometries", "grid.py", "jit.py", "kernels", "laws", "layout.py", "measure", "outcome.py",
-    "recorder.py", "results.py", "scene.py", "simd", "simulation.py", "snapshot.py", "solver.py", "stages.py",
-    "state.py", "vtkhdf.py",
+    "basis", "bounds.py", "experiments", "geometries", "grid.py", "jit.py", "kernels", "laws", "layout.py", "measure",
+    "outcome.py", "recorder.py", "results.py", "scene.py", "simd", "simulation.py", "snapshot.py", "solver.py",
+    "stages.py", "state.py", "time_step.py", "vtkhdf.py",
 )  # fmt: skip
 
 

@@ -140,7 +140,9 @@ class Method(Keys):
 class Time(Keys):
     """The time step."""
 
-    cfl: float = quantity("time step over h / (c_p + v); unstable above about 0.7", "", 0.5, gt=0, le=2)
+    cfl: float = quantity(
+        "time step over h / (c_p + v); a run says so if a point alone does not bear it", "", 0.5, gt=0, le=2
+    )
 
 
 class Equilibrate(Keys):

@@ -15,7 +15,6 @@ from click.testing import CliRunner
 from mpmcol.cli import main as cli
 from mpmcol.errors import NumericalFailure, UsageError
 from mpmcol.stability import scenes
-from mpmcol.stability.problems.lone_point import LonePoint, one_point_bound
 from mpmcol.stability.report import markdown, table_rows, write_report
 from mpmcol.stability.scene import Reading, Scene, Theory, Trial, play
 
@@ -79,26 +78,6 @@ def test_the_catalogue_is_complete() -> None:
 def test_the_bound_of_time_steps_is_met_in_all_four_geometries() -> None:
     names = {one.name for one in SCENES if one.theory and one.answers_to("time-step")}
     assert names >= {"time-step-1d", "time-step-plane", "time-step-axisymmetric", "time-step-3d"}
-
-
-@pytest.mark.parametrize(
-    ("point", "bound"),
-    [
-        (LonePoint((4.4999, 4.4999), nu=0.0), 0.816),
-        (LonePoint((4.4999, 4.4999)), 0.730),
-        (LonePoint((4.4999, 4.4999), nu=0.3), 0.683),
-        (LonePoint((4.25, 4.25)), 0.856),
-        (LonePoint((4.4999,) * 3), 0.667),
-        (LonePoint((4.4999,) * 3, nu=0.3), 0.599),
-        (LonePoint((4.25,) * 3), 0.782),
-        (LonePoint((0.25, 4.4999), axisymmetric=True, rollers="left"), 0.60),
-        (LonePoint((0.1, 4.4999), axisymmetric=True, rollers="left"), 0.39),
-        (LonePoint((0.05, 4.4999), axisymmetric=True, rollers="left"), 0.28),
-    ],
-)
-def test_bounds_of_single_points(point: LonePoint, bound: float) -> None:
-    """Those worked out by hand from the sum of w'^2 / w; near the axis by an independent script."""
-    assert one_point_bound(point) == pytest.approx(bound, abs=0.5 * 10 ** -len(str(bound).partition(".")[2]) + 1e-3)
 
 
 # ------------------------------------------------------------------------------------------------ verdicts

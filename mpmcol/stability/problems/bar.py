@@ -14,8 +14,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mpmcol.bounds import TRANSFERS
 from mpmcol.kernels.cycle import DT
-from mpmcol.scene import TRANSFERS
 from mpmcol.stability.blocks import (
     SIDES,
     WEIGHTLESS,

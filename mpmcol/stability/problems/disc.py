@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mpmcol.scene import TRANSFERS
+from mpmcol.bounds import TRANSFERS
 from mpmcol.solver import Solver
 from mpmcol.stability.blocks import (
     WEIGHTLESS,
