@@ -10,11 +10,12 @@ from mpmcol.kernels.stress import J_MAX, J_MIN
 from mpmcol.kernels.update import column_box
 from mpmcol.solver import Solver
 
-TIME_STEP = "lower time.cfl (0.5 is the default), or refine grid.spacing"
+TIME_STEP = "lower time.cfl ({limit}), or refine grid.spacing"
+UNKNOWN = "0.5 is the default"  # where no case says what a lone point bears
 
 
-def diagnose(solver: Solver, row: int, stage: str) -> dict[str, Any]:
-    """The `failure` object of result.json for the point in `row`."""
+def diagnose(solver: Solver, row: int, stage: str, limit: str = UNKNOWN) -> dict[str, Any]:
+    """The `failure` object of result.json for the point in `row`; limit: of the time step, in words."""
     points = solver.points
     x, v, J = points.x[row], points.v[row], float(points.J[row])
     c2 = solver.bodies[int(points.kind[row])].wave_speed2
@@ -27,7 +28,7 @@ def diagnose(solver: Solver, row: int, stage: str) -> dict[str, Any]:
         "point": int(points.id[row]),
         "position": [float(c) for c in x],
         "value": value,
-        "remedy": remedy,
+        "remedy": remedy.format(limit=limit),
     }
 
 

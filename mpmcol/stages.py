@@ -16,6 +16,7 @@ from mpmcol.kernels import cycle
 from mpmcol.recorder import Recorder
 from mpmcol.scene import Scene, Stage, close_walls
 from mpmcol.state import BASE
+from mpmcol.time_step import time_step_limit
 
 Progress = Callable[[str, float], None]  # stage, share of it that is done
 Say = Callable[[str], None]  # one line for the person who waits
@@ -148,7 +149,7 @@ class Run:
                 self._fail(row)
 
     def _fail(self, row: int) -> None:
-        failure: dict[str, Any] = diagnose(self.solver, row, self.course.stage)
+        failure: dict[str, Any] = diagnose(self.solver, row, self.course.stage, time_step_limit(self.case))
         self.recorder.snapshot("failed")
         raise NumericalFailure(message(failure), failure)
 
