@@ -110,6 +110,7 @@ def make_settings(case: Case, layout: Layout, damping: float) -> Settings:
         axis_gap=axis_gap(case),
         open_low_sides=layout.is_full,
         free_speed=free_speed(case.geometry.gravity, layout.h_i + layout.base),
+        exponential_volume=method.volume_update == "exponential",
     )
 
 

@@ -154,6 +154,7 @@ class Settings(NamedTuple):
     gravity_z: float = 0.0  # m/s2
     open_low_sides: bool = False  # whether the domain is open, too, where x and z begin
     free_speed: float = 0.0  # m/s that gravity can give; faster points are a fault if they are faster than waves, too
+    exponential_volume: bool = False  # J grows by exp(dt tr L) in place of det(I + dt L), Eq. 29
 
 
 class Scheme(NamedTuple):

@@ -91,6 +91,7 @@ class ReferenceScheme:
     m_min: float = 0.0  # nodes with this mass or less are empty
     stress_order: str = "usl"
     basis: str = "quadratic"
+    exponential_volume: bool = False  # J exp(dt tr L) in place of Eq. 29
     apic: bool = False  # C in place of the velocity gradient in Eq. 20
 
 
@@ -318,7 +319,7 @@ def _stress_of(
     """Stress, J, e_o and history of point p."""
     dt, L, s = scheme.dt, points.grad_v[p], points.sigma[p]
     J, e_o, history = points.J[p], points.opening[p], points.history[p].copy()
-    d = float(np.linalg.det(IDENTITY + dt * L))  # Eq. 29
+    d = float(np.exp(dt * np.trace(L)) if scheme.exponential_volume else np.linalg.det(IDENTITY + dt * L))  # Eq. 29
     D, W = 0.5 * (L + L.T), 0.5 * (L - L.T)  # Eq. 32, 34
     volumetric = dt * np.trace(D)
     deviatoric = dt * D - volumetric / 3.0 * IDENTITY

@@ -129,6 +129,11 @@ class Method(Keys):
         "x += dt v - dt^2 a / 2, the printed form without 1/2, or the end velocity", "trapezoid"
     )
     wall_impulse: bool = choice("points feel the impulse of a wall; false is the paper's form", True)
+    volume_update: Literal["determinant", "exponential"] = choice(
+        "factor on the volume ratio J in a step: det(I + dt L), the paper's, with which all that turns grows, or "
+        "exp(dt tr L)",
+        "determinant",
+    )
     opening_strain: bool = choice("material that has opened stays stress-free until it is closed again", True)
     sleeping_base: bool = choice(
         "during the collapse the base is left out, and its nodes are held, farther from the column than it is thick; "

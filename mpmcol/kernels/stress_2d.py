@@ -10,7 +10,16 @@ import numpy as np
 
 from mpmcol import state
 from mpmcol.jit import device, variant
-from mpmcol.kernels.stress import increment, inspect, load_eight, open_or_close, return_pair, settle, store_eight
+from mpmcol.kernels.stress import (
+    exponential,
+    increment,
+    inspect,
+    load_eight,
+    open_or_close,
+    return_pair,
+    settle,
+    store_eight,
+)
 from mpmcol.simd import any_positive, root, where_positive
 from mpmcol.state import Settings
 
@@ -27,9 +36,12 @@ def make_formula(law: ModuleType) -> Callable[..., Any]:
         """New stress xx yy zz xy, J, opening, history, and the stress work (J), from L xx xy yx yy zz, Eq. 29-34."""
         s_xx, s_yy, s_zz, s_xy = s
         l_xx, l_xy, l_yx, l_yy, l_zz = dt * L[0], dt * L[1], dt * L[2], dt * L[3], dt * L[4]
-        ratio = ((1.0 + l_xx) * (1.0 + l_yy) - l_xy * l_yx) * (1.0 + l_zz)  # Eq. 29, 30: det(I + dt L)
         shear = 0.5 * (l_xy + l_yx)  # Eq. 32
         volumetric = l_xx + l_yy + l_zz
+        if settings.exponential_volume:
+            ratio = exponential(volumetric)
+        else:
+            ratio = ((1.0 + l_xx) * (1.0 + l_yy) - l_xy * l_yx) * (1.0 + l_zz)  # Eq. 29, 30: det(I + dt L)
 
         tip, turn = apex(history, params), l_xy - l_yx  # Eq. 33, 34: twice the spin
         t_xx = where_positive(opening, tip, s_xx + turn * s_xy)

@@ -14,7 +14,16 @@ import numpy as np
 from mpmcol import state
 from mpmcol.jit import device, variant
 from mpmcol.kernels.principal import determinant, direction, lone_value, second_invariant
-from mpmcol.kernels.stress import increment, inspect, load_eight, open_or_close, return_pair, settle, store_eight
+from mpmcol.kernels.stress import (
+    exponential,
+    increment,
+    inspect,
+    load_eight,
+    open_or_close,
+    return_pair,
+    settle,
+    store_eight,
+)
 from mpmcol.simd import any_positive, root, where_positive
 from mpmcol.state import Settings
 
@@ -34,7 +43,10 @@ def make_formula(law: ModuleType) -> Callable[..., Any]:
         e_xx, e_yy, e_zz = dt * l_xx, dt * l_yy, dt * l_zz  # Eq. 32
         e = (e_xx, e_yy, e_zz, half * (l_xy + l_yx), half * (l_yz + l_zy), half * (l_xz + l_zx))
         volumetric = e_xx + e_yy + e_zz
-        ratio = _stretch(e_xx, dt * l_xy, dt * l_xz, dt * l_yx, e_yy, dt * l_yz, dt * l_zx, dt * l_zy, e_zz)
+        if settings.exponential_volume:
+            ratio = exponential(volumetric)
+        else:
+            ratio = _stretch(e_xx, dt * l_xy, dt * l_xz, dt * l_yx, e_yy, dt * l_yz, dt * l_zx, dt * l_zy, e_zz)
 
         tip = apex(history, params)
         t = _rotate(s, half * (l_xy - l_yx), half * (l_yz - l_zy), half * (l_xz - l_zx))

@@ -90,6 +90,7 @@ SWITCHES: list[dict] = [
     {"opening_strain": False},
     {"kernel_correction": False},
     {"alpha_d": 0.7, "gravity_x": 2.0},
+    {"exponential_volume": True},
 ]
 SOFTENING = "mohr-coulomb-softening"
 COMBINATIONS = [(2, law, change) for law in LAWS if law != SOFTENING for change in SWITCHES]
@@ -136,7 +137,7 @@ def compare_with_reference(d: int, law: str, change: dict, scheme: Scheme) -> No
             solver.dt, gravity, settings.alpha_d, settings.taylor, settings.flip_fraction, settings.position_factor,
             settings.wall_impulse, settings.opening_strain, settings.kernel_correction, settings.axisymmetric,
             m_min=1e-20 * points.m.min(), stress_order=scheme.stress_order, basis=scheme.basis,
-            apic=scheme.affine,
+            apic=scheme.affine, exponential_volume=settings.exponential_volume,
         )  # fmt: skip
         assert solver.advance(1.0, max_steps=1) == -1
         expected = reference.step(expected, reference_grid, np.stack(fixed, -1), materials, choices)
