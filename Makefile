@@ -3,6 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
+JOBS ?= 1
 
 help:            ## this list
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## +/\t/' | expand -t 14
@@ -24,6 +25,9 @@ test: $(READY)   ## the tests: five minutes on two cores, kernels compiled anew
 test-all: $(READY) ## all tests, the slow ones too
 	$(BIN)/python -m pytest -m 'slow or not slow'
 
+soak: $(READY)   ## every promise of tests/soak put to the test for hours, into scripts/soak.md; make soak HOURS=2 JOBS=4
+	$(BIN)/python -m tests.soak --table scripts/soak.md --jobs $(JOBS) $(if $(HOURS),--hours $(HOURS))
+
 check: $(READY)  ## ruff, mypy, import layers
 	$(BIN)/ruff check .
 	$(BIN)/mypy
@@ -35,4 +39,4 @@ bench: $(READY)  ## time per point and step of every kernel
 clean:           ## remove what was made here
 	rm -rf $(VENV) runs/demo build dist .pytest_cache .mypy_cache .ruff_cache .import_linter_cache
 
-.PHONY: help install demo test test-all check bench clean
+.PHONY: help install demo test test-all soak check bench clean
