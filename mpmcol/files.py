@@ -11,7 +11,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-from mpmcol.errors import OutputError, UsageError
+from mpmcol.errors import OutputError
 
 # the folder of a run
 LOCK = ".lock"
@@ -63,7 +63,10 @@ def make_folder(path: Path) -> Path:
 
 @contextlib.contextmanager
 def locked(folder: Path) -> Iterator[None]:
-    """Keep every other process that asks for the same out of `folder`; UsageError if one is in there."""
+    """Keep every other process that asks for the same out of `folder`, and clear away what one that was killed left.
+
+    Raises OutputError if one is in there, or nothing can be written.
+    """
     path = make_folder(folder) / LOCK
     try:
         descriptor = os.open(path, os.O_WRONLY | os.O_CREAT, 0o666)
@@ -71,7 +74,8 @@ def locked(folder: Path) -> Iterator[None]:
         raise _cannot_write(path, error) from error
     try:
         if not _taken(descriptor):
-            raise UsageError(f"{folder}: another run is writing here; wait for it, or choose another folder")
+            raise OutputError(f"{folder}: another run is writing here; wait for it, or choose another folder")
+        _remove_leftovers(folder)
         yield
     finally:
         os.close(descriptor)
@@ -90,6 +94,14 @@ def is_locked(folder: Path) -> bool:
     finally:
         os.close(descriptor)
     return False
+
+
+def _remove_leftovers(folder: Path) -> None:
+    """Delete what a run was writing when it was killed: a checkpoint may be gigabytes long."""
+    for name in (CASE_FILE, RESULT_FILE, HISTORY_FILE, *CHECKPOINT_FILES, "run.vtkhdf", "snapshots/"):
+        place, _, stem = name.rpartition("/")
+        for path in (folder / place).glob(f".{stem}*.tmp"):
+            remove(path)
 
 
 def _taken(descriptor: int) -> bool:

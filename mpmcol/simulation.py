@@ -46,10 +46,9 @@ def run(
         say: is told what happens, in one line.
 
     Raises:
-        UsageError: the folder holds a finished run, or an unfinished one that differs, or another run writes there, or
-            the case does not fit.
+        UsageError: the folder holds a finished run, or an unfinished one that differs, or the case does not fit.
         NumericalFailure: the run diverges; the folder then holds everything up to there.
-        OutputError: something cannot be written.
+        OutputError: something cannot be written, or another run writes there.
         Interrupted: SIGINT, SIGTERM, SIGUSR1 or `max_wall` ended it; the same call goes on with it. The second signal
             ends it at once, with KeyboardInterrupt.
     """

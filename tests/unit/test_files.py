@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from mpmcol.errors import OutputError
-from mpmcol.files import atomic_write, make_folder
+from mpmcol.files import LOCK, atomic_write, locked, make_folder
 
 
 def failing(code: int):
@@ -115,3 +115,15 @@ def test_make_folder(tmp_path: Path):
     (tmp_path / "file").touch()
     with pytest.raises(OutputError, match="file/b: cannot be written"):
         make_folder(tmp_path / "file" / "b")
+
+
+def test_what_a_killed_run_was_writing_is_cleared_away(tmp_path: Path):
+    names = (".checkpoint-1.npz.77.tmp", ".result.json.77.tmp", ".run.vtkhdf.77.tmp", "snapshots/.000003.vtkhdf.77.tmp")
+    others = (".case.toml.77.tmp", "snapshots/000002.vtkhdf", "checkpoint-0.npz")  # a sweep may write the first just now
+    (tmp_path / "snapshots").mkdir()
+    for name in (*names, *others):
+        (tmp_path / name).touch()
+    with locked(tmp_path), pytest.raises(OutputError, match="another run is writing here"), locked(tmp_path):
+        pass
+    left = {path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*") if path.is_file()}
+    assert left == {*others, LOCK}

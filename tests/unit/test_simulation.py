@@ -220,7 +220,7 @@ def test_fresh_removes_nothing_if_the_new_case_is_refused(finished: Path) -> Non
 def test_two_runs_cannot_share_a_folder(tmp_path: Path) -> None:
     with locked(tmp_path / "run"):
         result = invoke("run", "quickstart", *tiny(), "--out", str(tmp_path / "run"))
-    assert result.exit_code == 2 and "another run is writing here" in result.output
+    assert result.exit_code == 5 and "another run is writing here" in result.output
 
 
 def test_a_failed_run_prints_its_json(tmp_path: Path) -> None:
