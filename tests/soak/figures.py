@@ -43,7 +43,7 @@ class Figure:
     @property
     def version(self) -> str:
         """Of all the code of the package and of the trial."""
-        return f"{mpmcol.__version__}+{_digest(PACKAGE)}.{_digest(HERE / f'{self.name}.py')}"
+        return f"{mpmcol.__version__}+{digest(PACKAGE)}.{digest(HERE / f'{self.name}.py')}"
 
     def attempt(self, seed: int, folder: Path) -> str | None:
         """What went wrong in a trial in an empty folder, None if nothing did; the folder of one that failed stays."""
@@ -70,8 +70,9 @@ def load_figure(name: str) -> Figure:
 
 
 @cache
-def _digest(place: Path) -> str:
-    digest = sha256()
+def digest(place: Path) -> str:
+    """Eight digits of the Python files in a folder, or of one."""
+    content = sha256()
     for path in sorted(place.rglob("*.py")) if place.is_dir() else [place]:
-        digest.update(path.relative_to(place).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
-    return digest.hexdigest()[:8]
+        content.update(path.relative_to(place).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
+    return content.hexdigest()[:8]

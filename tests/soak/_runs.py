@@ -1,0 +1,118 @@
+"""Small runs in processes of their own, and the one that nothing disturbed, made once for each case."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from mpmcol.results import Results
+from mpmcol.sweep.states import read_state
+from tests.soak.figures import PACKAGE, digest
+from tests.unit.test_restart import CASES, SHORT, same
+
+ROOT = PACKAGE.parent
+KEPT = ROOT / "build" / "soak" / "kept"
+PATIENCE = 600.0  # s: kernels may have to be compiled
+STOPPED = 75  # exit code
+QUIET = {"NUMBA_NUM_THREADS": "1"}
+
+
+def keep(name: str, make: Callable[[Path], object]) -> Path:
+    """A folder that `make` fills once for the present code, and that later trials find there."""
+    place = KEPT / digest(PACKAGE) / name
+    if not place.exists():
+        making = place.with_name(f"{place.name}.{os.getpid()}")
+        making.mkdir(parents=True)
+        make(making)
+        try:
+            making.rename(place)
+        except OSError:  # another process was first
+            shutil.rmtree(making)
+    return place
+
+
+def words(name: str) -> list[str]:
+    """The command that runs the case of this name, without --out."""
+    source, *values = CASES[name]
+    return ["run", source, *(word for value in (*values, *SHORT) for word in ("--set", value))]
+
+
+def start(command: list[str], environment: Mapping[str, str] = QUIET, log: Path | None = None) -> subprocess.Popen[str]:
+    """Start `mpmcol` with these words; its stderr goes to a pipe, or with its stdout to the end of `log`."""
+    line = [sys.executable, "-m", "mpmcol", *command]
+    surroundings = {**os.environ, "PYTHONPATH": str(ROOT), **environment}
+    if log is None:
+        return subprocess.Popen(line, env=surroundings, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    with log.open("a") as file:
+        return subprocess.Popen(line, env=surroundings, stdout=file, stderr=file, text=True)
+
+
+def carry_out(command: list[str], environment: Mapping[str, str] = QUIET) -> tuple[int, str]:
+    """Exit code and stderr of `mpmcol` with these words."""
+    run = start(command, environment)
+    try:
+        _, said = run.communicate(timeout=PATIENCE)
+    finally:
+        run.kill()
+    return run.returncode, said
+
+
+def undisturbed(name: str) -> Path:
+    """The folder of the case's run that nothing disturbed, with kernels warm: its time on the wall tells the pace."""
+
+    def make(folder: Path) -> None:
+        for _ in range(2):
+            started = time.monotonic()
+            code, said = carry_out([*words(name), "--out", str(folder / "run"), "--fresh", "--threads", "1"])
+            assert code == 0, said
+        (folder / "seconds").write_text(str(time.monotonic() - started))
+
+    return keep(f"undisturbed/{name}", make) / "run"
+
+
+def seconds(name: str) -> float:
+    """What the undisturbed run took, with starting up, s."""
+    return float((undisturbed(name).parent / "seconds").read_text())
+
+
+def send(run: subprocess.Popen[str], number: int, due: Callable[[], bool]) -> None:
+    """Send a signal to a run once it is due, unless the run has ended before."""
+    while run.poll() is None and not due():
+        time.sleep(0.001)
+    if run.poll() is None:
+        run.send_signal(number)
+
+
+def finish(name: str, folder: Path, threads: int, environment: Mapping[str, str] | None = None) -> str | None:
+    """Give the run's command once more, and say how what it leaves differs from the undisturbed run."""
+    if read_state(folder).name != "done":
+        command = [*words(name), "--out", str(folder), "--threads", str(threads)]
+        code, said = carry_out(command, {"NUMBA_NUM_THREADS": str(threads), **(environment or {})})
+        if code != 0:
+            return f"going on ended with exit code {code}: {said}"
+    return compare(undisturbed(name), folder)
+
+
+def compare(whole: Path, other: Path) -> str | None:
+    """How two finished runs differ; None if they left equal bits, and nothing of what was half written."""
+    try:
+        same(whole, other)
+    except AssertionError as difference:
+        return f"{other} differs from {whole}: {difference}"
+    if Results(whole).summary["state_sha256"] != Results(other).summary["state_sha256"]:
+        return "the final states differ"
+    left = {path.relative_to(other) for path in other.rglob("*")} - {
+        path.relative_to(whole) for path in whole.rglob("*")
+    }
+    return f"left behind: {sorted(map(str, left))}" if left else None
+
+
+def described(code: int) -> str:
+    """An exit code in words."""
+    return f"exit code {code}" if code >= 0 else f"killed by {signal.Signals(-code).name}"
