@@ -119,7 +119,7 @@ def test_make_folder(tmp_path: Path):
 
 def test_what_a_killed_run_was_writing_is_cleared_away(tmp_path: Path):
     names = (".checkpoint-1.npz.77.tmp", ".result.json.77.tmp", ".run.vtkhdf.77.tmp", "snapshots/.000003.vtkhdf.77.tmp")
-    others = (".case.toml.77.tmp", "snapshots/000002.vtkhdf", "checkpoint-0.npz")  # a sweep may write the first just now
+    others = (".case.toml.77.tmp", "snapshots/000002.vtkhdf", "checkpoint-0.npz")  # a sweep may be writing the first
     (tmp_path / "snapshots").mkdir()
     for name in (*names, *others):
         (tmp_path / name).touch()
