@@ -43,14 +43,14 @@ def words(name: str) -> list[str]:
     return ["run", source, *(word for value in (*values, *SHORT) for word in ("--set", value))]
 
 
-def start(command: list[str], environment: Mapping[str, str] = QUIET, log: Path | None = None) -> subprocess.Popen[str]:
-    """Start `mpmcol` with these words; its stderr goes to a pipe, or with its stdout to the end of `log`."""
-    line = [sys.executable, "-m", "mpmcol", *command]
-    surroundings = {**os.environ, "PYTHONPATH": str(ROOT), **environment}
-    if log is None:
-        return subprocess.Popen(line, env=surroundings, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-    with log.open("a") as file:
-        return subprocess.Popen(line, env=surroundings, stdout=file, stderr=file, text=True)
+def start(
+    command: list[str], environment: Mapping[str, str] = QUIET, before: Callable[[], None] | None = None
+) -> subprocess.Popen[str]:
+    """Start `mpmcol` with these words and its stderr in a pipe; `before` is called in its process."""
+    return subprocess.Popen(
+        [sys.executable, "-m", "mpmcol", *command], env={**os.environ, "PYTHONPATH": str(ROOT), **environment},
+        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, preexec_fn=before,
+    )  # fmt: skip
 
 
 def carry_out(command: list[str], environment: Mapping[str, str] = QUIET) -> tuple[int, str]:

@@ -1,0 +1,42 @@
+"""A signal ends a run of 300 thousand points, too, within two seconds, with its state kept."""
+
+from __future__ import annotations
+
+import signal
+import time
+from pathlib import Path
+
+import pytest
+
+import mpmcol
+from mpmcol.checkpoint import read_checkpoint
+from mpmcol.layout import make_layout
+from mpmcol.results import Results
+from tests.soak._runs import STOPPED, start
+
+WITHIN = 2.0  # s
+PATIENCE = 300.0
+CASES = {
+    "plane": ["lube-channel", "--set", "grid.spacing=0.0007"],
+    "quarter": ["lube-quarter", "--set", "grid.spacing=0.0045", "--set", "geometry.aspect=0.9"],
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", CASES)
+def test_a_signal_ends_a_large_run(name: str, tmp_path: Path) -> None:
+    source, *values = CASES[name]
+    assert make_layout(mpmcol.load_case(source, values[1::2])).most_points > 300_000
+    run = start(["run", source, *values, "--out", str(tmp_path), "--checkpoint", "3s"], {"NUMBA_NUM_THREADS": "2"})
+    deadline = time.monotonic() + PATIENCE
+    while not (tmp_path / "checkpoint-1.npz").exists() and time.monotonic() < deadline:
+        time.sleep(0.1)
+    run.send_signal(signal.SIGTERM)
+    sent = time.monotonic()
+    _, said = run.communicate(timeout=60)
+    took = time.monotonic() - sent
+    assert run.returncode == STOPPED, said
+    assert took < WITHIN, f"{took:.2f} s"
+    found, damaged = read_checkpoint(tmp_path)
+    assert found is not None and not damaged
+    assert Results(tmp_path).snapshot(-1).stage == "stopped"
