@@ -8,9 +8,9 @@ from pathlib import Path
 
 from mpmcol.case import Case, load_case
 from mpmcol.errors import UsageError
-from mpmcol.pareto.settings import as_text, overrides_of
-from mpmcol.pareto.study import Value
+from mpmcol.pareto.settings import overrides_of
 from mpmcol.pareto.table import QUANTITIES, Row, place_of, scenes_around, shipped_rows, shipped_study
+from mpmcol.sweep.definition import Value, as_text
 from mpmcol.sweep.points import Point
 
 POINTS_PER_CELL = 4  # of the study where a family says nothing else

@@ -12,9 +12,9 @@ import numpy as np
 from mpmcol.case import load_case
 from mpmcol.errors import OutputError
 from mpmcol.pareto.advice import Advice
-from mpmcol.pareto.settings import CFL_STEP
 from mpmcol.sweep.conduct import Watcher, conduct
 from mpmcol.sweep.engine import Outcome
+from mpmcol.sweep.members import CFL_STEP
 from mpmcol.sweep.points import Point, make_point
 from mpmcol.sweep.table import make_rows
 

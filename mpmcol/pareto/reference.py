@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from mpmcol.measure import FRONTS, Array
 from mpmcol.pareto.limit import Limit, combine, find_limit
-from mpmcol.pareto.profile import area_between, mean_height, stations
 from mpmcol.sweep.members import Finished
+from mpmcol.sweep.profile import area_between, mean_height, stations
 
 QUANTITIES = (*(f"zeta.{front}" for front in FRONTS), "beta")
 

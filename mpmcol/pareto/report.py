@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
-import platform
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -17,7 +15,7 @@ from mpmcol.pareto.reference import QUANTITIES, Reference
 from mpmcol.pareto.score import COSTS, PROFILE, Scored
 from mpmcol.pareto.study import Study
 from mpmcol.pareto.text import markdown
-from mpmcol.recorder import versions
+from mpmcol.sweep.environment import environment
 from mpmcol.sweep.table import csv_text
 
 CSV_FILE, TEXT_FILE, ENVIRONMENT_FILE = "pareto.csv", "pareto.md", "environment.json"
@@ -74,21 +72,6 @@ def experiment_of(scored: Scored) -> Experiment:
     """The experiment that the case of a setting names."""
     case = scored.runs[0].results.case
     return find_experiment(case.score.experiment, case.geometry.model, case.geometry.section)
-
-
-def environment() -> dict[str, Any]:
-    """The machine and the versions that the costs belong to."""
-    system = {"machine": platform.machine(), "cpu": _cpu(), "cores": os.cpu_count(), "system": platform.system()}
-    return {**versions(), **system}
-
-
-def _cpu() -> str:
-    """The processor's name, where the system tells it."""
-    try:
-        lines = Path("/proc/cpuinfo").read_text().splitlines()
-    except OSError:
-        return platform.processor()
-    return next((line.partition(":")[2].strip() for line in lines if line.startswith("model name")), "")
 
 
 def _draw(

@@ -8,11 +8,11 @@ from functools import cached_property
 
 import numpy as np
 
-from mpmcol.pareto.profile import area_between, mean_height
 from mpmcol.pareto.reference import QUANTITIES, Reference, make_reference
 from mpmcol.pareto.settings import Setting
 from mpmcol.pareto.study import Study
 from mpmcol.sweep.members import Finished, Found, Member
+from mpmcol.sweep.profile import area_between, mean_height
 
 ZETA, BETA, PROFILE = "zeta.front_height", "beta", "profile"  # what settings are chosen by
 COSTS = ("core_seconds", "point_steps", "peak_memory_bytes", "written_bytes")

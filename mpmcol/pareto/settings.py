@@ -7,11 +7,9 @@ from dataclasses import dataclass
 from functools import cache
 
 from mpmcol.case import Case, load_case
-from mpmcol.pareto.study import Family, Scene, Study, Value
-from mpmcol.sweep.members import Member, with_settings
-
-# The front is chaotic: runs whose time steps differ by a hundredth are as good as independent.
-CFL_STEP = 0.03
+from mpmcol.pareto.study import Family, Scene, Study
+from mpmcol.sweep.definition import Value, as_text
+from mpmcol.sweep.members import CFL_STEP, Member, with_settings
 
 
 @dataclass(frozen=True)
@@ -55,13 +53,6 @@ def _members(scene: Scene, family: Family, cells: float, repeats: int) -> tuple[
         with_settings(scene.case, scene.aspect, h, **texts, **{"time.cfl": f"{cfl * (1.0 - CFL_STEP * i):.6g}"})
         for i in range(repeats)
     )
-
-
-def as_text(value: Value) -> str:
-    """A value as it is written in `--set KEY=VALUE`."""
-    if isinstance(value, bool):
-        return str(value).lower()
-    return f"{value:.9g}" if isinstance(value, float) else str(value)
 
 
 @cache

@@ -2,37 +2,29 @@
 
 from __future__ import annotations
 
-import tomllib
-from difflib import get_close_matches
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import Field, model_validator
 
-from mpmcol.case.source import shipped_cases
-from mpmcol.errors import UsageError
+from mpmcol.sweep.definition import Strict, Value, load_definition, shipped_definitions
 
 Cells = tuple[Annotated[float, Field(ge=2.0, le=1000.0)], ...]
-Value = str | bool | float
 
 
-class _Strict(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class Scene(_Strict):
+class Scene(Strict):
     """A collapse whose converged runout, height and profile are sought."""
 
     case: str  # a shipped case or a path
     aspect: float = Field(gt=0.0)
-    set: dict[str, Value] = {}  # further values of the case
+    set: dict[str, Value] = Field(default_factory=dict)  # further values of the case
     finest: float | None = Field(None, ge=2.0)  # r_i / h that no family goes beyond; all of theirs if absent
 
 
-class Family(_Strict):
+class Family(Strict):
     """Settings that differ from a scene's own in some choices, at some spacings."""
 
-    set: dict[str, Value] = {}
+    set: dict[str, Value] = Field(default_factory=dict)
     softness: float | None = Field(None, gt=0.0, lt=0.1)  # rho g h_i / E; the scene's own if absent
     cells: Cells | None = None  # r_i / h; the study's if absent
     scenes: tuple[str, ...] | None = None  # all if absent
@@ -40,7 +32,7 @@ class Family(_Strict):
     offered: bool = False  # whether `mpmcol run --accuracy` may choose it
 
 
-class Study(_Strict):
+class Study(Strict):
     """Scenes times families times spacings, every setting run some times; `reference` names two families."""
 
     schema_: Literal[1] = Field(1, alias="schema")
@@ -81,27 +73,9 @@ class Study(_Strict):
 
 def shipped_studies() -> dict[str, Path]:
     """Studies that come with mpmcol, by name."""
-    folder = next(iter(shipped_cases().values())).parent / "studies"
-    return {path.stem: path for path in sorted(folder.glob("*.toml"))}
+    return shipped_definitions("studies")
 
 
 def load_study(source: str) -> Study:
     """Read a study: a shipped one by its name, or a file. Raises UsageError that names file and key."""
-    path = shipped_studies().get(source, Path(source))
-    try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        near = get_close_matches(source, shipped_studies(), n=1)
-        hint = f"did you mean {near[0]!r}?" if near else f"shipped: {', '.join(shipped_studies())}"
-        raise UsageError(f"{source}: no such study; {hint}") from None
-    except (OSError, ValueError) as error:  # a TOMLDecodeError tells line and column
-        raise UsageError(f"{path}: cannot be read: {error}") from None
-    try:
-        return Study.model_validate(content)
-    except ValidationError as invalid:
-        raise UsageError("\n".join(_told(path, error) for error in invalid.errors())) from None
-
-
-def _told(path: Path, error: Any) -> str:
-    key = ".".join(str(part) for part in error["loc"])
-    return f"{path}: {key + ': ' if key else ''}{error['msg'].removeprefix('Value error, ')}"
+    return load_definition(source, shipped_studies(), "study", Study)

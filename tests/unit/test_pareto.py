@@ -16,10 +16,10 @@ from mpmcol.cli import main
 from mpmcol.errors import UsageError
 from mpmcol.pareto.choice import cheapest, effects, kept_errors, pareto_front
 from mpmcol.pareto.limit import Limit, combine, find_limit
-from mpmcol.pareto.profile import area_between
 from mpmcol.pareto.score import BETA, PROFILE, ZETA, Error, Scored
 from mpmcol.pareto.settings import Setting, overrides_of, settings_of
 from mpmcol.pareto.study import Family, load_study, shipped_studies
+from mpmcol.sweep.profile import area_between
 
 STUDY = """
 schema = 1
