@@ -10,6 +10,7 @@ import click
 
 if TYPE_CHECKING:
     from mpmcol.stability import Stability
+    from mpmcol.stability.map import Drawn
     from mpmcol.stability.scene import SceneOutcome
 
 RECORD_SCHEMA = 1
@@ -17,19 +18,35 @@ FAILED = 4  # exit code
 
 
 @click.command()
-@click.argument("names", nargs=-1, metavar="[SCENE]...")
+@click.argument("names", nargs=-1, metavar="[SCENE]... | --map [MAP]")
 @click.option("--list", "to_list", is_flag=True, help="Name the scenes and what they show; nothing is played.")
-@click.option("--out", type=click.Path(path_type=Path), default=Path("stability"), help="Folder; stability by default.")
-@click.option("--quiet", is_flag=True, help="Print nothing but the verdicts.")
+@click.option(
+    "--map", "to_map", is_flag=True, help="Draw a map instead: a TOML file or a shipped one (default, quick)."
+)
+@click.option("--out", type=click.Path(path_type=Path), help="Folder; stability or stability/map-NAME by default.")
+@click.option("--jobs", type=click.IntRange(1), help="Runs of a map at a time; chosen from their sizes by default.")
+@click.option("--report-only", is_flag=True, help="Run nothing: the map from the runs that have ended.")
+@click.option("--quiet", is_flag=True, help="Print nothing but the verdicts; of a map nothing.")
 @click.option("--json", "to_json", is_flag=True, help="Print outcomes and files as one line on stdout.")
-def stability(names: tuple[str, ...], to_list: bool, out: Path, quiet: bool, to_json: bool) -> None:
+def stability(
+    names: tuple[str, ...], to_list: bool, to_map: bool, out: Path | None, jobs: int | None, report_only: bool,
+    quiet: bool, to_json: bool,
+) -> None:  # fmt: skip
     """Play small scenes in which a method fails and another one stands, and measure what tells them apart.
 
     SCENE is a scene or a group of them (time-step, wall, axis, position-rule...); all by default. Both outcomes are
-    asserted: a method that should fail and does not is a defect, too.
+    asserted: a method that should fail and does not is a defect, too. Exit code 4 if a method did what it must not.
 
-    Exit code 4 if a method did what it must not.
+    With --map many short collapses over choices of method are run, and a chart and tables show where each stands,
+    degrades or fails. The same command again completes what is missing.
     """
+    if to_map:
+        if to_list or len(names) > 1:
+            raise click.UsageError("--map takes one map and no --list")
+        click.get_current_context().exit(_map(names[0] if names else "default", out, jobs, report_only, quiet, to_json))
+    if jobs is not None or report_only:
+        raise click.UsageError("--jobs and --report-only go with --map")
+    out = out or Path("stability")
     from mpmcol.stability import examine
     from mpmcol.stability.scenes import choose
     from mpmcol.sweep.plan import as_json
@@ -46,6 +63,35 @@ def stability(names: tuple[str, ...], to_list: bool, out: Path, quiet: bool, to_
     elif not quiet:
         click.echo("\n".join(_closing(found, out)))
     click.get_current_context().exit(0 if found.passed else FAILED)
+
+
+def _map(name: str, out: Path | None, jobs: int | None, report_only: bool, quiet: bool, to_json: bool) -> int:
+    """The exit code: that methods fail is what a map is for, but runs that broke are told."""
+    from mpmcol.cli.sweep_display import Display
+    from mpmcol.stability.map import RUNS, draw_map
+    from mpmcol.stability.map.definition import load_map
+    from mpmcol.stability.map.text import closing_lines
+    from mpmcol.sweep.engine import exit_code
+    from mpmcol.sweep.plan import as_json
+
+    folder = out or Path("stability") / f"map-{Path(name).stem}"
+    map_ = load_map(name)
+    with Display(folder / RUNS, quiet or to_json) as display:
+        drawn = draw_map(map_, folder, jobs, display, report_only)
+    if to_json:
+        click.echo(as_json(_map_record(drawn)))
+    elif not quiet:
+        click.echo("\n".join(closing_lines(drawn.judged)))
+        click.echo(f"in {folder}: {', '.join(path.name for path in drawn.files)}")
+    return exit_code([outcome for outcome in drawn.outcomes if outcome.status != "failed"])
+
+
+def _map_record(drawn: Drawn) -> dict[str, Any]:
+    from mpmcol.stability.map.report import table_rows
+
+    return {
+        "schema": RECORD_SCHEMA, "rows": list(table_rows(drawn.judged)), "files": [str(path) for path in drawn.files],
+    }  # fmt: skip
 
 
 def _lines(outcome: SceneOutcome, quiet: bool) -> Iterator[str]:
