@@ -61,7 +61,7 @@ def _fingerprint(solver: Solver) -> str:
     """Digest of every bit of points, clock and ledger: two runs of one digest went alike, step by step."""
     state = sha256()
     for array in (solver.points.rows, solver.clock, solver.ledger):
-        state.update(array)
+        state.update(array.data)
     return state.hexdigest()
 
 
