@@ -47,6 +47,7 @@ class Tiles(NamedTuple):
     grouped: np.ndarray  # (n_tiles,) grouped[group_start[g] : group_start[g + 1]] are tiles that share no node
     group_start: np.ndarray  # (n_groups + 1,)
     active: np.ndarray  # (n_active,) address in `nodes` of each tile that can be touched
+    cells: np.ndarray  # (n_points,) uint8, equal for points of one cell and kind, which stand in one row
 
 
 @device

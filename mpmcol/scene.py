@@ -70,7 +70,12 @@ def build_scene(case: Case) -> Scene:
         layout=layout,
         points=points,
         grid=grid,
-        scheme=Scheme(case.method.stress_order, case.method.transfer == "apic", case.method.basis),
+        scheme=Scheme(
+            case.method.stress_order,
+            case.method.transfer == "apic",
+            case.method.basis,
+            case.method.volumetric_strain,
+        ),
         base=make_body(elastic, case.base_material),
         equilibrate=Stage(make_body(first_law, case.material), make_settings(case, layout, stages.equilibrate.damping)),
         collapse=Stage(

@@ -34,6 +34,7 @@ J, OPENING, ID, KIND = 8, 15, 16, 23
 HOOP = 14  # s_zz in two dimensions
 _LINEAR = {2: ((9, 17), (10, 18)), 3: ((9, 17, 25), (10, 18, 26), (11, 19, 27))}  # lane of L[a, b]
 L_ZZ = 11  # in two dimensions
+DIAGONAL = {2: (9, 18, L_ZZ), 3: (9, 18, 27)}  # lanes of L_xx, L_yy, L_zz
 _SIGMA = {2: (12, 21, HOOP, 13), 3: (12, 21, 30, 13, 22, 14)}  # xx yy zz xy yz xz
 _SIGMA_AGAIN = {2: {3: 20}, 3: {3: 20, 4: 29, 5: 28}}  # the shear stresses stand in two columns
 _HISTORY = {2: slice(19, 23, 3), 3: slice(24, 32, 7)}
@@ -163,6 +164,7 @@ class Scheme(NamedTuple):
     stress_order: str = "usl"  # when the stress is updated: "usl", "usf" or "musl"
     affine: bool = False  # APIC: points carry an affine matrix from the weights, not their velocity gradient
     basis: str = "quadratic"  # "linear", "quadratic" or "cubic"
+    volumetric_strain: str = "point"  # each "point" has its own, or all of a "cell" their mean
 
 
 PAPER = Scheme()

@@ -33,6 +33,7 @@ class ReferencePoints:
     history: Array  # (n, k); column 0 is the plastic deviatoric strain of the softening law
     material: Array  # (n,) index into the materials
     C: Array | None = None  # (n, d, d) affine matrix of APIC
+    cell: Array | None = None  # (n,) whose mean volumetric strain they have
 
 
 @dataclass(frozen=True)
@@ -308,9 +309,22 @@ def stress_update(
     points: ReferencePoints, materials: Sequence[ReferenceMaterial], scheme: ReferenceScheme
 ) -> ReferencePoints:
     """Points with new sigma, J, opening and history; grad_v is that of the new velocity."""
-    new = [_stress_of(points, p, materials[points.material[p]], scheme) for p in range(len(points.x))]
+    even = points if points.cell is None else replace(points, grad_v=_averaged(points))
+    new = [_stress_of(even, p, materials[points.material[p]], scheme) for p in range(len(points.x))]
     sigma, J, opening, history = (np.array(part) for part in zip(*new, strict=True))
     return replace(points, sigma=sigma, J=J, opening=opening, history=history)
+
+
+def _averaged(points: ReferencePoints) -> Array:
+    """Velocity gradients (n, 3, 3) with the trace that all closed points of a cell and material have together."""
+    L = points.grad_v.copy()
+    for p in range(len(L)):
+        alike = (points.cell == points.cell[p]) & (points.material == points.material[p]) & (points.opening == 0.0)
+        if alike[p]:
+            V = (points.J * points.V0)[alike]
+            mean = V @ np.trace(points.grad_v[alike], axis1=1, axis2=2) / V.sum()
+            L[p] += (mean - np.trace(points.grad_v[p])) / 3.0 * IDENTITY
+    return L
 
 
 def _stress_of(

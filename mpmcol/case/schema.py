@@ -134,6 +134,11 @@ class Method(Keys):
         "exp(dt tr L)",
         "determinant",
     )
+    volumetric_strain: Literal["point", "cell"] = choice(
+        "each point has its own, or all closed points of a cell have their mean, which keeps nearly incompressible "
+        "material and linear hats from locking",
+        "point",
+    )
     opening_strain: bool = choice("material that has opened stays stress-free until it is closed again", True)
     sleeping_base: bool = choice(
         "during the collapse the base is left out, and its nodes are held, farther from the column than it is thick; "

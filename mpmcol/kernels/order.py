@@ -42,15 +42,16 @@ def sort_points(rows: np.ndarray, row: int, grid: Grid, count: np.ndarray, mark:
         by_tile[count[tile_of[p]]] = p
         count[tile_of[p]] += 1
     order, split = tile_of, np.empty(len(occupied), np.int64)  # nobody reads the tiles of points any more
+    cells = np.empty(n, np.uint8)
     for t in prange(len(occupied)):
-        split[t] = _order_tile(by_tile, bucket_of, buckets, start[t], start[t + 1], order)
+        split[t] = _order_tile(by_tile, bucket_of, buckets, start[t], start[t + 1], order, cells)
         count[occupied[t]] = 0
     _permute(rows, row, order)
     grouped, group_start = _group(occupied[:awake], tiles)
     active = _reachable(occupied[:awake], grid, tiles, mark)
     if margin > 0:
         hold_nodes(active, occupied[awake:], grid, tiles, mark)
-    return start[: awake + 1], split[:awake], grouped, group_start, active
+    return start[: awake + 1], split[:awake], grouped, group_start, active, cells
 
 
 @device
@@ -93,8 +94,8 @@ def _starts(occupied, count):
 
 
 @device
-def _order_tile(by_tile, bucket_of, buckets, start, stop, order):
-    """Counting sort of one tile's points by bucket; returns where the base's points begin."""
+def _order_tile(by_tile, bucket_of, buckets, start, stop, order, cells):
+    """Counting sort of one tile's points by bucket, which `cells` keeps; returns where the base's points begin."""
     place = np.zeros(2 * buckets + 1, np.int64)
     for k in range(start, stop):
         place[bucket_of[by_tile[k]] + 1] += 1
@@ -104,7 +105,7 @@ def _order_tile(by_tile, bucket_of, buckets, start, stop, order):
     split = place[buckets]
     for k in range(start, stop):
         bucket = bucket_of[by_tile[k]]
-        order[place[bucket]] = by_tile[k]
+        order[place[bucket]], cells[place[bucket]] = by_tile[k], bucket
         place[bucket] += 1
     return split
 

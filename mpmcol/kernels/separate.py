@@ -69,8 +69,8 @@ def make_move(dimension: int, scheme: Scheme) -> Callable[..., None]:
 
 def make_strain(dimension: int, column_law: ModuleType, base_law: ModuleType, scheme: Scheme) -> Callable[..., None]:
     """The stress update with the gradient of the present nodal velocities."""
-    column_stress = make_update_stresses(dimension, column_law)
-    base_stress = make_update_stresses(dimension, base_law)
+    column_stress = make_update_stresses(dimension, column_law, scheme.volumetric_strain)
+    base_stress = make_update_stresses(dimension, base_law, scheme.volumetric_strain)
     sums, row, kept = make_sums(dimension, BASES[scheme.basis], False), ROW[dimension], dimension * LANES
     waits, flat = scheme.stress_order == "musl", dimension == 2
 
@@ -81,7 +81,7 @@ def make_strain(dimension: int, column_law: ModuleType, base_law: ModuleType, sc
 
         Reads: nodes (v), moved. Writes: rows, report (n_tiles, 5). Eq. (28)-(34), and c_p + |v_p| of Eq. (35)-(36).
         """
-        nodes, start, split = grid.nodes, tiles.start, tiles.split
+        nodes, start, split, cells = grid.nodes, tiles.start, tiles.split, tiles.cells
         inside, anywhere = column_box(grid, settings), Box(-np.inf, np.inf, np.inf, -np.inf, np.inf)
         for t in prange(len(split)):
             matrix = np.empty(kept * (start[t + 1] - start[t]))
@@ -94,9 +94,9 @@ def make_strain(dimension: int, column_law: ModuleType, base_law: ModuleType, sc
                 set_columns(rows, o, dimension, x, y, z)
                 if flat:
                     rows[o + L_ZZ] = lane(mean, 1) / rows[o + X] if settings.axisymmetric else 0.0
-            work, speed, fault = column_stress(rows, start[t], split[t], column, settings, inside, c2_column, dt)
+            work, speed, fault = column_stress(rows, cells, start[t], split[t], column, settings, inside, c2_column, dt)
             base_work, base_speed, base_fault = base_stress(
-                rows, split[t], start[t + 1], base, settings, anywhere, c2_base, dt
+                rows, cells, split[t], start[t + 1], base, settings, anywhere, c2_base, dt
             )
             report[t, WORK], report[t, SPEED] = work + base_work, max(speed, base_speed)
             report[t, FAULT] = fault if fault != NO_FAULT else base_fault

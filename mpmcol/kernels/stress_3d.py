@@ -79,18 +79,28 @@ def make_update_stress(law: ModuleType) -> Callable[..., Any]:
     @device
     @variant(law)
     def update_stress(
-        rows: np.ndarray, o: int, count: int, params: Any, settings: Settings, box: Any, c2: float, dt: float
+        rows: np.ndarray,
+        o: int,
+        count: int,
+        params: Any,
+        settings: Settings,
+        box: Any,
+        c2: float,
+        dt: float,
+        excess: Any,
     ) -> tuple[Any, Any, Any]:
         """Update J, opening and stress of `count` <= 8 points, the first of whose records starts at `o`.
 
         Reads: L, sigma, J, e_o, history. Writes: sigma, J, e_o, history. Eq. (29)-(34). Returns three vectors: stress
-        work (J), wave speed plus speed (m/s), and one for every point that is sound and inside the box.
+        work (J), wave speed plus speed (m/s), and one for every point that is sound and inside the box. excess: what
+        the strain rate has too much of in every direction.
         """
         _, v_x, v_y, v_z, x, y, z, V0 = load_eight(rows, o, ROW)
         J, l_xx, l_yx, l_zx, s_xx, s_xy, s_xz, opening = load_eight(rows, o + 8, ROW)
         number, l_xy, l_yy, l_zy, _, s_yy, s_yz, kind = load_eight(rows, o + 16, ROW)
         q_0, l_xz, l_yz, l_zz, _, _, s_zz, q_1 = load_eight(rows, o + 24, ROW)
-        s, L = (s_xx, s_yy, s_zz, s_xy, s_yz, s_xz), (l_xx, l_xy, l_xz, l_yx, l_yy, l_yz, l_zx, l_zy, l_zz)
+        s, rate_x, rate_y = (s_xx, s_yy, s_zz, s_xy, s_yz, s_xz), l_xx - excess, l_yy - excess
+        L = (rate_x, l_xy, l_xz, l_yx, rate_y, l_yz, l_zx, l_zy, l_zz - excess)
         t, J, opening, q, work = formula(s, L, V0, J, opening, (q_0, q_1), params, settings, dt)
         store_eight(rows, o + 8, ROW, count, (J, l_xx, l_yx, l_zx, t[0], t[3], t[5], opening))
         store_eight(rows, o + 16, ROW, count, (number, l_xy, l_yy, l_zy, t[3], t[1], t[4], kind))

@@ -15,6 +15,7 @@ from mpmcol.kernels import stress_2d, stress_3d
 from mpmcol.kernels.sums import keep_columns, make_sums, restore_columns
 from mpmcol.kernels.transfer import AHEAD, prefetch_record
 from mpmcol.kernels.transfer_any import make_transfer
+from mpmcol.kernels.volumetric import make_excess
 from mpmcol.simd import LANES, any_positive, lane, larger, largest_lane, load, splat, sum_lanes, vector, where_positive
 from mpmcol.state import PAPER, ROW, Scheme, Settings
 
@@ -55,8 +56,8 @@ def make_update_points(
     """G2P and stress, tile by tile, with the dimension, the laws of column and base and the scheme frozen in."""
     transfer = make_transfer(dimension, scheme.basis)
     gather, limits, row = transfer.gather, transfer.limits, transfer.ROW
-    column_stress = make_update_stresses(dimension, column_law)
-    base_stress = make_update_stresses(dimension, base_law)
+    column_stress = make_update_stresses(dimension, column_law, scheme.volumetric_strain)
+    base_stress = make_update_stresses(dimension, base_law, scheme.volumetric_strain)
     affine, kept = scheme.affine, dimension * LANES
     sums = make_sums(dimension, BASES[scheme.basis], affine)
 
@@ -67,7 +68,7 @@ def make_update_points(
 
         Reads: nodes (v~, a). Writes: rows, report (n_tiles, 5). Eq. (26)-(34), and c_p + |v_p| of Eq. (35)-(36).
         """
-        nodes, start, split = grid.nodes, tiles.start, tiles.split
+        nodes, start, split, cells = grid.nodes, tiles.start, tiles.split, tiles.cells
         inside, anywhere = column_box(grid, settings), Box(-np.inf, np.inf, np.inf, -np.inf, np.inf)
         bounds, inv_h = limits(grid, settings), 1.0 / grid.h
         for t in prange(len(split)):
@@ -83,9 +84,9 @@ def make_update_points(
                 travel, node_work = larger(travel, abs(step)), node_work + taken
             report[t, TRAVEL] = inv_h * max(lane(travel, 4), lane(travel, 5), lane(travel, 6))
             report[t, NODE_WORK] = lane(node_work, 4) + lane(node_work, 5) + lane(node_work, 6)
-            work, speed, fault = column_stress(rows, start[t], split[t], column, settings, inside, c2_column, dt)
+            work, speed, fault = column_stress(rows, cells, start[t], split[t], column, settings, inside, c2_column, dt)
             base_work, base_speed, base_fault = base_stress(
-                rows, split[t], start[t + 1], base, settings, anywhere, c2_base, dt
+                rows, cells, split[t], start[t + 1], base, settings, anywhere, c2_base, dt
             )
             report[t, WORK], report[t, SPEED] = work + base_work, max(speed, base_speed)
             report[t, FAULT] = fault if fault != NO_FAULT else base_fault
@@ -96,19 +97,24 @@ def make_update_points(
     return update_points
 
 
-def make_update_stresses(dimension: int, law: ModuleType) -> Callable[..., Any]:
+def make_update_stresses(dimension: int, law: ModuleType, volumetric_strain: str) -> Callable[..., Any]:
     """The stress update of a range of points, eight at a time."""
     update_stress, row = STRESSES[dimension].make_update_stress(law), ROW[dimension]
+    find_excess, averaged = make_excess(dimension), volumetric_strain == "cell"
 
     @device
-    @variant(dimension, law)
-    def update_stresses(rows, first, stop, params, settings, box, c2, dt):
+    @variant(dimension, law, volumetric_strain)
+    def update_stresses(rows, cells, first, stop, params, settings, box, c2, dt):
         """Returns the stress work (J), the largest c_p + |v_p| (m/s), the row of the first bad point or NO_FAULT."""
         work, speed, fault = splat(0.0), splat(0.0), NO_FAULT
+        if averaged:
+            beyond = np.empty(stop - first + LANES)
+            find_excess(rows, cells, first, stop, beyond)
         for p in range(first, stop, LANES):
             count = min(stop - p, LANES)
             real = float(count) - vector(0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5)
-            spent, fastest, sound = update_stress(rows, p * row, count, params, settings, box, c2, dt)
+            excess = load(beyond, p - first) if averaged else 0.0
+            spent, fastest, sound = update_stress(rows, p * row, count, params, settings, box, c2, dt, excess)
             work = work + where_positive(real, spent, 0.0)
             speed = larger(speed, where_positive(real, fastest, 0.0))
             bad = where_positive(real, 1.0 - sound, 0.0)

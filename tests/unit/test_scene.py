@@ -20,6 +20,7 @@ from mpmcol.state import PAPER, Scheme
         (["transfer=apic"], 1.0, 0.0, Scheme(affine=True)),
         (["stress_order=usf"], 1.0, 1.0, Scheme("usf")),
         (["basis=cubic"], 1.0, 1.0, Scheme(basis="cubic")),
+        (["volumetric_strain=cell"], 1.0, 1.0, Scheme(volumetric_strain="cell")),
         (["basis=linear", "transfer=flip"], 0.0, 1.0, Scheme(basis="linear")),
         (["stress_order=musl", "transfer=apic"], 1.0, 0.0, Scheme("musl", affine=True)),
     ],
@@ -30,6 +31,12 @@ def test_words_of_the_method(words: list[str], taylor: float, flip_fraction: flo
     for stage in (scene.equilibrate, scene.collapse):
         assert (stage.settings.taylor, stage.settings.flip_fraction) == (taylor, flip_fraction)
     assert scene.scheme == scheme
+
+
+@pytest.mark.parametrize(("update", "exponential"), [("determinant", False), ("exponential", True)])
+def test_volume_update(update: str, exponential: bool) -> None:
+    scene = build_scene(load_case("quickstart", [f"method.volume_update={update}"]))
+    assert {scene.equilibrate.settings.exponential_volume, scene.collapse.settings.exponential_volume} == {exponential}
 
 
 @pytest.mark.parametrize(

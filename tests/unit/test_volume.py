@@ -1,4 +1,4 @@
-"""Change of volume in a step: by the determinant or the exponential."""
+"""Change of volume in a step: by the determinant or the exponential, of each point or of a cell."""
 
 from __future__ import annotations
 
@@ -9,8 +9,10 @@ import pytest
 
 from mpmcol.kernels import stress_2d, stress_3d
 from mpmcol.kernels.stress import exponential
+from mpmcol.kernels.volumetric import make_excess
 from mpmcol.laws import elastic
 from mpmcol.stability.blocks import WEIGHTLESS, elastic_body
+from mpmcol.state import Points
 
 BODY = elastic_body()
 IN_PLANE = [(0, 0), (0, 1), (1, 0), (1, 1), (2, 2)]
@@ -56,3 +58,19 @@ def test_volume_ratio_of_a_step(
             1.0,
         )
         assert pytest.approx(expected, rel=1e-14) == J
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_closed_points_of_a_cell_swell_alike(d: int) -> None:
+    """With the mean weighted by volume; open points count for nothing, and a cell of them has no mean."""
+    rng, points = np.random.default_rng(2), Points(9, d)
+    points.grad_v = rng.normal(size=(9, 3, 3))
+    points.V0[:], points.J[:] = rng.uniform(1.0, 2.0, 9), rng.uniform(0.5, 1.0, 9)
+    points.opening[[1, 6]] = 1e-3
+    cells, out = np.array([3, 3, 3, 5, 0, 0, 7, 8, 8], np.uint8), np.full(8, np.nan)
+    make_excess(d)(points.rows.reshape(-1), cells, 0, 8, out)
+    trace = np.trace(points.grad_v, axis1=1, axis2=2)
+    for members in ([0, 2], [3], [4, 5], [7]):  # the last cell goes on beyond the end
+        V = points.V[members]
+        np.testing.assert_allclose(3.0 * out[members], trace[members] - V @ trace[members] / V.sum(), atol=1e-15)
+    np.testing.assert_array_equal(out[[1, 6]], 0.0)

@@ -22,7 +22,7 @@ from tests.verification.test_determinism import OTHER, fingerprint
 for threads in (1, 2, 4):
     print(set_threads(threads), fingerprint(2), fingerprint(3), fingerprint(2, scheme=OTHER), fingerprint(3, margin=1))
 """
-OTHER = Scheme("musl", affine=True, basis="cubic")
+OTHER = Scheme("musl", affine=True, basis="cubic", volumetric_strain="cell")
 
 
 def fingerprint(d: int, chunk: int = STEPS, scheme: Scheme = PAPER, margin: int = 0) -> str:

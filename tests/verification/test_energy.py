@@ -52,6 +52,7 @@ LENGTH, SPACING = {2: 0.5, 3: 0.24}, {2: 0.01, 3: 0.02}
 YOUNG = 1e6
 DAMPED = PLAIN._replace(alpha_d=0.05)
 SCHEMES = [Scheme("usf"), Scheme("musl"), Scheme(affine=True), Scheme(basis="cubic"), Scheme(basis="linear")]
+SCHEMES.insert(0, Scheme(volumetric_strain="cell"))
 
 
 def collapse(settings: Settings, d: int = 2, h: float | None = None, scheme: Scheme = PAPER, margin: int = 0) -> Solver:

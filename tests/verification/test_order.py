@@ -70,6 +70,10 @@ def test_points_stand_by_tile_then_kind_then_cell(d: int) -> None:
         for part in (slice(first, split), slice(split, stop)):
             cells = [tuple(each) for each in node[part]]
             assert cells == sorted(cells)
+            assert [cells.index(cell) for cell in cells] == [
+                list(tiles.cells[part]).index(c) for c in tiles.cells[part]
+            ]
+        assert not set(tiles.cells[first:split]) & set(tiles.cells[split:stop])
 
 
 def stencils(points: Points, grid: Grid, basis: str) -> np.ndarray:
