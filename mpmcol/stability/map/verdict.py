@@ -11,9 +11,9 @@ its limit, and *stands* otherwise. The signs are
 
 The limit of a sign comes from the scene's own method (the case as it is, at the map's spacing), in some runs whose time
 steps are a little apart: half as much again as their mean, and 4 of their standard deviations, widened for one further
-run; and never less than a floor: what experiments scatter by (a tenth in runout, a twentieth in height and shape), or
-what no run that is well does. So a choice degrades if it adds more than
-half of the error that the grid makes anyway, and no run degrades by scatter alone.
+run. It is never less than a floor: what experiments scatter by (a tenth in runout, a twentieth in height and shape), or
+what no run that is well does. So a choice degrades if it adds more than half of the error that the grid makes anyway,
+and no run degrades by scatter alone.
 """
 
 from __future__ import annotations
