@@ -170,14 +170,16 @@ def _whole_cells(key: str, asked: float, h: float, warnings: list[str]) -> float
 
 def refuse_if_too_large(layout: Layout) -> None:
     """Raise UsageError if the arrays cannot fit into the memory of this machine."""
+    what = f"{layout.most_points:,} points and {' x '.join(f'{n:,}' for n in layout.cells)} cells"
+    remedy = "make grid.spacing larger, or is a length in mm instead of m?"
+    refuse_beyond_memory(max(layout.memory_bytes, layout.grid_bytes), what, remedy)
+
+
+def refuse_beyond_memory(needed: int, what: str, remedy: str) -> None:
+    """Raise UsageError, with what takes it and how to mend that, if so many bytes are more than this machine has."""
     memory = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
-    needed = max(layout.memory_bytes, layout.grid_bytes)
     if needed > memory:
-        raise UsageError(
-            f"{layout.most_points:,} points and {' x '.join(f'{n:,}' for n in layout.cells)} cells need "
-            f"{needed / 1e9:,.0f} GB, this machine has {memory / 1e9:,.0f} GB; "
-            "make grid.spacing larger, or is a length in mm instead of m?"
-        )
+        raise UsageError(f"{what} need {needed / 1e9:,.0f} GB, this machine has {memory / 1e9:,.0f} GB; {remedy}")
 
 
 def _domain(case: Case, h: float) -> tuple[float, float]:

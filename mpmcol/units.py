@@ -6,6 +6,7 @@ import math
 import operator
 import re
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
@@ -26,7 +27,10 @@ FACTORS: dict[str, tuple[str, float]] = {
     "": ("", 1.0), "%": ("", 1e-2),
 }  # fmt: skip
 
-_NUMBER_AND_UNIT = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S*)\s*", re.ASCII)
+# Beyond these no quantity of a column lies, and products of some of them would overflow.
+SMALLEST, LARGEST = 1e-30, 1e30
+# possessive (++, *+): a long text that does not match takes no longer than one that does
+_NUMBER_AND_UNIT = re.compile(r"\s*+([-+]?(?:\d++\.?\d*+|\.\d++)(?:[eE][-+]?\d++)?)\s*+(\S*+)\s*+", re.ASCII)
 _COMPARISONS = {
     "gt": (">", operator.gt),
     "ge": (">=", operator.ge),
@@ -49,7 +53,7 @@ class Number:
     bounds: dict[str, float]
     allow_inf: bool = False
 
-    @property
+    @cached_property
     def expected(self) -> str:
         """Say what the number must be, for example "a number > 0 and < 0.5, in Pa"."""
         limits = " and ".join(f"{_COMPARISONS[name][0]} {bound:g}" for name, bound in self.bounds.items())
@@ -66,6 +70,8 @@ class Number:
             raise self._error(str(wrong) if isinstance(value, str) else "") from None
         if math.isnan(number) or (math.isinf(number) and not self.allow_inf) or not self._within(number):
             raise self._error()
+        if number and not SMALLEST <= abs(number) <= LARGEST and math.isfinite(number):
+            raise self._error(f"too {'large' if abs(number) > 1.0 else 'small'} for any quantity")
         return number
 
     def _convert(self, value: Any) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import islice
 from typing import Any
 
 from pydantic import ValidationError
@@ -12,7 +13,7 @@ from pydantic_core import ErrorDetails
 from mpmcol.case import words
 from mpmcol.case.lines import KeyPath
 from mpmcol.case.reference import field_at, fields_at, key_names
-from mpmcol.case.report import Problem, set_option
+from mpmcol.case.report import MOST_COUNTED, Problem, set_option
 from mpmcol.case.rules import BrokenRule, broken_rules
 from mpmcol.case.source import Given
 from mpmcol.laws import LAWS
@@ -22,8 +23,12 @@ _ECHOES = ("rules", "default_factory_not_called")
 
 
 def find_problems(given: Given, invalid: ValidationError) -> list[Problem]:
-    """Give all problems of a case that did not validate, in the order of the file; overrides come last."""
-    errors = [(_key_path(error), error) for error in invalid.errors() if error["type"] not in _ECHOES]
+    """Give the problems of a case that did not validate, MOST_COUNTED at most, and those between keys.
+
+    They come in the order of the file; overrides come last.
+    """
+    told = (error for error in invalid.errors(include_url=False) if error["type"] not in _ECHOES)
+    errors = [(_key_path(error), error) for error in islice(told, MOST_COUNTED)]
     law = _law(given.tables)
     meant = {key: _meant(key, law) for key, error in errors if error["type"] == "extra_forbidden"}
     wrong = {key for key, _ in errors} | {known for known in meant.values() if known}

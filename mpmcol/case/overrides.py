@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from mpmcol.case.lines import KeyPath, parse
+from mpmcol.case.lines import KeyPath, Unfit, parse
 
 # one of these replaces the other when it is given by an override
 _ALTERNATIVES: dict[KeyPath, str] = {("geometry", "height"): "aspect", ("geometry", "aspect"): "height"}
@@ -27,6 +27,8 @@ def parse_override(argument: str) -> Override:
     key, text = tuple(part.strip() for part in name.split(".")), text.strip()
     if not (equals and all(key) and text):
         raise ValueError('expected key=value, for example "geometry.aspect=3"')
+    if any("\ud800" <= character <= "\udfff" for character in argument):
+        raise ValueError("this is not UTF-8 text")
     if key == ("extends",):
         raise ValueError("only a case file can extend another; name that one instead of this case")
     return Override(key, _parsed(text), argument)
@@ -35,7 +37,7 @@ def parse_override(argument: str) -> Override:
 def _parsed(text: str) -> Any:
     try:
         parsed = parse(f"value = {text}")
-    except (ValueError, RecursionError):
+    except Unfit:
         parsed = {} if text[0] in "\"'[{" or "\n" in text else {"value": text}
     if len(parsed) != 1:
         raise ValueError("this value is not valid TOML")

@@ -9,6 +9,7 @@ from mpmcol.case.words import shortened
 from mpmcol.errors import CaseError
 
 MOST_SHOWN = 50
+MOST_COUNTED = 1000  # to look into a hundred thousand would take seconds
 
 
 @dataclass(frozen=True)
@@ -46,6 +47,7 @@ class Problem:
 def case_error(problems: Sequence[Problem]) -> CaseError:
     """Make the error that tells all these problems, one below the other, and how to learn more."""
     count = "1 problem" if len(problems) == 1 else f"{len(problems)} problems"
+    count += " or more" if len(problems) >= MOST_COUNTED else ""
     about = next((problem.about for problem in problems if problem.about), "")
     more = f"   (mpmcol explain {about})" if about else ""
     rest = len(problems) - MOST_SHOWN

@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from mpmcol.case.lines import KeyPath, locate, parse
+from mpmcol.case.lines import NO_TOML, KeyPath, Unfit, locate, parse
 from mpmcol.case.overrides import Override, apply_overrides
 from mpmcol.case.report import Problem, case_error
 from mpmcol.case.words import nearest, shortened
 from mpmcol.errors import CaseError
 
-LARGEST_FILE = 1_000_000  # bytes
+LARGEST_FILE = 200_000  # bytes
 LIST = "(mpmcol cases lists the shipped cases)"
 
 _SYNTAX_HINTS = {
@@ -105,9 +104,9 @@ def read_case(source: str | Path, overrides: Mapping[KeyPath, Override]) -> Give
 
 def read_chain(source: str | Path) -> list[Source]:
     """Read a case file, then the file that it extends, and so on; the case itself comes first."""
-    chain = [_read(*_find(source))]
+    chain = [read_source(*_find(source))]
     while "extends" in (last := chain[-1]).tables:
-        parent = _read(*_find_parent(last))
+        parent = read_source(*_find_parent(last))
         if parent.path in (link.path for link in chain):
             raise _extends_error(last, "this case extends itself")
         chain.append(parent)
@@ -158,33 +157,24 @@ def _error(
     return case_error([Problem(name, line, key, message, hint, text, key)])
 
 
-def _read(name: str, path: Path) -> Source:
+def read_source(name: str, path: Path) -> Source:
+    """Read one TOML file, which messages call `name`; CaseError if it cannot be read."""
     try:
         with path.open("rb") as file:
             content = file.read(LARGEST_FILE + 1)
     except OSError as failure:
         raise _error(name, f"cannot be read: {failure.strerror}") from failure
     if len(content) > LARGEST_FILE:
-        raise _error(name, "larger than 1 MB, so this is no case file")
+        raise _error(name, f"larger than {LARGEST_FILE // 1000} kB: no case or study is")
     try:
         text = content.decode("utf-8-sig")
-        return Source(name, path.resolve(), text, parse(text))
     except UnicodeDecodeError as failure:
         line = content[: failure.start].count(b"\n") + 1
         excerpt = content.split(b"\n")[line - 1].decode(errors="replace")
         raise _error(name, "this line is not UTF-8 text", line, excerpt) from None
-    except RecursionError:
-        raise _error(name, "arrays or tables are nested too deeply") from None
-    except ValueError as failure:  # TOMLDecodeError, and plain ValueError for integers that are too long
-        raise _syntax_error(name, text, str(failure)) from None
-
-
-def _syntax_error(name: str, text: str, failure: str) -> CaseError:
-    what = re.sub(r" \(at .*\)$", "", failure)
-    if what == failure:
-        return _error(name, "not valid TOML: an integer of more than 64 bits")
-    lines = text.split("\n")
-    place = re.search(r"at line (\d+)", failure)
-    number = int(place[1]) if place else len(lines)
-    excerpt = lines[number - 1].rstrip("\r")
-    return _error(name, f"not valid TOML: {what}", number, excerpt, _SYNTAX_HINTS.get(what, ""))
+    try:
+        return Source(name, path.resolve(), text, parse(text))
+    except Unfit as unfit:
+        excerpt = text.split("\n")[unfit.line - 1].rstrip("\r") if unfit.line else ""
+        hint = _SYNTAX_HINTS.get(unfit.reason.removeprefix(NO_TOML), "")
+        raise _error(name, unfit.reason, unfit.line, excerpt, hint) from None

@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import errno
 import importlib
+import io
 import os
 import platform
 import sys
@@ -17,7 +18,9 @@ from typing import Any
 import click
 
 from mpmcol import __version__
-from mpmcol.errors import MpmcolError
+from mpmcol.errors import MpmcolError, OutputError
+
+LONGEST_NAME = 200  # of a path in a message
 
 COMMANDS = {
     "run": "mpmcol.cli.run:run",
@@ -73,6 +76,8 @@ class Commands(click.Group):
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command; the only place where errors become exit codes."""
+        if isinstance(sys.stdout, io.TextIOWrapper):
+            sys.stdout.reconfigure(errors="backslashreplace")  # as stderr: names of files may be in any encoding
         try:
             return super().invoke(ctx)
         except MpmcolError as failure:
@@ -86,8 +91,18 @@ class Commands(click.Group):
         except Exception as bug:
             if getattr(bug, "errno", None) == errno.EPIPE:
                 raise  # the reader of our output has gone; click ends quietly
+            if isinstance(bug, OSError) and bug.filename:
+                click.echo(_file_error(bug), err=True)
+                ctx.exit(OutputError.exit_code)
             _report_bug(bug)
             ctx.exit(1)
+
+
+def _file_error(failure: OSError) -> str:
+    """What the system has against a path that was given, such as a name that is too long."""
+    name = str(failure.filename)
+    shown = name if len(name) < LONGEST_NAME else f"{name[:LONGEST_NAME]}..."
+    return f"{shown}: cannot be used: {failure.strerror}; choose another path, or mend its permissions"
 
 
 def _report_bug(bug: Exception) -> None:

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from mpmcol.cli.counts import whole
+
 if TYPE_CHECKING:
     from mpmcol.bench.report import Report
 
@@ -19,10 +21,10 @@ def parse_counts(context: click.Context, parameter: click.Parameter, text: str |
     """Positive whole numbers, separated by commas."""
     if text is None:
         return None
-    parts = text.split(",")
-    if not all(part.isdecimal() and int(part) > 0 for part in parts):
-        raise click.BadParameter(f"{text!r}: expected whole numbers above 0, such as 20000,100000")
-    return tuple(int(part) for part in parts)
+    counts = tuple(map(whole, text.split(",")))
+    if not all(counts):
+        raise click.BadParameter(f"{text[:50]!r}: expected whole numbers above 0, such as 20000,100000")
+    return counts
 
 
 @click.command()
@@ -49,7 +51,10 @@ def bench(
     from mpmcol.bench.scenes import MODELS
     from mpmcol.files import atomic_write
     from mpmcol.jit import set_threads
+    from mpmcol.layout import BYTES_PER_POINT, refuse_beyond_memory
 
+    most = max(points or (0,))
+    refuse_beyond_memory(2 * most * BYTES_PER_POINT[3], f"{most:,} points, twice,", "give fewer --points")
     old = load_report(against) if against else None
     scenes = []
     for chosen in (model,) if model else MODELS:

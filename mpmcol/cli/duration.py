@@ -19,7 +19,7 @@ class Duration(click.ParamType):
         """Seconds."""
         if isinstance(value, float):
             return value
-        match = re.fullmatch(r"(\d+\.?\d*|\.\d+)\s*(s|min|h|d|)", value.strip(), re.ASCII)
+        match = re.fullmatch(r"(\d++\.?\d*+|\.\d++)\s*+(s|min|h|d|)", value.strip(), re.ASCII)
         if not match or float(match[1]) == 0.0:
             self.fail(f"{value!r}: expected a time such as 90s, 5min, 2h or 1.5d", param, ctx)
         return float(match[1]) * SECONDS[match[2] or "s"]

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import click
 
+from mpmcol.cli.counts import THREADS
+
 NAMES = ("fig5", "fig6", "fig7", "fig8", "fig9", "factors")
 
 
@@ -14,7 +16,7 @@ NAMES = ("fig5", "fig6", "fig7", "fig8", "fig9", "factors")
 @click.option("--quick", is_flag=True, help="Coarse grids and fewer columns: some minutes instead of hours.")
 @click.option("--out", type=click.Path(path_type=Path), help="Folder; paper, or paper-quick, by default.")
 @click.option("--jobs", type=click.IntRange(1), help="Runs at a time; chosen from their sizes by default.")
-@click.option("--threads", type=click.IntRange(1), help="Threads of each run; chosen from their sizes by default.")
+@click.option("--threads", type=THREADS, help="Threads of each run; chosen from their sizes by default.")
 @click.option("--quiet", is_flag=True, help="Print nothing but the verdicts.")
 def paper(
     figures: tuple[str, ...], quick: bool, out: Path | None, jobs: int | None, threads: int | None, quiet: bool

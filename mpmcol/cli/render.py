@@ -6,13 +6,15 @@ from pathlib import Path
 
 import click
 
+from mpmcol.cli.counts import whole
+
 
 def parse_size(context: click.Context, parameter: click.Parameter, text: str) -> tuple[int, int]:
     """WIDTHxHEIGHT in pixels, each from 200 to 8000."""
     width, _, height = text.partition("x")
-    sizes = [int(part) if part.isdecimal() else 0 for part in (width, height)]
+    sizes = [whole(part) for part in (width, height)]
     if not all(200 <= pixels <= 8000 for pixels in sizes):
-        raise click.BadParameter(f"{text!r}: expected WIDTHxHEIGHT in pixels, each 200 to 8000, such as 1280x720")
+        raise click.BadParameter(f"{text[:50]!r}: expected WIDTHxHEIGHT in pixels, each 200 to 8000, such as 1280x720")
     return sizes[0], sizes[1]
 
 

@@ -13,6 +13,7 @@ from typing import Any
 import click
 
 from mpmcol.cli.accuracy import ACCURACY, advised, certified
+from mpmcol.cli.counts import THREADS
 from mpmcol.cli.duration import DURATION, duration
 from mpmcol.errors import Interrupted, NumericalFailure
 
@@ -23,7 +24,7 @@ from mpmcol.errors import Interrupted, NumericalFailure
 @click.option("--out", type=click.Path(path_type=Path), help="Folder of the results; runs/NAME by default.")
 @click.option("--accuracy", type=ACCURACY, help="Choose model and grid so that runout and height keep to it, e.g. 5%.")
 @click.option("--certify", is_flag=True, help="With --accuracy: zeta and beta with an error bar, from two spacings.")
-@click.option("--threads", type=click.IntRange(1), help="Number of threads; all cores by default.")
+@click.option("--threads", type=THREADS, help="Number of threads; all cores by default.")
 @click.option("--fresh", is_flag=True, help="Begin anew: replace a finished run, forget an unfinished one.")
 @click.option("--go-on", is_flag=True, help="Go on with an unfinished run though case or code differ from its own.")
 @click.option("--checkpoint", type=DURATION, default="5min", show_default=True, help="Time between two checkpoints.")

@@ -17,14 +17,15 @@ from mpmcol.simd import where_positive
 from mpmcol.units import choice, quantity
 
 STATE: tuple[str, ...] = ()
+MOST_DEGREES = 89.0  # no sand has more, and N grows without bound towards 90
 
 
 class Material(Elasticity):
     """[material] with law = "mohr-coulomb"."""
 
     law: Literal["mohr-coulomb"] = choice("law of the material", "mohr-coulomb")
-    friction_deg: float = quantity("angle of internal friction phi", "deg", gt=0.0, lt=90.0)
-    dilatancy_deg: float = quantity("angle of dilatancy psi, at most friction_deg", "deg", 0.0, ge=0.0, lt=90.0)
+    friction_deg: float = quantity("angle of internal friction phi", "deg", gt=0.0, le=MOST_DEGREES)
+    dilatancy_deg: float = quantity("angle of dilatancy psi, at most friction_deg", "deg", 0.0, ge=0.0, le=MOST_DEGREES)
     cohesion: float = quantity("cohesion c", "Pa", 0.0, ge=0.0)
 
     @property

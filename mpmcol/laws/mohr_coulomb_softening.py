@@ -13,7 +13,7 @@ from typing import Literal, NamedTuple
 from mpmcol.jit import device
 from mpmcol.laws.elastic import Elasticity
 from mpmcol.laws.functions import cotangent, decay, sine
-from mpmcol.laws.mohr_coulomb import flow_number, return_to_cone
+from mpmcol.laws.mohr_coulomb import MOST_DEGREES, flow_number, return_to_cone
 from mpmcol.simd import root
 from mpmcol.units import choice, quantity
 
@@ -24,10 +24,10 @@ class Material(Elasticity):
     """[material] with law = "mohr-coulomb-softening"."""
 
     law: Literal["mohr-coulomb-softening"] = choice("law of the material", "mohr-coulomb-softening")
-    friction_peak_deg: float = quantity("angle of friction before softening", "deg", gt=0.0, lt=90.0)
-    friction_residual_deg: float = quantity("angle of friction after softening", "deg", gt=0.0, lt=90.0)
-    dilatancy_peak_deg: float = quantity("angle of dilatancy before softening", "deg", 0.0, ge=0.0, lt=90.0)
-    dilatancy_residual_deg: float = quantity("angle of dilatancy after softening", "deg", 0.0, ge=0.0, lt=90.0)
+    friction_peak_deg: float = quantity("angle of friction before softening", "deg", gt=0.0, le=MOST_DEGREES)
+    friction_residual_deg: float = quantity("angle of friction after softening", "deg", gt=0.0, le=MOST_DEGREES)
+    dilatancy_peak_deg: float = quantity("angle of dilatancy before softening", "deg", 0.0, ge=0.0, le=MOST_DEGREES)
+    dilatancy_residual_deg: float = quantity("angle of dilatancy after softening", "deg", 0.0, ge=0.0, le=MOST_DEGREES)
     softening_rate: float = quantity("shape factor beta of the exponential decay (Table 1)", gt=0.0)
     strain_factor: float = quantity("factor in eps = factor * sqrt(de:de)", default=sqrt(2.0 / 3.0), gt=0.0)
     cohesion: float = quantity("cohesion c, which does not soften", "Pa", 0.0, ge=0.0)

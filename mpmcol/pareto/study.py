@@ -77,5 +77,5 @@ def shipped_studies() -> dict[str, Path]:
 
 
 def load_study(source: str) -> Study:
-    """Read a study: a shipped one by its name, or a file. Raises UsageError that names file and key."""
+    """Read a study: a shipped one by its name, or a file. See `load_definition` for what is raised."""
     return load_definition(source, shipped_studies(), "study", Study)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shlex
 from collections.abc import Sequence
 from math import ceil
@@ -38,7 +39,7 @@ def write_commands(points: Sequence[Point], threads: int, out: Path) -> list[str
         freeze(point)
     lines = [shlex.join(run_command(point.folder.resolve(), threads)) for point in ordered]
     commands = out.resolve() / COMMANDS_FILE
-    atomic_write(commands, "".join(line + "\n" for line in lines).encode())
+    atomic_write(commands, os.fsencode("".join(line + "\n" for line in lines)))
     script = SLURM.format(
         commands=commands,
         quoted=shlex.quote(str(commands)),
@@ -48,5 +49,5 @@ def write_commands(points: Sequence[Point], threads: int, out: Path) -> list[str
         megabytes=ceil(max(point.layout.memory_bytes + BYTES_OF_PROCESS for point in ordered) / 1e6),
         out=out.resolve(),
     )
-    atomic_write(out.resolve() / SLURM_FILE, script.encode())
+    atomic_write(out.resolve() / SLURM_FILE, os.fsencode(script))
     return lines

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-import tomllib
+import os
 from collections.abc import Mapping
 from difflib import get_close_matches
+from itertools import islice
 from pathlib import Path
 from typing import Any, TypeVar
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from mpmcol.case.source import shipped_cases
+from mpmcol.case.report import MOST_SHOWN
+from mpmcol.case.source import Source, read_source, shipped_cases
+from mpmcol.case.words import shortened
 from mpmcol.errors import UsageError
 
 Value = str | bool | float
@@ -32,24 +35,26 @@ def shipped_definitions(folder: str) -> dict[str, Path]:
 
 
 def load_definition(source: str, shipped: Mapping[str, Path], kind: str, model: type[M]) -> M:
-    """Read a definition: a shipped one by its name, or a file. Raises UsageError that names file and key.
+    """Read a definition: a shipped one by its name, or a file.
 
     Args:
         kind: what it is called, such as "study".
+
+    Raises:
+        CaseError: it cannot be read or is no TOML; with file and line.
+        UsageError: it is wrong; with file, line and key.
     """
     path = shipped.get(source, Path(source))
-    try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
+    if not os.path.exists(path):  # unlike Path.exists it is never upset by an impossible name
         near = get_close_matches(source, shipped, n=1)
         hint = f"did you mean {near[0]!r}?" if near else f"shipped: {', '.join(shipped)}"
-        raise UsageError(f"{source}: no such {kind}; {hint}") from None
-    except (OSError, ValueError) as error:  # a TOMLDecodeError tells line and column
-        raise UsageError(f"{path}: cannot be read: {error}") from None
+        raise UsageError(f"{shortened(source, 200)}: no such {kind}; {hint}")
+    content = read_source(shortened(str(path), 200), path)
     try:
-        return model.model_validate(content)
+        return model.model_validate(content.tables)
     except ValidationError as invalid:
-        raise UsageError("\n".join(_told(path, error) for error in invalid.errors())) from None
+        told = islice(invalid.errors(include_url=False), MOST_SHOWN)
+        raise UsageError("\n".join(_told(content, error) for error in told)) from None
 
 
 def as_text(value: Value) -> str:
@@ -59,6 +64,8 @@ def as_text(value: Value) -> str:
     return f"{value:.9g}" if isinstance(value, float) else str(value)
 
 
-def _told(path: Path, error: Any) -> str:
-    key = ".".join(str(part) for part in error["loc"])
-    return f"{path}: {key + ': ' if key else ''}{error['msg'].removeprefix('Value error, ')}"
+def _told(source: Source, error: Any) -> str:
+    key = tuple(str(part) for part in error["loc"])
+    line, name = source.place(key)[0], shortened(".".join(key), 100)
+    place = f"{source.name}:{line}" if line else source.name
+    return f"{place}: {name + ': ' if name else ''}{error['msg'].removeprefix('Value error, ')}"

@@ -11,7 +11,8 @@ DEFAULT_STEP = 0.5
 MOST_VALUES = 10_000
 EXPECTED = "expected LO:HI, LO:HI:STEP or LO:HI/COUNT, such as 0.5:7, 0.5:7:0.25 or 0.5:7/14"
 
-_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+# possessive (++, *+): a long text that does not match takes no longer than one that does
+_NUMBER = r"[-+]?(?:\d++\.?\d*+|\.\d++)(?:[eE][-+]?\d++)?"
 _PLAIN = re.compile(_NUMBER)
 _RANGE = re.compile(rf"({_NUMBER}):({_NUMBER})(?::({_NUMBER})|/(\d+))?")
 _DECIMALS = 12

@@ -197,7 +197,7 @@ def test_the_message_as_a_whole(write: Write) -> None:
         ("0.002", "2020-01-01", "grid.spacing", "spacing = 2020-01-01: expected a number > 0, in m"),
         ("0.2", "0.5", "material.poissons_ratio", "expected a number >= 0 and < 0.5"),
         ("0.2", "-0.1", "material.poissons_ratio", "expected a number >= 0 and < 0.5"),
-        ("33.0", "90", "material.friction_deg", "and < 90, in deg"),
+        ("33.0", "90", "material.friction_deg", "and <= 89, in deg"),
         ('"plane"', "1", "geometry.model", 'model = 1: expected "plane", "axisymmetric", "quarter" or "full"'),
         ('"plane"', '"cube"', "geometry.model", 'expected "plane", "axisymmetric", "quarter" or "full"'),
         ('"mohr-coulomb"', '"drucker-prager"', "material.law", 'law = "drucker-prager": expected "elastic"'),
@@ -536,10 +536,10 @@ def test_missing_file_names_the_nearest_shipped_case(write: Write) -> None:
         (b"a = 1\n\na = 2\n", 3, "Cannot overwrite a value"),
         (b"\n[grid\n", 2, "not valid TOML"),
         (b"a = 1\nb = '\xff'\n", 2, "this line is not UTF-8 text"),
-        (b"a = " + b"1" * 5000, None, "an integer of more than 64 bits"),
-        (b"a = [[0x" + b"f" * 5000 + b"]]", None, "an integer of more than 64 bits"),
-        (b"a = " + b"[" * 20000, None, "nested too deeply"),
-        (b"#" * 1_000_001, None, "larger than 1 MB"),
+        (b"a = " + b"1" * 5000, 1, "an integer of more than 64 bits"),
+        (b"a = [[0x" + b"f" * 5000 + b"]]", 1, "an integer of more than 64 bits"),
+        (b"a = " + b"[" * 20000, 1, "nested too deeply"),
+        (b"#" * 200_001, None, "larger than 200 kB"),
     ],
 )
 def test_file_that_cannot_be_parsed(write: Write, content: bytes, line: int | None, message: str) -> None:
@@ -550,9 +550,9 @@ def test_file_that_cannot_be_parsed(write: Write, content: bytes, line: int | No
 
 def test_a_flood_of_problems_is_cut(write: Write) -> None:
     error = error_of(write(GOOD + "".join(f"x{i} = 1\n" for i in range(3000))))
-    assert len(error.problems) == 3000
+    assert len(error.problems) == 1000
     assert len(str(error)) < 10_000
-    assert str(error).endswith("... and 2950 more\n3000 problems; nothing was run.   (mpmcol explain material)")
+    assert str(error).endswith("... and 950 more\n1000 problems or more; nothing was run.   (mpmcol explain material)")
 
 
 def test_unquoted_text_is_told_to_need_quotes(write: Write) -> None:
