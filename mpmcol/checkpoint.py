@@ -12,9 +12,11 @@ from typing import Any
 
 import numpy as np
 
+from mpmcol.digests import has_digest
 from mpmcol.files import CHECKPOINT_FILES, atomic_write
 
 DIGEST = hashlib.sha256().digest_size  # bytes at the end of a file
+FORMAT = 2  # in the meta of a state; the program goes on from no other
 META = "meta"  # name of the array that holds what is not an array, as JSON
 
 
@@ -39,8 +41,8 @@ def write_checkpoint(folder: Path, checkpoint: Checkpoint) -> Path:
     return path
 
 
-def read_checkpoint(folder: Path) -> tuple[Checkpoint | None, list[str]]:
-    """The latest whole state in a folder, None without one; and the names of files that are damaged."""
+def read_checkpoints(folder: Path) -> tuple[list[Checkpoint], list[str]]:
+    """The whole states in a folder, the latest first; and the names of files that are damaged."""
     found, damaged = [], []
     for name in CHECKPOINT_FILES:
         try:
@@ -49,7 +51,13 @@ def read_checkpoint(folder: Path) -> tuple[Checkpoint | None, list[str]]:
             continue
         except (OSError, ValueError, KeyError):
             damaged.append(name)
-    return max(found, key=lambda one: one.serial, default=None), damaged
+    return sorted(found, key=lambda one: one.serial, reverse=True), damaged
+
+
+def lost_snapshots(folder: Path, state: Checkpoint) -> list[str]:
+    """Names of the snapshots taken before a state of this FORMAT that are missing or not as they were written."""
+    digests: dict[str, str] = state.meta["recorder"]["snapshots"]
+    return [name for name, digest in digests.items() if not has_digest(folder / name, digest)]
 
 
 def _read(path: Path) -> Checkpoint:

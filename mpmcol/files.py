@@ -16,6 +16,8 @@ from mpmcol.errors import OutputError
 # the folder of a run
 LOCK = ".lock"
 CASE_FILE, RESULT_FILE, HISTORY_FILE = "case.resolved.toml", "result.json", "history.csv"
+INDEX_FILES = ("run.vtkhdf", "run.vtkhdf.series")
+DIGEST_FILE = "SHA256SUMS"  # of all the others, written just before the result
 CHECKPOINT_FILES = ("checkpoint-0.npz", "checkpoint-1.npz")  # written in turn
 # what may lie in it before the run: the case that it is to run, and what it says while it does
 GIVEN_CASE_FILE, LOG_FILE = "case.toml", "run.log"
@@ -52,17 +54,41 @@ def atomic_write(path: Path, data: bytes) -> None:
             temporary.unlink(missing_ok=True)
 
 
-def make_folder(path: Path) -> Path:
-    """Create the folder `path` and its parents where they are missing; raises OutputError."""
+def leftovers(folder: Path) -> list[Path]:
+    """Files that processes killed while they wrote have left in a folder and in those below it."""
+    return sorted(folder.rglob(".*.tmp"))
+
+
+def make_folder(path: Path, parents: bool = True) -> Path:
+    """Create the folder `path`, and its parents unless told not to, where they are missing; raises OutputError."""
     try:
-        path.mkdir(parents=True, exist_ok=True)
+        path.mkdir(parents=parents, exist_ok=True)
     except OSError as error:
         raise _cannot_write(path, error) from error
     return path
 
 
+class Lock:
+    """A folder that this process has to itself."""
+
+    def __init__(self, path: Path, descriptor: int) -> None:
+        self._path, self._descriptor = path, descriptor
+
+    def check(self) -> None:
+        """Raise OutputError if the folder is no longer the one that was locked: another process may write there now."""
+        try:
+            same = os.path.samestat(os.fstat(self._descriptor), os.stat(self._path))
+        except OSError:
+            same = False
+        if not same:
+            raise OutputError(
+                f"{self._path.parent}: the folder, or {LOCK} in it, was removed or replaced while the run was going; "
+                "if it was moved, the same command with --out and the new place goes on there, otherwise it begins anew"
+            )
+
+
 @contextlib.contextmanager
-def locked(folder: Path) -> Iterator[None]:
+def locked(folder: Path) -> Iterator[Lock]:
     """Keep every other process that asks for the same out of `folder`, and clear away what one that was killed left.
 
     Raises OutputError if one is in there, or nothing can be written.
@@ -75,8 +101,9 @@ def locked(folder: Path) -> Iterator[None]:
     try:
         if not _taken(descriptor):
             raise OutputError(f"{folder}: another run is writing here; wait for it, or choose another folder")
-        _remove_leftovers(folder)
-        yield
+        for left in leftovers(folder):  # a checkpoint may be gigabytes long
+            remove(left)
+        yield Lock(path, descriptor)
     finally:
         os.close(descriptor)
 
@@ -94,14 +121,6 @@ def is_locked(folder: Path) -> bool:
     finally:
         os.close(descriptor)
     return False
-
-
-def _remove_leftovers(folder: Path) -> None:
-    """Delete what a run was writing when it was killed: a checkpoint may be gigabytes long."""
-    for name in (CASE_FILE, RESULT_FILE, HISTORY_FILE, *CHECKPOINT_FILES, "run.vtkhdf", "snapshots/"):
-        place, _, stem = name.rpartition("/")
-        for path in (folder / place).glob(f".{stem}*.tmp"):
-            remove(path)
 
 
 def _taken(descriptor: int) -> bool:

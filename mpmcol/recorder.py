@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from mpmcol.case import Case, resolved_toml
-from mpmcol.errors import OutputError
-from mpmcol.files import atomic_write, make_folder
+from mpmcol.digests import digest_of
+from mpmcol.files import INDEX_FILES, atomic_write, make_folder, remove
 from mpmcol.kernels import cycle
 from mpmcol.laws import LAWS
 from mpmcol.layout import column_shape
@@ -38,6 +38,7 @@ class Recorder:
         self.rows: list[dict[str, Any]] = []
         self.seconds = 0.0
         self.worst_J = [1.0, 1.0]
+        self.digests: dict[str, str] = {}  # of the snapshots, by their names in the folder
         self._written: list[Step] = []
         self._saved = time.monotonic()  # when the history was last written
         self._meta = self._make_meta(threads)
@@ -101,6 +102,7 @@ class Recorder:
         taken = take_snapshot(self.case, self.solver, stage, self.released)
         path = write_snapshot(self.folder, len(self._written), taken, self._meta, self.case.output.compression)
         self._written.append(describe_snapshot(path))
+        self.digests[self._written[-1].name] = digest_of(path)
         write_index(self.folder, self._written)
         self._save_history()
         self.seconds += time.perf_counter() - started
@@ -109,16 +111,26 @@ class Recorder:
         """What it knows of the run so far, but for `released`, as plain values."""
         return {
             "rows": self.rows, "start": self._start, "worst_J": [float(J) for J in self.worst_J],
-            "snapshots": len(self._written), "seconds": self.seconds,
+            "snapshots": dict(self.digests), "seconds": self.seconds,
         }  # fmt: skip
 
     def recall(self, memory: Mapping[str, Any], released: np.ndarray) -> None:
-        """Go on from `memory`; snapshots taken later are written over. Raises OutputError if an earlier one is gone."""
+        """Go on from `memory`; snapshots taken later are removed. Raises OutputError if an earlier one is damaged."""
         self.rows, self._start, self.worst_J = memory["rows"], memory["start"], memory["worst_J"]
         self.released, self.seconds = released, memory["seconds"]
-        self._written = [describe_snapshot(path) for path in list_snapshots(self.folder)[: memory["snapshots"]]]
-        if len(self._written) < memory["snapshots"]:
-            raise OutputError(f"{self.folder}: snapshots are missing; run the case again with --fresh")
+        self.digests = dict(memory["snapshots"])
+        self._written = [describe_snapshot(self.folder / name) for name in self.digests]
+        self._forget_later()
+
+    def _forget_later(self) -> None:
+        """Remove the snapshots that are not of the run so far; the index no longer names them by then."""
+        if self._written:
+            write_index(self.folder, self._written)
+        else:
+            for name in INDEX_FILES:
+                remove(self.folder / name)
+        for path in list_snapshots(self.folder)[len(self._written) :]:
+            remove(path)
 
     def _save_history(self) -> None:
         write_history(self.folder, self.rows)

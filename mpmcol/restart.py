@@ -5,18 +5,21 @@ from __future__ import annotations
 import json
 import time
 from dataclasses import asdict
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from mpmcol.case import Case
 from mpmcol.case.schema import leaf_values
-from mpmcol.checkpoint import Checkpoint, write_checkpoint
+from mpmcol.checkpoint import FORMAT, Checkpoint, lost_snapshots, read_checkpoints, write_checkpoint
 from mpmcol.course import Course
-from mpmcol.errors import UsageError
+from mpmcol.errors import OutputError, UsageError
+from mpmcol.files import CHECKPOINT_FILES, Lock
 from mpmcol.grid import ASLEEP, WALLS, Tiles
-from mpmcol.scene import close_walls
-from mpmcol.stages import Run
+from mpmcol.kernels import cycle
+from mpmcol.scene import Scene, close_walls
+from mpmcol.stages import Run, Say
 from mpmcol.stop import StopRequest
 from mpmcol.version import code_version
 
@@ -27,12 +30,17 @@ WITHOUT_A_SAY = ("title", "score.experiment")  # keys of a case that may change 
 class Keeper:
     """Writes checkpoints of a run when they are due, and when it is asked to end."""
 
-    def __init__(self, run: Run, stop: StopRequest, interval: float, serial: int = 0) -> None:
-        self._run, self._stop, self._interval, self._serial = run, stop, interval, serial
+    def __init__(self, run: Run, stop: StopRequest, lock: Lock, interval: float, begun: Checkpoint | None) -> None:
+        self._run, self._stop, self._lock, self._interval = run, stop, lock, interval
+        self._serial, self._step = (begun.serial, step_of(begun)) if begun else (0, 0)
         self._written = time.monotonic()
 
     def pause(self) -> None:
-        """To be called where the run is between two steps. Raises Stopped if it has been asked to end."""
+        """To be called where the run is between two steps.
+
+        Raises Stopped if it has been asked to end, OutputError if its folder is gone.
+        """
+        self._lock.check()
         if self._stop.asked:
             self.write()
             self._stop.heed()
@@ -43,7 +51,16 @@ class Keeper:
         """Write a checkpoint now; raises OutputError."""
         self._serial += 1
         write_checkpoint(self._run.recorder.folder, capture(self._run, self._serial))
+        self._step = self._run.solver.steps
         self._written = time.monotonic()
+
+    @property
+    def kept(self) -> str:
+        """From where the same command goes on if the run ends here, as a person reads it."""
+        folder = self._run.recorder.folder
+        if any((folder / name).exists() for name in CHECKPOINT_FILES):
+            return f"the state at step {self._step} is kept in {folder}; the same command goes on from there"
+        return f"no state is kept in {folder}; the same command begins anew"
 
 
 def capture(run: Run, serial: int) -> Checkpoint:
@@ -54,15 +71,50 @@ def capture(run: Run, serial: int) -> Checkpoint:
         "rows": solver.points.rows, "clock": solver.clock, "ledger": solver.ledger, "released": recorder.released,
         "asleep": np.flatnonzero(solver.grid.fixed & ASLEEP), **solver.tiles._asdict(),
     }  # fmt: skip
-    meta = {"identity": identity(run.case), "course": asdict(run.course), "recorder": recorder.memory()}
+    meta = {
+        "format": FORMAT, "identity": identity(run.case), "course": asdict(run.course), "recorder": recorder.memory(),
+    }  # fmt: skip
     return Checkpoint(serial, meta, arrays)
+
+
+def last_state(folder: Path, say: Say) -> Checkpoint | None:
+    """The latest state in a folder that is whole, and whose snapshots are; None if there is no whole state.
+
+    say: is told what is damaged. Raises OutputError if there are states, but none has its snapshots, UsageError if they
+    are of a format that this version does not know.
+    """
+    states, damaged = read_checkpoints(folder)
+    for name in damaged:
+        say(f"note: {folder / name} is damaged; " + ("going on from the one before" if states else "beginning anew"))
+    if any(state.meta.get("format") != FORMAT for state in states):
+        raise UsageError(f"{folder} holds an unfinished run of another version's format; --fresh begins anew")
+    lost: list[str] = []
+    for state in states:
+        if not (lost := lost_snapshots(folder, state)):
+            return state
+        say(f"note: {folder / lost[0]} is damaged or missing, and step {step_of(state)} needs it")
+    if not states:
+        return None
+    raise OutputError(
+        f"{folder / lost[0]} is damaged or missing, and the unfinished run cannot take it again: it is of a time "
+        f"before the states that are kept ({', '.join(CHECKPOINT_FILES)}); copy it back, or begin anew with --fresh"
+    )
+
+
+def step_of(state: Checkpoint) -> int:
+    """The number of steps done."""
+    return int(state.arrays["clock"][cycle.STEPS])
+
+
+def require_same_points(scene: Scene, checkpoint: Checkpoint) -> None:
+    """Raise UsageError if a scene has not the points of a state."""
+    if scene.points.rows.shape != checkpoint.arrays["rows"].shape:
+        raise UsageError("the unfinished run has other points than this case makes; --fresh starts anew")
 
 
 def restore(run: Run, checkpoint: Checkpoint) -> None:
     """Put a run that has just been set up into the state of a checkpoint of the same scene."""
     solver, arrays = run.solver, checkpoint.arrays
-    if solver.points.rows.shape != arrays["rows"].shape:
-        raise UsageError("the unfinished run has other points than this case makes; --fresh starts anew")
     run.course = Course(**checkpoint.meta["course"])
     solver.points.rows[:] = arrays["rows"]
     solver.clock[:], solver.ledger[:] = arrays["clock"], arrays["ledger"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import hashlib
 import io
 import json
 import math
@@ -14,12 +15,15 @@ from typing import Any
 import numpy as np
 
 from mpmcol.case import Case, load_case
+from mpmcol.digests import digest_of, write_digests
 from mpmcol.errors import OutputError, UsageError
 from mpmcol.files import (
     CASE_FILE,
     CHECKPOINT_FILES,
+    DIGEST_FILE,
     GIVEN_CASE_FILE,
     HISTORY_FILE,
+    INDEX_FILES,
     LOCK,
     LOG_FILE,
     RESULT_FILE,
@@ -33,7 +37,7 @@ from mpmcol.snapshot import Snapshot, list_snapshots, read_snapshot
 RESULT_SCHEMA = 1
 # the case last, so that a folder half emptied is still known for a run's
 OWN_FILES = (
-    RESULT_FILE, HISTORY_FILE, "run.vtkhdf", "run.vtkhdf.series", "snapshots", "profile.png", "front.png", "energy.png",
+    RESULT_FILE, DIGEST_FILE, HISTORY_FILE, *INDEX_FILES, "snapshots", "profile.png", "front.png", "energy.png",
     "collapse.gif", "topview.png", *CHECKPOINT_FILES, CASE_FILE,
 )  # fmt: skip
 HISTORY = (
@@ -86,15 +90,7 @@ class Results:
     @cached_property
     def history(self) -> dict[str, np.ndarray]:
         """Columns of history.csv; all but `stage` as numbers."""
-        path = self.folder / HISTORY_FILE
-        try:
-            with path.open(newline="") as file:
-                rows = list(csv.DictReader(file))
-            return {
-                name: np.array([row[name] if name == "stage" else float(row[name]) for row in rows]) for name in HISTORY
-            }
-        except (OSError, KeyError, TypeError, ValueError, csv.Error):
-            raise OutputError(f"{path} is missing or damaged; run the case again with --fresh") from None
+        return read_history(self.folder / HISTORY_FILE)
 
     @property
     def snapshots(self) -> list[Path]:
@@ -140,8 +136,26 @@ def prepare_folder(folder: Path, fresh: bool) -> None:
         remove(folder / name)
 
 
+def reopen_folder(folder: Path) -> None:
+    """Let an unfinished run be gone on with: what told how it had ended is removed. Raises OutputError."""
+    for name in (RESULT_FILE, DIGEST_FILE):
+        remove(folder / name)
+
+
 def _is_finished(folder: Path) -> bool:
     return Results(folder).summary.get("status") == "done" if (folder / CASE_FILE).exists() else True
+
+
+def read_history(path: Path) -> dict[str, np.ndarray]:
+    """Columns of a history.csv; all but `stage` as numbers. Raises OutputError."""
+    try:
+        with path.open(newline="") as file:
+            rows = list(csv.DictReader(file))
+        return {
+            name: np.array([row[name] if name == "stage" else float(row[name]) for row in rows]) for name in HISTORY
+        }
+    except (OSError, KeyError, TypeError, ValueError, csv.Error):
+        raise OutputError(f"{path} is missing or damaged; run the case again with --fresh") from None
 
 
 def write_history(folder: Path, rows: list[dict[str, Any]]) -> None:
@@ -153,9 +167,20 @@ def write_history(folder: Path, rows: list[dict[str, Any]]) -> None:
     atomic_write(folder / HISTORY_FILE, text.getvalue().encode())
 
 
-def write_result(folder: Path, result: Mapping[str, Any]) -> None:
-    """Write result.json; numbers that are not finite, which JSON cannot hold, become null."""
-    atomic_write(folder / RESULT_FILE, (json.dumps(_finite(result), indent=1, allow_nan=False) + "\n").encode())
+def write_result(folder: Path, result: Mapping[str, Any], snapshots: Mapping[str, str] | None = None) -> None:
+    """Write result.json, and just before it the digests of all files of the run, its own too.
+
+    Numbers that are not finite, which JSON cannot hold, become null. snapshots: their digests as they were when they
+    were written, by name. Raises OutputError, also if one of these is gone.
+    """
+    content = (json.dumps(_finite(result), indent=1, allow_nan=False) + "\n").encode()
+    for name in snapshots or ():
+        if not (folder / name).is_file():
+            raise OutputError(f"{folder / name} was removed while the run was going; run the case again with --fresh")
+    there = [name for name in (GIVEN_CASE_FILE, CASE_FILE, HISTORY_FILE, *INDEX_FILES) if (folder / name).exists()]
+    digests = {name: digest_of(folder / name) for name in there} | dict(snapshots or {})
+    write_digests(folder, digests | {RESULT_FILE: hashlib.sha256(content).hexdigest()})
+    atomic_write(folder / RESULT_FILE, content)
 
 
 def _finite(value: Any) -> Any:

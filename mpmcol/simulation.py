@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from math import inf
 from pathlib import Path
 
 from mpmcol.case import Case
-from mpmcol.checkpoint import Checkpoint, read_checkpoint
+from mpmcol.checkpoint import Checkpoint
 from mpmcol.course import Course
-from mpmcol.errors import Interrupted, NumericalFailure, UsageError
+from mpmcol.errors import Interrupted, NumericalFailure, OutputError, UsageError
 from mpmcol.files import CHECKPOINT_FILES, locked, remove
 from mpmcol.jit import set_threads
-from mpmcol.kernels import cycle
 from mpmcol.outcome import outcome
 from mpmcol.recorder import Recorder
-from mpmcol.restart import INTERVAL, Keeper, differences, restore
-from mpmcol.results import Results, prepare_folder, write_result
+from mpmcol.restart import INTERVAL, Keeper, differences, last_state, require_same_points, restore, step_of
+from mpmcol.results import Results, prepare_folder, reopen_folder, write_result
 from mpmcol.scene import Scene, build_scene
 from mpmcol.solver import Solver
 from mpmcol.stages import Progress, Run, Say
@@ -55,16 +55,22 @@ def run(
     folder, used = Path(folder), set_threads(threads)
     if threads is not None and used != threads:
         say(f"note: {used} threads instead of {threads}; NUMBA_NUM_THREADS sets the most")
-    with locked(folder), stop_request(max_wall) as stop:
+    with locked(folder) as lock, stop_request(max_wall) as stop:
         found = None if fresh else _unfinished(case, folder, go_on, say)
         scene = build_scene(case)  # may refuse the case: before anything old is removed
-        if found is None:
+        if found:
+            require_same_points(scene, found)
+            reopen_folder(folder)
+        else:
             prepare_folder(folder, fresh)
         simulation = set_up(case, scene, folder, used, progress, say)
         if found:
             restore(simulation, found)
-        keeper = Keeper(simulation, stop, checkpoint_seconds, found.serial if found else 0)
-        return _carry_out(simulation, keeper, used)
+        keeper = Keeper(simulation, stop, lock, checkpoint_seconds, found)
+        try:
+            return _carry_out(simulation, keeper, used)
+        except OutputError as error:
+            raise OutputError(f"{error}\n{keeper.kept}") from error
 
 
 def set_up(case: Case, scene: Scene, folder: Path, threads: int, progress: Progress, say: Say) -> Run:
@@ -79,9 +85,7 @@ def set_up(case: Case, scene: Scene, folder: Path, threads: int, progress: Progr
 
 def _unfinished(case: Case, folder: Path, go_on: bool, say: Say) -> Checkpoint | None:
     """The state to go on from, if the folder has one."""
-    found, damaged = read_checkpoint(folder)
-    for name in damaged:
-        say(f"note: {folder / name} is damaged" + ("; going on from the one before" if found else ""))
+    found = last_state(folder, say)
     if found is None:
         return None
     told = differences(found, case)
@@ -91,7 +95,7 @@ def _unfinished(case: Case, folder: Path, go_on: bool, say: Say) -> Checkpoint |
             + "\n  ".join(told)
             + "\nuse --fresh to begin anew, --out for another folder, or --go-on to continue it as it is asked for now"
         )
-    say(f"going on from step {found.arrays['clock'][cycle.STEPS]:.0f}")
+    say(f"going on from step {step_of(found)}")
     return found
 
 
@@ -99,30 +103,31 @@ def _carry_out(simulation: Run, keeper: Keeper, threads: int) -> Results:
     """All that is left of a run, with a result.json however it ends."""
     recorder = simulation.recorder
     folder = recorder.folder
+    checkpoints = [folder / name for name in CHECKPOINT_FILES]
 
-    def result(status: str) -> dict[str, object]:
-        return outcome(status, simulation.case, simulation.scene, recorder, simulation.course, threads)
+    def conclude(status: str, **more: object) -> None:
+        result = outcome(status, simulation.case, simulation.scene, recorder, simulation.course, threads)
+        write_result(folder, result | more, recorder.digests)
 
     try:
         simulation.go(keeper.pause)
-        write_result(folder, result("done"))
+        conclude("done")
     except NumericalFailure as error:
-        write_result(folder, result("failed") | {"failure": error.failure})
-        _forget(folder)
+        conclude("failed", failure=error.failure)
+        _remove_all(checkpoints)
         raise
     except Stopped as stopped:
         recorder.snapshot("stopped")
-        write_result(folder, result("stopped"))
+        conclude("stopped")
         solver = simulation.solver
         raise Interrupted(
             f"stopped by {stopped} at step {solver.steps}, t = {solver.time:.4g} s, in {folder}; "
             "the same command goes on from there"
         ) from None
-    _forget(folder)
+    _remove_all(checkpoints)  # the run has ended
     return Results(folder)
 
 
-def _forget(folder: Path) -> None:
-    """Remove the checkpoints of a run that has ended."""
-    for name in CHECKPOINT_FILES:
-        remove(folder / name)
+def _remove_all(paths: Iterable[Path]) -> None:
+    for path in paths:
+        remove(path)

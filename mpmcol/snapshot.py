@@ -17,7 +17,7 @@ import numpy as np
 
 from mpmcol import vtkhdf
 from mpmcol.errors import OutputError
-from mpmcol.files import atomic_write, make_folder
+from mpmcol.files import INDEX_FILES, atomic_write, make_folder
 
 SCHEMA = 1
 UNITS = {
@@ -79,7 +79,7 @@ def write_snapshot(folder: Path, index: int, snapshot: Snapshot, meta: Meta, com
     meta: what a reader needs to know about the run: model, spacing, point_size, r_i, h_i, title, case text,
     versions, threads. compression: "none" or "gzip". Raises OutputError.
     """
-    path = make_folder(folder / "snapshots") / f"{index:06d}.vtkhdf"
+    path = make_folder(folder / "snapshots", parents=False) / f"{index:06d}.vtkhdf"
     order = np.argsort(snapshot.arrays["id"], kind="stable")
     data = {name: _compact(values)[order] for name, values in snapshot.arrays.items()}
     moment = {"time": snapshot.time, "step": snapshot.step, "stage": snapshot.stage}
@@ -129,12 +129,12 @@ def write_index(folder: Path, steps: Sequence[vtkhdf.Step] | None = None) -> Non
     if not steps:
         raise OutputError(f"{folder / 'snapshots'}: no snapshot to index; write one first")
     series = [{"name": step.name, "time": step.time} for step in steps]
+    text = json.dumps({"file-series-version": "1.0", "files": series}, indent=1)
     with vtkhdf.memory_file() as file:
         vtkhdf.write_series(file["VTKHDF"], steps)
         content = vtkhdf.image(file)
-    atomic_write(folder / "run.vtkhdf", content)
-    text = json.dumps({"file-series-version": "1.0", "files": series}, indent=1)
-    atomic_write(folder / "run.vtkhdf.series", text.encode())
+    for name, data in zip(INDEX_FILES, (content, text.encode()), strict=True):
+        atomic_write(folder / name, data)
 
 
 def describe_snapshot(path: Path) -> vtkhdf.Step:

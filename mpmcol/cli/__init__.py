@@ -26,6 +26,7 @@ COMMANDS = {
     "run": "mpmcol.cli.run:run",
     "sweep": "mpmcol.cli.sweep:sweep",
     "status": "mpmcol.cli.status:status",
+    "verify": "mpmcol.cli.verify:verify",
     "paper": "mpmcol.cli.paper:paper",
     "validate": "mpmcol.cli.validate:validate",
     "stability": "mpmcol.cli.stability:stability",

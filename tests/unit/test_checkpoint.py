@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mpmcol.checkpoint import Checkpoint, read_checkpoint, write_checkpoint
+from mpmcol.checkpoint import Checkpoint, read_checkpoints, write_checkpoint
 from mpmcol.files import CHECKPOINT_FILES
 
 
@@ -17,19 +17,18 @@ def state(serial: int) -> Checkpoint:
     return Checkpoint(serial, {"stage": "collapse", "time": 0.1 * serial, "rows": [{"a": None}]}, arrays)
 
 
-def equal(one: Checkpoint | None, other: Checkpoint) -> bool:
-    assert one is not None
+def equal(one: Checkpoint, other: Checkpoint) -> bool:
     assert {name: array.dtype for name, array in one.arrays.items()} == {n: a.dtype for n, a in other.arrays.items()}
     same = all(np.array_equal(one.arrays[name], array) for name, array in other.arrays.items())
     return same and (one.serial, one.meta) == (other.serial, other.meta)
 
 
 def test_the_latest_is_read(tmp_path: Path) -> None:
-    assert read_checkpoint(tmp_path) == (None, [])
+    assert read_checkpoints(tmp_path) == ([], [])
     for serial in range(5):
         write_checkpoint(tmp_path, state(serial))
-        found, damaged = read_checkpoint(tmp_path)
-        assert equal(found, state(serial)) and not damaged
+        found, damaged = read_checkpoints(tmp_path)
+        assert equal(found[0], state(serial)) and len(found) == min(serial + 1, 2) and not damaged
     assert sorted(path.name for path in tmp_path.iterdir()) == list(CHECKPOINT_FILES)
 
 
@@ -42,5 +41,5 @@ def test_where_the_latest_is_damaged_the_one_before_is_read(how: str, tmp_path: 
         changed = bytearray(content)
         changed[place] ^= 0x10
         path.write_bytes({"flip": changed, "truncate": content[:place], "empty": b"", "garbage": b"x" * 500}[how])
-        found, damaged = read_checkpoint(tmp_path)
-        assert equal(found, state(6)) and damaged == [path.name]
+        found, damaged = read_checkpoints(tmp_path)
+        assert len(found) == 1 and equal(found[0], state(6)) and damaged == [path.name]
