@@ -55,8 +55,10 @@ def atomic_write(path: Path, data: bytes) -> None:
 
 
 def leftovers(folder: Path) -> list[Path]:
-    """Files that processes killed while they wrote have left in a folder and in those below it."""
-    return sorted(folder.rglob(".*.tmp"))
+    """What a run was writing in its folder when it was killed; others may be writing there now."""
+    own = (CASE_FILE, RESULT_FILE, DIGEST_FILE, HISTORY_FILE, *INDEX_FILES, *CHECKPOINT_FILES)
+    patterns = [*(f".{name}.*.tmp" for name in own), "snapshots/.*.tmp"]
+    return sorted({path for pattern in patterns for path in folder.glob(pattern)})
 
 
 def make_folder(path: Path, parents: bool = True) -> Path:
