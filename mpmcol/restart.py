@@ -32,7 +32,7 @@ class Keeper:
 
     def __init__(self, run: Run, stop: StopRequest, lock: Lock, interval: float, begun: Checkpoint | None) -> None:
         self._run, self._stop, self._lock, self._interval = run, stop, lock, interval
-        self._serial, self._step = (begun.serial, step_of(begun)) if begun else (0, 0)
+        self._serial = begun.serial if begun else 0
         self._written = time.monotonic()
 
     def pause(self) -> None:
@@ -51,16 +51,7 @@ class Keeper:
         """Write a checkpoint now; raises OutputError."""
         self._serial += 1
         write_checkpoint(self._run.recorder.folder, capture(self._run, self._serial))
-        self._step = self._run.solver.steps
         self._written = time.monotonic()
-
-    @property
-    def kept(self) -> str:
-        """From where the same command goes on if the run ends here, as a person reads it."""
-        folder = self._run.recorder.folder
-        if any((folder / name).exists() for name in CHECKPOINT_FILES):
-            return f"the state at step {self._step} is kept in {folder}; the same command goes on from there"
-        return f"no state is kept in {folder}; the same command begins anew"
 
 
 def capture(run: Run, serial: int) -> Checkpoint:
@@ -75,6 +66,13 @@ def capture(run: Run, serial: int) -> Checkpoint:
         "format": FORMAT, "identity": identity(run.case), "course": asdict(run.course), "recorder": recorder.memory(),
     }  # fmt: skip
     return Checkpoint(serial, meta, arrays)
+
+
+def way_on(folder: Path) -> str:
+    """What becomes of a run that cannot write any more, as a person reads it."""
+    if any((folder / name).exists() for name in CHECKPOINT_FILES):
+        return f"once that is mended, the same command goes on from the state that is kept in {folder}"
+    return f"no state is kept in {folder}: once that is mended, the same command begins anew"
 
 
 def last_state(folder: Path, say: Say) -> Checkpoint | None:

@@ -14,7 +14,7 @@ from mpmcol.files import CHECKPOINT_FILES, locked, remove
 from mpmcol.jit import set_threads
 from mpmcol.outcome import outcome
 from mpmcol.recorder import Recorder
-from mpmcol.restart import INTERVAL, Keeper, differences, last_state, require_same_points, restore, step_of
+from mpmcol.restart import INTERVAL, Keeper, differences, last_state, require_same_points, restore, step_of, way_on
 from mpmcol.results import Results, prepare_folder, reopen_folder, write_result
 from mpmcol.scene import Scene, build_scene
 from mpmcol.solver import Solver
@@ -60,17 +60,15 @@ def run(
         scene = build_scene(case)  # may refuse the case: before anything old is removed
         if found:
             require_same_points(scene, found)
-            reopen_folder(folder)
-        else:
-            prepare_folder(folder, fresh)
-        simulation = set_up(case, scene, folder, used, progress, say)
-        if found:
-            restore(simulation, found)
-        keeper = Keeper(simulation, stop, lock, checkpoint_seconds, found)
         try:
-            return _carry_out(simulation, keeper, used)
+            reopen_folder(folder) if found else prepare_folder(folder, fresh)
+            simulation = set_up(case, scene, folder, used, progress, say)
+            if found:
+                restore(simulation, found)
+            return _carry_out(simulation, Keeper(simulation, stop, lock, checkpoint_seconds, found), used)
         except OutputError as error:
-            raise OutputError(f"{error}\n{keeper.kept}") from error
+            lock.check()  # where the folder itself is gone, that is what went wrong
+            raise OutputError(f"{error}\n{way_on(folder)}") from error
 
 
 def set_up(case: Case, scene: Scene, folder: Path, threads: int, progress: Progress, say: Say) -> Run:
