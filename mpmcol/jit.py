@@ -25,6 +25,7 @@ os.environ.setdefault("GOMP_SPINCOUNT", "1000")
 
 import numba
 from numba import prange as prange
+from numba.core.caching import FunctionCache
 from numba.extending import register_jitable
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -48,13 +49,14 @@ def source_digest() -> str:
 
 
 def _cache_root() -> Path:
-    """The user's cache folder, or a private temporary one where the home folder is missing or read-only."""
+    """The user's cache folder, or a private temporary one where that is missing, read-only or full."""
     chosen = Path(os.environ.get("MPMCOL_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME") or "~/.cache")
     with contextlib.suppress(OSError, RuntimeError):
         folder = chosen.expanduser() / "mpmcol"
         folder.mkdir(parents=True, exist_ok=True)
-        if os.access(folder, os.W_OK):
-            return folder
+        with tempfile.TemporaryFile(dir=folder) as trial:
+            trial.write(b"trial")
+        return folder
     return Path(tempfile.mkdtemp(prefix="mpmcol-"))
 
 
@@ -82,6 +84,29 @@ os.environ["NUMBA_CACHE_DIR"] = str(CACHE_FOLDER)
 _config: Any = numba.config
 _config.CACHE_DIR = str(CACHE_FOLDER)
 JIT_DISABLED = bool(_config.DISABLE_JIT)
+
+
+class _Kept(FunctionCache):
+    """Numba's own, but where files are damaged, or cannot be written, it costs no more than to compile anew."""
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        try:
+            return super().load_overload(sig, target_context)
+        except Exception:  # whatever unpickling stumbles over
+            with contextlib.suppress(OSError):
+                self.flush()
+            return None
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        with contextlib.suppress(OSError):
+            super().save_overload(sig, data)
+
+
+def _kept(compiled: Any) -> Any:
+    """Keep what a function is compiled to on the disk."""
+    if not JIT_DISABLED:
+        compiled._cache = _Kept(compiled.py_func)
+    return compiled
 
 
 def variant(*frozen: Any) -> Callable[[F], F]:
@@ -113,12 +138,14 @@ def phase(function: F) -> F:
 
 def kernel(function: F) -> F:
     """An entry point from Python: compiled, parallel, kept on disk. No fastmath: NaN checks and equal bits."""
-    return numba.njit(parallel=True, cache=True, **_FLAGS)(function)
+    compiled: F = _kept(numba.njit(parallel=True, **_FLAGS)(function))
+    return compiled
 
 
 def driver(function: F) -> F:
     """An entry point from Python that runs phases one after the other: compiled and kept on disk."""
-    return numba.njit(cache=True, **_FLAGS)(function)
+    compiled: F = _kept(numba.njit(**_FLAGS)(function))
+    return compiled
 
 
 def set_threads(threads: int | None) -> int:

@@ -7,7 +7,7 @@ import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -96,6 +96,74 @@ def test_products_of_one_factory_are_not_taken_for_one_another(tmp_path: Path) -
         return child.stdout.strip()
 
     assert [printed("1"), printed("2"), printed("1", "2")] == ["[10.0]", "[20.0]", "[10.0, 20.0]"]
+
+
+HELPED = """
+import sys
+from mpmcol.jit import CACHE_FOLDER, driver
+from mpmcol.laws.functions import decay
+
+@driver
+def run(x):
+    return 100.0 * decay(x)
+
+exec(sys.argv[1])
+print(round(run(0.0)), len(list(CACHE_FOLDER.rglob("*.nbc"))))
+"""
+
+
+@pytest.fixture
+def helped(tmp_path: Path) -> Callable[..., list[str]]:
+    """Runs a kernel with a helper of a copy of the package, after `line`; gives its value and the files kept."""
+    shutil.copytree(PACKAGE, tmp_path / "mpmcol", ignore=shutil.ignore_patterns("__pycache__"))
+    (tmp_path / "helped.py").write_text(HELPED)
+
+    def printed(line: str = "", cache: Path = tmp_path / "cache") -> list[str]:
+        environment = os.environ | {"MPMCOL_CACHE_DIR": str(cache), "PYTHONPATH": str(tmp_path)}
+        command = [sys.executable, str(tmp_path / "helped.py"), line]
+        child = subprocess.run(command, env=environment, capture_output=True, text=True)
+        assert child.returncode == 0, child.stderr
+        return child.stdout.split()
+
+    return printed
+
+
+def test_a_kernel_is_compiled_again_when_its_helper_in_another_file_is_edited(
+    helped: Callable[..., list[str]], tmp_path: Path
+) -> None:
+    assert helped() == helped() == ["100", "1"]
+    source = tmp_path / "mpmcol" / "laws" / "functions.py"
+    source.write_text(
+        source.read_text().replace("        value = value * value", "        value = value * value * 2.0 ** 0.0625")
+    )
+    assert helped() == ["1532", "1"]  # in a folder of its own
+
+
+def test_damaged_code_on_the_disk_is_compiled_again(helped: Callable[..., list[str]], tmp_path: Path) -> None:
+    helped()
+    for kind, left in (("*.nbc", -100), ("*.nbi", 0), ("*.nbi", -10)):
+        (kept,) = (tmp_path / "cache").rglob(kind)
+        kept.write_bytes(kept.read_bytes()[:left])
+        assert helped() == ["100", "1"]
+
+
+FULL = """
+import os, errno, numba.core.caching as caching
+def full(*arguments):
+    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+caching.IndexDataCacheFile.save = full
+"""
+GONE = "import shutil; shutil.rmtree(CACHE_FOLDER.parent)"
+
+
+def test_without_a_place_for_its_code_a_kernel_is_compiled_all_the_same(
+    helped: Callable[..., list[str]], tmp_path: Path
+) -> None:
+    (tmp_path / "file").touch()
+    assert helped(FULL) == ["100", "0"]
+    assert helped(GONE) == ["100", "1"]
+    assert helped(cache=tmp_path / "file") == ["100", "1"]  # elsewhere
+    assert not list(tmp_path.glob("mpmcol/**/*.nbi"))
 
 
 def test_everything_that_a_factory_compiles_has_a_name_of_its_own() -> None:
