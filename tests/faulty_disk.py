@@ -47,11 +47,10 @@ class Disk:
     def inserted(self) -> Iterator[None]:
         """In the place of the real one; afterwards what a death has left is on the real one."""
         with ExitStack() as stack:
+            stack.callback(self._lose)
             for name in self._real:
                 stack.enter_context(patch.object(os, name, getattr(self, f"_{name}")))
             yield
-        if self.is_dead:
-            self._lose()
 
     def used(self) -> int:
         """Bytes that all files hold."""
@@ -134,11 +133,11 @@ class Disk:
         self._real["mkdir"](path, *more, **named)
 
     def _lose(self) -> None:
-        """What no one had forced to the disk."""
-        for path in self._unsynced:
+        """If it has died: what no one had forced to the disk."""
+        for path in self._unsynced if self.is_dead else ():
             if path.exists():
                 path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
-        for path, before in reversed(self._renamed if self.forgets_renames else []):
+        for path, before in reversed(self._renamed if self.is_dead and self.forgets_renames else []):
             if before is None:
                 path.unlink(missing_ok=True)
             elif path.parent.exists():
