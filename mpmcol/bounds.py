@@ -1,12 +1,13 @@
 """The largest time step that a point alone bears, from its place, its material and how it gives velocity to the nodes.
 
 The stiffness of all points is the sum of one-point matrices, and so is the lumped mass; the largest frequency of any
-body is at most that of its stiffest single point (the element eigenvalue theorem). A step of one point maps its
-velocity, velocity gradient and stress linearly to the next ones; it is stable while no eigenvalue of that map is
-larger than one. Away from walls this is omega dt = 2 with the Taylor term, where omega^2 = eig(C B W^-1 B^T) / rho with
-B from the weights' gradients and W from the weights. Without the Taylor term the nodes know no velocity gradient, and
-stress follows from stress alone, sigma' = (1 - omega^2 dt^2) sigma, which is stable up to omega dt = sqrt(2). APIC is
-between them: its affine matrix answers stress by D^-1 sigma, the gradient by B W^-1 B^T sigma.
+body is at most that of its stiffest single point (the element eigenvalue theorem). A step of one point, its stress
+updated last, maps its velocity, velocity gradient and stress linearly to the next ones; it is stable while no
+eigenvalue of that map is larger than one. Away from walls this is omega dt = 2 with the Taylor term, where
+omega^2 = eig(C B W^-1 B^T) / rho with B from the weights' gradients and W from the weights. Without the Taylor term the
+nodes know no velocity gradient, and stress follows from stress alone, sigma' = (1 - omega^2 dt^2) sigma, which is
+stable up to omega dt = sqrt(2). APIC is between them: its affine matrix answers stress by D^-1 sigma, the gradient by
+B W^-1 B^T sigma.
 """
 
 from __future__ import annotations

@@ -89,7 +89,8 @@ SCENES = (
         unit="",
         bound=0.01,
         source="a hundredth; the disc itself grows by 0.2 %, breathing",
-        remedy="method.volume_update = exponential, or a smaller time step, in proportion",
+        remedy="method.volume_update = exponential, or a smaller time step, in proportion; a column of sand, which "
+        "hardly turns, needs neither",
         trials=(
             Trial("det(I + dt L), cfl = 0.5", False, partial(drift, 0.5), default=True),
             Trial("det(I + dt L), cfl = 0.2", True, partial(drift, 0.2)),

@@ -123,7 +123,8 @@ SCENES = (
         unit="",
         bound=0.5,
         source="physics 5.2, 6: with FLIP in the update it stays for good; with a share A it fades as A^(2 n)",
-        remedy="method.flip_fraction = 0.99, or transfer = tpic; what the noise does to a quiet column is small",
+        remedy="method.flip_fraction = 0.99 (a column's front is then 2 to 9 % shorter), or transfer = tpic; what the "
+        "noise does to a quiet column is small",
         trials=(
             Trial("taylor-flip", False, partial(noise_left, 1.0), default=True),
             Trial("taylor-flip, flip_fraction = 0.99", True, partial(noise_left, 0.99)),
