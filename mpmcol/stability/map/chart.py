@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from math import ceil
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -18,47 +17,70 @@ from mpmcol.stability.map.text import SYMBOLS, counted, legend
 from mpmcol.stability.map.verdict import Judged
 
 # Lightness falls from one verdict to the next, so that they are told apart without colours, too.
-COLOURS = {"stands": "#a6d0ec", "degrades": "#f0a030", "fails": "#5b1a3a", "open": "#ffffff"}
+COLOURS = {"stands": "#a6d0ec", "degrades": "#f0a030", "fails": "#5b1a3a", "open": "#f2f2f2"}
 INK = {"stands": "black", "degrades": "black", "fails": "white", "open": "black"}
 CROSS = "\N{MULTIPLICATION SIGN}"
 MARKS = {"stands": "", "fails": CROSS, "open": "?"}
-SQUARE = 0.36  # inches
-MARGINS = (1.1, 0.75)  # inches beside and below a panel
-HEAD, FOOT = 0.7, 0.8
+SQUARE = 0.36  # inches, of a run
+GAP, ABOVE, BELOW = 0.32, 0.32, 0.48  # inches beside, above and below a panel
+LETTER = 0.08  # inches, of the names of rows
+HEAD, FOOT = 0.45, 0.95  # inches above and below all panels
+LEAST = 6.5  # inches, of the width
+
+Frame = tuple[float, float, float, float]  # left, top, width, height
 
 
 def map_chart(path: Path, map_: Map, judged: Sequence[Judged]) -> list[Path]:
-    """Draw all panels, wrapped into rows; returns the files written."""
+    """Draw all panels, wrapped into lines, every run as large as any other; returns the files written."""
     panels = list(panels_of(judged))
-    columns = min(map_.side_by_side, len(panels))
-    lines = ceil(len(panels) / columns)
-    width = columns * (SQUARE * max(len(panel.values_across) for panel in panels) + MARGINS[0])
-    height = lines * (SQUARE * max(len(panel.rows) for panel in panels) + MARGINS[1]) + HEAD + FOOT
-    figure = Figure(figsize=(max(width, 6.0), height), layout="constrained")
-    grid = figure.subplots(lines, columns, squeeze=False)
-    for i, axes in enumerate(grid.flat):
-        if i < len(panels):
-            before = panels[i - 1] if i % columns else None
-            _draw_panel(axes, panels[i], before)
-        else:
-            axes.set_axis_off()
-    figure.suptitle(f"{map_.title}\n{counted(judged)}", fontsize="medium")
+    wrap = min(map_.side_by_side, len(panels))
+    frames = list(_frames(panels, wrap))
+    width = max(max(left + w for left, _, w, _ in frames) + GAP, LEAST)
+    height = max(top + h for _, top, _, h in frames) + BELOW + FOOT
+    figure = Figure(figsize=(width, height))
+    for i, (panel, (left, top, w, h)) in enumerate(zip(panels, frames, strict=True)):
+        axes = figure.add_axes((left / width, 1.0 - (top + h) / height, w / width, h / height))
+        _draw_panel(axes, panel, _is_named(panels, i, wrap))
+    figure.suptitle(f"{map_.title}\n{counted(judged)}", y=1.0 - 0.1 / height, va="top", fontsize="medium")
     _draw_legend(figure, judged)
     return save_figure(figure, path, svg=False)
 
 
-def _draw_panel(axes: Axes, panel: Panel, before: Panel | None) -> None:
-    """Rows are named where the panel to the left has others."""
+def _frames(panels: Sequence[Panel], wrap: int) -> Iterator[Frame]:
+    """Where the panels are, in inches from the left and upper edge: in columns and lines as wide as their largest."""
+    columns = [range(column, len(panels), wrap) for column in range(wrap)]
+    margins = [max(_margin(panels, i, wrap) for i in column) for column in columns]
+    widths = [SQUARE * max(len(panels[i].values_across) for i in column) for column in columns]
+    top = HEAD
+    for first in range(0, len(panels), wrap):
+        line = panels[first : first + wrap]
+        top += ABOVE
+        for i, panel in enumerate(line):
+            left = sum(margins[: i + 1]) + sum(widths[:i])
+            yield left, top, SQUARE * len(panel.values_across), SQUARE * len(panel.rows)
+        top += SQUARE * max(len(panel.rows) for panel in line) + BELOW
+
+
+def _is_named(panels: Sequence[Panel], i: int, wrap: int) -> bool:
+    """Whether a panel names its rows: where the one to the left has others."""
+    panel, before = panels[i], panels[i - 1]
+    return i % wrap == 0 or (before.down, before.values_down) != (panel.down, panel.values_down)
+
+
+def _margin(panels: Sequence[Panel], i: int, wrap: int) -> float:
+    return GAP + LETTER * max(map(len, panels[i].values_down)) * _is_named(panels, i, wrap)
+
+
+def _draw_panel(axes: Axes, panel: Panel, named: bool) -> None:
     for j, row in enumerate(panel.rows):
         for i, one in enumerate(row):
             _draw_square(axes, i, j, one)
     across, down = panel.values_across, panel.values_down
-    shown = before is None or (before.values_down, before.down) != (down, panel.down)
-    axes.set(xlim=(0, len(across)), ylim=(len(down), 0), aspect="equal")
+    axes.set(xlim=(0, len(across)), ylim=(len(down), 0))
     axes.set_xticks([i + 0.5 for i in range(len(across))], across, fontsize="small")
-    axes.set_yticks([j + 0.5 for j in range(len(down))], down if shown else [], fontsize="small")
+    axes.set_yticks([j + 0.5 for j in range(len(down))], down if named else [""] * len(down), fontsize="small")
     axes.tick_params(length=0)
-    axes.set_title(panel.title, fontsize="small")
+    axes.set_title(panel.title, fontsize="small", pad=4.0)
     axes.set_xlabel(panel.across.rpartition(".")[2], fontsize="small", labelpad=1.0)
     axes.spines[:].set_visible(False)
 
@@ -82,6 +104,6 @@ def _draw_legend(figure: Figure, judged: Sequence[Judged]) -> None:
     symbols = f"degrades by (the two worst): {legend()}"
     half = symbols.index(", ", len(symbols) // 2) + 2
     figure.legend(
-        handles=handles, loc="outside lower center", ncols=len(handles), frameon=False, fontsize="small",
+        handles=handles, loc="lower center", ncols=len(handles), frameon=False, fontsize="small",
         title=f"{symbols[:half]}\n{symbols[half:]}", title_fontsize="small",
     )  # fmt: skip
