@@ -5,16 +5,15 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-import time
 from collections.abc import Callable
 from pathlib import Path
 
-from tests.soak._runs import PATIENCE, QUIET, ROOT, STOPPED, undisturbed, words
+from tests.soak._runs import PATIENCE, QUIET, ROOT, STOPPED, cpu_time, undisturbed, words
 
 COUNT = 20
 DRAW = 1
-TRIES = 3  # of which the fastest counts: other programs may keep the machine busy
-HELP, WARM, COLD = 0.2, 2.0, 20.0  # s
+TRIES = 3  # of which the fastest counts
+HELP, WARM, COLD = 0.2, 2.0, 20.0  # s of a core
 COLD_TRIALS = 5  # one of so many is cold
 ANNOUNCED = "preparing kernels (compiled once, then kept)"
 
@@ -44,13 +43,13 @@ def late(what: str, within: float, attempt: Callable[[int], float], tries: int =
 
 
 def timed(command: list[str], environment: dict[str, str] | None = None) -> float:
-    """Seconds that a command takes."""
+    """Seconds that a command takes of a core."""
     surroundings = {**os.environ, "PYTHONPATH": str(ROOT), **QUIET, **(environment or {})}
-    started = time.monotonic()
+    started = cpu_time()
     done = subprocess.run(
         [sys.executable, "-m", "mpmcol", *command], env=surroundings, capture_output=True, text=True, timeout=PATIENCE
     )
-    took = time.monotonic() - started
+    took = cpu_time() - started
     assert done.returncode in (0, STOPPED), done.stderr
     assert not environment or ANNOUNCED in done.stderr, "compilation was not announced"
     return took
