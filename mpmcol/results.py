@@ -143,7 +143,12 @@ def reopen_folder(folder: Path) -> None:
 
 
 def _is_finished(folder: Path) -> bool:
-    return Results(folder).summary.get("status") == "done" if (folder / CASE_FILE).exists() else True
+    if not (folder / CASE_FILE).exists():
+        return True
+    status = Results(folder).summary.get("status")
+    if status not in ("done", "failed", "stopped"):
+        raise OutputError(f"{folder / RESULT_FILE} is damaged: its status is {status!r}; --fresh replaces the run")
+    return bool(status == "done")
 
 
 def read_history(path: Path) -> dict[str, np.ndarray]:

@@ -21,7 +21,7 @@ from mpmcol.files import DIGEST_FILE, LOCK, RESULT_FILE, locked
 from mpmcol.results import Results
 from mpmcol.verify import verify
 from tests.faulty_disk import Disk, PowerLost
-from tests.soak import disks, writes
+from tests.soak import damage, disks, writes
 from tests.unit.test_restart import same
 
 TINY = ("grid.spacing=0.015", "output.snapshots=3", "stages.collapse.max_time_factor=1.0")
@@ -97,6 +97,15 @@ def test_a_case_with_other_points_changes_nothing(killed: Path) -> None:
     assert before == {path: path.read_bytes() for path in killed.rglob("*") if path.is_file()}
 
 
+def test_a_result_that_says_nothing_known_is_not_taken_for_an_unfinished_run(tmp_path: Path) -> None:
+    assert go_on(tmp_path).exit_code == 0
+    result = tmp_path / "result.json"
+    result.write_text(result.read_text().replace('"done"', '"dong"'))
+    refused = go_on(tmp_path)
+    assert refused.exit_code == 5 and "its status is 'dong'; --fresh replaces the run" in refused.output
+    assert go_on(tmp_path, "--fresh").exit_code == 0
+
+
 def test_what_told_the_end_is_gone_once_a_stopped_run_goes_on(tmp_path: Path) -> None:
     assert go_on(tmp_path, "--max-wall", "0.001s").exit_code == 75
     disk = Disk(tmp_path)
@@ -131,6 +140,11 @@ def test_any_moment_of_a_loss_of_power(seed: int, tmp_path: Path) -> None:
 @pytest.mark.parametrize("seed", random.Random(12).sample(range(disks.COUNT), 6))
 def test_any_failing_disk(seed: int, tmp_path: Path) -> None:
     assert disks.trial(seed, tmp_path) is None
+
+
+@pytest.mark.parametrize("seed", random.Random(13).sample(range(damage.COUNT), 25))
+def test_any_damage(seed: int, tmp_path: Path) -> None:
+    assert damage.trial(seed, tmp_path) is None
 
 
 def test_what_was_not_forced_to_the_disk_is_lost(tmp_path: Path) -> None:
