@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from shlex import quote
 from typing import Any
 
 from mpmcol.checkpoint import FORMAT, lost_snapshots, read_checkpoints
@@ -101,11 +102,11 @@ def _remedy(folder: Path, name: str, problems: Problems) -> str:
         return f"only viewers read it, and the snapshots are whole: python -c {call!r} writes it again"
     if problems[name] == FOREIGN:
         return "delete it"
-    sources = [folder / case for case in (GIVEN_CASE_FILE, CASE_FILE) if case not in problems]
+    sources = [folder / case for case in (CASE_FILE, GIVEN_CASE_FILE) if case not in problems]
     source = next((path for path in sources if path.exists()), None)
     if source is None:
         return "copy it back, or run the case again with --fresh"
-    return f"copy it back, or run it again: mpmcol run {source} --out {folder} --fresh"
+    return f"copy it back, or run it again: mpmcol run {quote(str(source))} --out {quote(str(folder))} --fresh"
 
 
 def _states(folder: Path) -> Iterator[Finding]:
