@@ -70,6 +70,19 @@ def cpu_time() -> float:
     return usage.ru_utime + usage.ru_stime
 
 
+def stop(run: subprocess.Popen[str], number: int) -> tuple[str, float]:
+    """Send a signal; returns what the run said on stderr, and the seconds of a core that it took until its end."""
+    before = cpu_time()
+    try:
+        words = Path(f"/proc/{run.pid}/stat").read_text().rpartition(")")[2].split()
+        used = (int(words[11]) + int(words[12])) / os.sysconf("SC_CLK_TCK")
+    except OSError:  # it has gone, or there is no /proc
+        used = 0.0
+    run.send_signal(number)
+    _, said = run.communicate(timeout=PATIENCE)
+    return said, max(cpu_time() - before - used, 0.0)
+
+
 def undisturbed(name: str) -> Path:
     """The folder of the case's run that nothing disturbed, with kernels warm: its time on the wall tells the pace."""
 
@@ -88,12 +101,10 @@ def seconds(name: str) -> float:
     return float((undisturbed(name).parent / "seconds").read_text())
 
 
-def send(run: subprocess.Popen[str], number: int, due: Callable[[], bool]) -> None:
-    """Send a signal to a run once it is due, unless the run has ended before."""
+def await_(run: subprocess.Popen[str], due: Callable[[], bool]) -> None:
+    """Wait until something is due, or the run has ended."""
     while run.poll() is None and not due():
         time.sleep(0.001)
-    if run.poll() is None:
-        run.send_signal(number)
 
 
 def finish(name: str, folder: Path, threads: int, environment: Mapping[str, str] | None = None) -> str | None:

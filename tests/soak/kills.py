@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from mpmcol.sweep.states import read_state
-from tests.soak._runs import CASES, finish, seconds, send, start, words
+from tests.soak._runs import CASES, await_, finish, seconds, start, stop, words
 
 COUNT = 200
 DRAW = 4
@@ -35,8 +35,8 @@ def trial(seed: int, folder: Path) -> str | None:
         checkpoint = draw.choice(("0.001s", "0.05s", "5min"))
         options = ["--out", str(run_folder), "--threads", str(threads), "--checkpoint", checkpoint]
         run = start([*words(name), *options], {"NUMBA_NUM_THREADS": str(threads), **environment})
-        send(run, signal.SIGKILL, moment(draw, run_folder, pace))
-        _, said = run.communicate()
+        await_(run, moment(draw, run_folder, pace))
+        said, _ = stop(run, signal.SIGKILL)
         if run.returncode not in (0, -signal.SIGKILL):
             return f"exit code {run.returncode} before it was killed: {said}"
     return finish(name, run_folder, draw.randint(1, 2), environment)

@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import random
 import signal
-import time
 from pathlib import Path
 
 from mpmcol.stop import SIGNALS
 from mpmcol.sweep.states import read_state
-from tests.soak._runs import CASES, STOPPED, described, finish, seconds, send, start, words
+from tests.soak._runs import CASES, STOPPED, await_, described, finish, seconds, start, stop, words
 from tests.soak.kills import moment
 
 COUNT = 100
 DRAW = 3
-WITHIN = 2.0  # s
+WITHIN = 2.0  # s of a core
 
 
 def trial(seed: int, folder: Path) -> str | None:
@@ -25,10 +24,10 @@ def trial(seed: int, folder: Path) -> str | None:
         threads, number = draw.randint(1, 2), draw.choice(SIGNALS)
         command = [*words(name), "--out", str(run_folder), "--threads", str(threads)]
         run = start(command, {"NUMBA_NUM_THREADS": str(threads)})
-        send(run, number, moment(draw, run_folder, pace))
-        sent, begun = time.monotonic(), (run_folder / ".lock").exists()
-        _, said = run.communicate()
-        took, done = time.monotonic() - sent, read_state(run_folder).name == "done"
+        await_(run, moment(draw, run_folder, pace))
+        begun = (run_folder / ".lock").exists()
+        said, took = stop(run, number)
+        done = read_state(run_folder).name == "done"
         allowed = (0, STOPPED) if begun and not done else (0, STOPPED, 130, -number)  # else there is nothing to keep
         if run.returncode not in allowed or took > WITHIN or "Traceback" in said:
             return f"{signal.Signals(number).name}: {described(run.returncode)} after {took:.2f} s: {said}"
