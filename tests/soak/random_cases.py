@@ -1,0 +1,150 @@
+"""Random valid cases end with a sound result, or are stopped: none completes with one that cannot be.
+
+Drawn are all models, laws, bases, initial stresses and gates, angles of friction of 15 to 45 degrees, cohesions up to
+1 kPa, Young's moduli of 0.1 to 100 MPa, Poisson's ratios up to 0.49, aspect ratios of 0.2 to 35 and r_i / h of 8 to 80.
+A case that would take longer than SECONDS gets another spacing, after some tries all else too. So the draw holds few
+fine and few tall columns, of stiff material fewer still, fewer in 3D than in two dimensions, and there hardly any finer
+than r_i / h = 12.
+
+How each case ended is a line of random_cases-ends.csv beside the folders of the trials.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+import random
+from collections.abc import Iterator
+from itertools import count
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mpmcol.case import Case, load_case
+from mpmcol.errors import NumericalFailure
+from mpmcol.experiments import expected_runout
+from mpmcol.results import Results
+from mpmcol.simulation import run
+from mpmcol.sweep.definition import as_text
+from mpmcol.sweep.points import Point
+
+COUNT = 1_000
+SECONDS = 3.0  # that a case may take on one core
+PACE = {2: 40e-9, 3: 150e-9}  # s per point and step, about
+TRIES = 10  # of a spacing with all else kept
+RADIUS = 0.1  # m
+MOST_ZETA = 4.0  # times the runout of the experiment that runs farthest
+STRAY = 1.0  # r_i: how far lone grains may be ahead of the pile, beyond as far as the pile itself ran
+MOST_BETA = 1.1
+RESIDUAL = 1e-6  # of the energy at the release
+ENDS = "random_cases-ends.csv"
+
+
+def trial(seed: int, folder: Path) -> str | None:
+    """Run one case; say what of a completed result cannot be."""
+    case, overrides = draw_case(random.Random(seed))
+    try:
+        results = run(case, folder, threads=1, fresh=True)
+    except NumericalFailure as stop:
+        _note(folder, seed, "stopped", f"{stop.failure['cause']}: {stop.failure['value']:.4g}", overrides)
+        return None
+    wrong = "; ".join(unsound(case, results))
+    _note(folder, seed, "unsound" if wrong else "done", wrong or "; ".join(results.summary["warnings"]), overrides)
+    return f"{wrong}\nmpmcol run quickstart {' '.join(f'--set {text}' for text in overrides)}" if wrong else None
+
+
+def draw_case(draw: random.Random) -> tuple[Case, list[str]]:
+    """A case that is cheap enough, and its differences from the quickstart."""
+    own: dict[str, Any] = {}
+    for attempt in count():
+        if attempt % TRIES == 0:
+            own = dict(_words(draw))
+            own["geometry.aspect"] = _even_in_logarithm(draw, 0.2, 35.0)
+        own["grid.spacing"] = RADIUS / round(_even_in_logarithm(draw, 8.0, 80.0))
+        overrides = [f"{key}={as_text(value)}" for key, value in own.items()]
+        if own["grid.spacing"] < own["geometry.aspect"] * RADIUS:
+            case = load_case("quickstart", overrides)
+            if Point({}, case, Path()).work * PACE[case.geometry.dimension] < SECONDS:
+                return case, overrides
+    raise AssertionError("unreachable")
+
+
+def _words(draw: random.Random) -> Iterator[tuple[str, Any]]:
+    """All of the case but height and spacing."""
+    model = draw.choice(("plane", "axisymmetric", "quarter", "full"))
+    yield "geometry.model", model
+    yield "geometry.radius", RADIUS
+    yield "grid.points_per_cell", draw.choice((1, 4, 9, 16) if model in ("plane", "axisymmetric") else (1, 8, 27))
+    if model == "plane":
+        yield "geometry.release", draw.choice(("one-sided", "two-sided"))
+    if model in ("quarter", "full") and draw.random() < 0.5:
+        yield "geometry.section", "box"
+        yield "geometry.depth", draw.uniform(0.5, 2.0) * RADIUS
+    yield "geometry.base", draw.choice(("elastic", "rigid"))
+    yield "method.wall_impulse", "true"
+    yield "stages.initial_stress", draw.choice(("gravity", "k0"))
+    yield "stages.gate_speed", draw.choice((math.inf, draw.uniform(0.5, 5.0)))
+    yield "output.snapshots", 1
+    yield "material", _material(draw)
+
+
+def _material(draw: random.Random) -> str:
+    """As an inline table."""
+    law = draw.choice(("mohr-coulomb", "mohr-coulomb", "mohr-coulomb", "mohr-coulomb-softening", "elastic"))
+    words: dict[str, Any] = {
+        "law": f'"{law}"', "density": draw.uniform(1400.0, 2700.0), "poissons_ratio": draw.uniform(0.0, 0.49),
+        "youngs_modulus": _even_in_logarithm(draw, 1e5, 1e8),
+    }  # fmt: skip
+    friction, cohesion = draw.uniform(15.0, 45.0), draw.choice((0.0, draw.uniform(0.0, 1000.0)))
+    dilatancy = draw.choice((0.0, 0.0, draw.uniform(0.0, friction / 2.0)))
+    if law == "mohr-coulomb":
+        words |= {"friction_deg": friction, "dilatancy_deg": dilatancy, "cohesion": cohesion}
+    if law == "mohr-coulomb-softening":
+        words |= {"friction_peak_deg": friction, "friction_residual_deg": draw.uniform(15.0, friction)}
+        words |= {"softening_rate": draw.uniform(1.0, 20.0), "cohesion": cohesion}
+    return "{ " + ", ".join(f"{word} = {value}" for word, value in words.items()) + " }"
+
+
+def _even_in_logarithm(draw: random.Random, low: float, high: float) -> float:
+    return math.exp(draw.uniform(math.log(low), math.log(high)))
+
+
+def unsound(case: Case, results: Results) -> Iterator[str]:
+    """What of a completed result cannot be, in words."""
+    geometry, measured, history = case.geometry, results.measure(), results.history
+    front = {name: measured.zeta[name] for name in ("front_max", "front_connected", "front_height")}
+    if not np.isfinite([*front.values(), measured.beta]).all():
+        yield f"runout {front} and height {measured.beta} are no numbers"
+    if not front["front_connected"] <= MOST_ZETA * expected_runout(geometry.model, geometry.a, geometry.section) + 1.0:
+        yield f"it ran {front['front_connected']:.3g} r_i far"
+    if front["front_max"] > 2.0 * max(front["front_connected"], 0.0) + STRAY:
+        yield f"grains are {front['front_max']:.3g} r_i ahead, the pile {front['front_connected']:.3g}"
+    if not (0.0 < measured.beta <= MOST_BETA and history["height"].max() <= MOST_BETA * geometry.h_i):
+        yield f"its height is {measured.beta:.3g} h_i, at most {history['height'].max() / geometry.h_i:.3g}"
+    yield from _unsound_ledger(history)
+    yield from _unsound_mass(case, results)
+
+
+def _unsound_ledger(history: dict[str, np.ndarray]) -> Iterator[str]:
+    flow = history["stage"] == "collapse"
+    scale = np.ptp(history["potential"][flow]) + np.abs(history["elastic"][flow]).max()
+    worst = np.abs(history["residual"][flow]).max()
+    if not worst <= RESIDUAL * scale:
+        yield f"{worst / scale:.2g} of the energy is unaccounted for"
+    if not history["kinetic"][flow].max() <= scale * (1.0 + RESIDUAL):
+        yield "it moves with more energy than it has lost"
+
+
+def _unsound_mass(case: Case, results: Results) -> Iterator[str]:
+    first, last = results.snapshot(0), results.snapshot(-1)
+    for name in ("mass", "id"):
+        if not np.array_equal(first.arrays[name], last.arrays[name]):
+            yield f"the points' {name} is not what it was"
+    if not np.isfinite(last.arrays["stress"]).all():
+        yield "stresses are no numbers"
+
+
+def _note(folder: Path, seed: int, end: str, why: str, overrides: list[str]) -> None:
+    with (folder.parent / ENDS).open("a", newline="") as file:
+        csv.writer(file).writerow([seed, end, why, " ".join(overrides)])
