@@ -7,6 +7,7 @@ import math
 import re
 import resource
 import signal
+import tempfile
 import time
 import traceback
 from collections.abc import Callable, Iterator, Sequence
@@ -85,7 +86,7 @@ def wrong_with_refusal(refused: CaseError) -> str | None:
 def _wrong_with_problem(problem: Problem) -> str | None:
     placed = problem.line or problem.key or problem.file.startswith("--set ")
     told = problem.file and problem.message and (placed or any(part in problem.message for part in EVERYWHERE))
-    return None if told and str(problem).isascii() | str(problem).replace("\n", "").isprintable() else f"says {problem}"
+    return None if told and str(problem).replace("\n", "").isprintable() else f"says {str(problem)!r}"
 
 
 def _wrong_with_case(case: Case, layout: Layout) -> str | None:
@@ -102,8 +103,6 @@ def _wrong_with_case(case: Case, layout: Layout) -> str | None:
 
 def _wrong_with_copy(case: Case) -> str | None:
     """A case must come back from its own file."""
-    import tempfile
-
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "case.resolved.toml"
         path.write_text(resolved_toml(case), encoding="utf-8")
