@@ -20,6 +20,9 @@ class Course:
     first_step: int = 0  # of the collapse
     opening: float = 0.0  # m: how far the gate is lifted
     at_rest: bool = False
+    sound: int = 0  # looks since the stage began that found nothing wrong
+    step_share: float = 1.0  # of time.cfl that is left after runs that went wrong with more
+    retries: list[dict[str, Any]] = field(default_factory=list)  # where it went wrong, and with what it went on
     warnings: list[str] = field(default_factory=list)
     continued: list[dict[str, Any]] = field(default_factory=list)  # steps from which it was taken up again
     wall_s: dict[str, float] = field(

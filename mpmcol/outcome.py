@@ -54,6 +54,7 @@ def outcome(status: str, case: Case, scene: Scene, recorder: Recorder, course: C
         "versions": versions(),
         "warnings": course.warnings,
         "continued": course.continued,
+        "retries": course.retries,
     }
 
 

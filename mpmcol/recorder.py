@@ -56,13 +56,13 @@ class Recorder:
         points = self.solver.points
         self.released = positions_by_id(points)
         self.solver.ledger[:] = 0.0
-        self._start = _energies(self.case, points)
+        self.start = _energies(self.case, points)
 
     def record(self, stage: str) -> Measurement:
         """Add a row to the history; returns the measurement in it."""
         started = time.perf_counter()
         points, clock = self.solver.points, self.solver.clock
-        column = points.kind != BASE
+        column = (points.kind != BASE) & np.isfinite(points.x).all(axis=1)  # of a state that failed, what is left
         measured = measure(points.x[column], points.m[column], None, self.shape)
         self.worst_J = [min(self.worst_J[0], points.J.min()), max(self.worst_J[1], points.J.max())]
         row = {"stage": stage, "step": self.solver.steps, "time": clock[cycle.TIME], "dt": clock[cycle.DT]}
@@ -88,7 +88,7 @@ class Recorder:
         potential + kinetic + elastic + plastic + damping + walls + transfer = constant. `plastic` is the stress work
         that is not stored, `transfer` what P2G and G2P take from the points' kinetic energy and from their stress work.
         """
-        now, start, sums = _energies(self.case, self.solver.points), self._start, self.solver.ledger
+        now, start, sums = _energies(self.case, self.solver.points), self.start, self.solver.ledger
         plastic = sums[cycle.L_WORK] - (now["elastic"] - start["elastic"])
         transfer = sums[cycle.L_GRID] - (now["kinetic"] - start["kinetic"])
         transfer += sums[cycle.L_NODE_WORK] - sums[cycle.L_WORK]
@@ -107,29 +107,34 @@ class Recorder:
         self._save_history()
         self.seconds += time.perf_counter() - started
 
+    @property
+    def snapshot_times(self) -> list[float]:
+        """Times of the snapshots so far, s."""
+        return [step.time for step in self._written]
+
     def memory(self) -> dict[str, Any]:
         """What it knows of the run so far, but for `released`, as plain values."""
         return {
-            "rows": self.rows, "start": self._start, "worst_J": [float(J) for J in self.worst_J],
+            "rows": self.rows, "start": self.start, "worst_J": [float(J) for J in self.worst_J],
             "snapshots": dict(self.digests), "seconds": self.seconds,
         }  # fmt: skip
 
     def recall(self, memory: Mapping[str, Any], released: np.ndarray) -> None:
-        """Go on from `memory`; snapshots taken later are removed. Raises OutputError if an earlier one is damaged."""
-        self.rows, self._start, self.worst_J = memory["rows"], memory["start"], memory["worst_J"]
+        """Go on from `memory`; snapshots taken later will be written over."""
+        self.rows, self.start, self.worst_J = memory["rows"], memory["start"], memory["worst_J"]
         self.released, self.seconds = released, memory["seconds"]
         self.digests = dict(memory["snapshots"])
         self._written = [describe_snapshot(self.folder / name) for name in self.digests]
-        self._forget_later()
 
-    def _forget_later(self) -> None:
+    def forget_others(self) -> None:
         """Remove the snapshots that are not of the run so far; the index no longer names them by then."""
-        if self._written:
+        later = list_snapshots(self.folder)[len(self._written) :]
+        if later and self._written:
             write_index(self.folder, self._written)
-        else:
+        elif later:
             for name in INDEX_FILES:
                 remove(self.folder / name)
-        for path in list_snapshots(self.folder)[len(self._written) :]:
+        for path in later:
             remove(path)
 
     def _save_history(self) -> None:
@@ -195,13 +200,14 @@ def _in_space(values: np.ndarray) -> np.ndarray:
 
 def _energies(case: Case, points: Points) -> dict[str, float]:
     """Potential, kinetic and elastic energy of all points, J per metre or radian."""
-    sigma, is_base = points.sigma, points.kind == BASE
+    (xx, yy, zz, xy, yz, xz), is_base = points.sigma.T, points.kind == BASE
     bulk = np.where(is_base, case.base_material.bulk_modulus, case.material.bulk_modulus)
     shear = np.where(is_base, case.base_material.shear_modulus, case.material.shear_modulus)
-    p = sigma[:, :3].mean(axis=1)
-    deviator = np.sum((sigma[:, :3] - p[:, None]) ** 2, axis=1) + 2.0 * np.sum(sigma[:, 3:] ** 2, axis=1)
+    p = (xx + yy + zz) / 3.0
+    deviator = (xx - p) ** 2 + (yy - p) ** 2 + (zz - p) ** 2 + 2.0 * (xy**2 + yz**2 + xz**2)
+    v2 = sum(v**2 for v in points.v.T)  # one component after the other: sums along short rows are slow
     return {
         "potential": float(np.sum(points.m * case.geometry.gravity * points.x[:, 1])),
-        "kinetic": float(0.5 * np.sum(points.m * np.sum(points.v**2, axis=1))),
+        "kinetic": float(0.5 * np.sum(points.m * v2)),
         "elastic": float(np.sum(points.V * (0.5 * p**2 / bulk + 0.25 * deviator / shear))),
     }

@@ -1,12 +1,17 @@
-"""Keeping the state of a run while it goes, and going on from it: afterwards every bit is as without the stop."""
+"""Keeping the state of a run while it goes, and going on from it: afterwards every bit is as without the stop.
+
+States are kept on disk, for a run that is stopped or killed, and in memory, for one that goes wrong.
+"""
 
 from __future__ import annotations
 
 import json
 import time
+from collections import deque
+from copy import deepcopy
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -24,6 +29,8 @@ from mpmcol.stop import StopRequest
 from mpmcol.version import code_version
 
 INTERVAL = 300.0  # s of the machine between two checkpoints
+GO_BACK = 2  # states that are kept to go back to, at KEEP_CHECKS of each other: the older one is before the trouble
+MOST_HALVINGS = 4  # of the time step of a run that goes wrong
 WITHOUT_A_SAY = ("title", "score.experiment")  # keys of a case that may change on the way
 
 
@@ -54,17 +61,28 @@ class Keeper:
         self._written = time.monotonic()
 
 
+class State(NamedTuple):
+    """A run between two steps."""
+
+    meta: dict[str, Any]
+    arrays: dict[str, np.ndarray]
+
+
+def remember(run: Run) -> None:
+    """Add a copy of the present state to those that the run can go back to."""
+    meta, arrays = _present(run)
+    copies = {name: arrays[name].copy() for name in ("rows", "clock", "ledger")}  # the others are never changed
+    meta["recorder"]["rows"] = list(meta["recorder"]["rows"])
+    run.good.append(State(meta, arrays | copies))
+
+
 def capture(run: Run, serial: int) -> Checkpoint:
-    """The state of a run between two steps."""
-    solver, recorder = run.solver, run.recorder
-    assert solver.tiles is not None  # a run pauses only after it has prepared its kernels
-    arrays = {
-        "rows": solver.points.rows, "clock": solver.clock, "ledger": solver.ledger, "released": recorder.released,
-        "asleep": np.flatnonzero(solver.grid.fixed & ASLEEP), **solver.tiles._asdict(),
-    }  # fmt: skip
-    meta = {
-        "format": FORMAT, "identity": identity(run.case), "course": asdict(run.course), "recorder": recorder.memory(),
-    }  # fmt: skip
+    """The state of a run between two steps, with those that it can go back to."""
+    meta, arrays = _present(run)
+    kept = run.good if run.good.maxlen == GO_BACK else ()
+    for k, state in enumerate(kept):
+        arrays |= {f"good-{k}-{name}": array for name, array in state.arrays.items()}
+    meta = {"format": FORMAT, "identity": identity(run.case), **meta, "good": [state.meta for state in kept]}
     return Checkpoint(serial, meta, arrays)
 
 
@@ -112,16 +130,71 @@ def require_same_points(scene: Scene, checkpoint: Checkpoint) -> None:
 
 def restore(run: Run, checkpoint: Checkpoint) -> None:
     """Put a run that has just been set up into the state of a checkpoint of the same scene."""
-    solver, arrays = run.solver, checkpoint.arrays
-    run.course = Course(**checkpoint.meta["course"])
+    meta, arrays = checkpoint.meta, dict(checkpoint.arrays)
+    for k, other in enumerate(meta["good"]):
+        prefix = f"good-{k}-"
+        kept = {name.removeprefix(prefix): arrays.pop(name) for name in list(arrays) if name.startswith(prefix)}
+        run.good.append(State(other, kept))
+    _put(run, State(dict(meta), arrays))
+    run.recorder.forget_others()
+    run.course.continued.append({"step": run.solver.steps, "version": code_version()})
+
+
+def step_back(run: Run, failure: dict[str, Any]) -> bool:
+    """Take a run that has gone wrong back to where nothing was, with half the time step; False if that cannot help."""
+    last, before = run.course, run.solver
+    if not failure["smaller_step_helps"] or len(last.retries) >= MOST_HALVINGS:
+        return False
+    cfl = before.settings.cfl
+    told = {name: failure[name] for name in ("check", "cause", "stage", "step", "time")}
+    seconds, state = run.recorder.seconds, run.good[0]
+    _put(run, state)
+    told |= {"cfl": cfl, "new_cfl": 0.5 * cfl, "from_step": run.solver.steps, "from_time": run.solver.time}
+    run.good = deque([state], GO_BACK)
+    run.recorder.seconds = seconds
+    course = run.course
+    course.step_share, course.retries = 0.5 * last.step_share, [*last.retries, told]
+    course.warnings, course.continued, course.wall_s, course.cpu_s = (
+        last.warnings, last.continued, last.wall_s, last.cpu_s
+    )  # fmt: skip
+    run.solver.clock[cycle.DT] *= 0.5
+    return True
+
+
+def snapshot_failed(run: Run, failure: dict[str, Any]) -> None:
+    """Write the last state that no check complained of, unless a later snapshot is there, and then the present one."""
+    recorder, solver, state = run.recorder, run.solver, run.good[-1]
+    sound_until = max([state.arrays["clock"][cycle.TIME], *(row["time"] for row in recorder.rows[-2:-1])])
+    if not any(time >= state.arrays["clock"][cycle.TIME] for time in recorder.snapshot_times):
+        rows, clock = solver.points.rows.copy(), solver.clock.copy()
+        solver.points.rows[:], solver.clock[:] = state.arrays["rows"], state.arrays["clock"]
+        recorder.snapshot("good")
+        solver.points.rows[:], solver.clock[:] = rows, clock
+    failure["last_good"] = max(k for k, time in enumerate(recorder.snapshot_times) if time <= sound_until)
+    recorder.snapshot("failed")
+
+
+def _present(run: Run) -> State:
+    solver, recorder = run.solver, run.recorder
+    assert solver.tiles is not None  # a run pauses only after it has prepared its kernels
+    arrays = {
+        "rows": solver.points.rows, "clock": solver.clock, "ledger": solver.ledger, "released": recorder.released,
+        "asleep": np.flatnonzero(solver.grid.fixed & ASLEEP), **solver.tiles._asdict(),
+    }  # fmt: skip
+    return State({"course": asdict(run.course), "recorder": recorder.memory()}, arrays)
+
+
+def _put(run: Run, state: State) -> None:
+    """Make `state`, which stays as it is, that of a run of the same scene."""
+    solver, (meta, arrays) = run.solver, state
+    run.course = Course(**deepcopy(meta["course"]))
     solver.points.rows[:] = arrays["rows"]
     solver.clock[:], solver.ledger[:] = arrays["clock"], arrays["ledger"]
     close_walls(solver.grid, run.scene.layout, run.course.opening)
     solver.grid.fixed[:] &= WALLS
     solver.grid.fixed[arrays["asleep"]] |= ASLEEP
     solver.list_tiles(Tiles(*(arrays[name] for name in Tiles._fields)))
-    run.recorder.recall(checkpoint.meta["recorder"], arrays["released"])
-    run.course.continued.append({"step": solver.steps, "version": code_version()})
+    run.recorder.recall(meta["recorder"] | {"rows": list(meta["recorder"]["rows"])}, arrays["released"])
 
 
 def identity(case: Case) -> dict[str, Any]:

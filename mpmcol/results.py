@@ -117,7 +117,7 @@ class Results:
 
 def measure_snapshot(snapshot: Snapshot, shape: ColumnShape) -> Measurement:
     """Measure the column's points of a snapshot."""
-    column = snapshot.column
+    column = snapshot.column & np.isfinite(snapshot.arrays["position"]).all(axis=1)
     arrays = {name: snapshot.arrays[name][column].astype(np.float64) for name in ("position", "mass", "displacement")}
     return measure(arrays["position"], arrays["mass"], arrays["displacement"], shape)
 

@@ -2,19 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections import deque
+from functools import partial
 from math import inf
 from pathlib import Path
+from typing import Literal
 
 from mpmcol.case import Case
 from mpmcol.checkpoint import Checkpoint
 from mpmcol.course import Course
 from mpmcol.errors import Interrupted, NumericalFailure, OutputError, UsageError
+from mpmcol.faults import message
 from mpmcol.files import CHECKPOINT_FILES, locked, remove
 from mpmcol.jit import set_threads
 from mpmcol.outcome import outcome
 from mpmcol.recorder import Recorder
-from mpmcol.restart import INTERVAL, Keeper, differences, last_state, require_same_points, restore, step_of, way_on
+from mpmcol.restart import (
+    GO_BACK,
+    INTERVAL,
+    MOST_HALVINGS,
+    Keeper,
+    differences,
+    last_state,
+    remember,
+    require_same_points,
+    restore,
+    snapshot_failed,
+    step_back,
+    step_of,
+    way_on,
+)
 from mpmcol.results import Results, prepare_folder, reopen_folder, write_result
 from mpmcol.scene import Scene, build_scene
 from mpmcol.solver import Solver
@@ -31,6 +48,7 @@ def run(
     go_on: bool = False,
     checkpoint_seconds: float = INTERVAL,
     max_wall: float = inf,
+    on_instability: Literal["stop", "retry"] = "stop",
     progress: Progress = lambda stage, share: None,
     say: Say = lambda line: None,
 ) -> Results:
@@ -42,6 +60,8 @@ def run(
         go_on: go on even if the unfinished run is of another version of the code or of the case.
         checkpoint_seconds: time between two checkpoints, s of the machine.
         max_wall: time after which to stop as if by a signal, s of the machine.
+        on_instability: "retry" goes on from the last good state with half the time step where a run goes wrong in a way
+            that this may mend, at most four times.
         progress: is told the stage and the share of it that is done.
         say: is told what happens, in one line.
 
@@ -52,6 +72,8 @@ def run(
         Interrupted: SIGINT, SIGTERM, SIGUSR1 or `max_wall` ended it; the same call goes on with it. The second signal
             ends it at once, with KeyboardInterrupt.
     """
+    if on_instability not in ("stop", "retry"):
+        raise UsageError(f'on_instability = "{on_instability}": expected "stop" or "retry"')
     folder, used = Path(folder), set_threads(threads)
     if threads is not None and used != threads:
         say(f"note: {used} threads instead of {threads}; NUMBA_NUM_THREADS sets the most")
@@ -63,6 +85,8 @@ def run(
         try:
             reopen_folder(folder) if found else prepare_folder(folder, fresh)
             simulation = set_up(case, scene, folder, used, progress, say)
+            if on_instability == "retry":
+                simulation.good = deque(maxlen=GO_BACK)
             if found:
                 restore(simulation, found)
             return _carry_out(simulation, Keeper(simulation, stop, lock, checkpoint_seconds, found), used)
@@ -76,6 +100,7 @@ def set_up(case: Case, scene: Scene, folder: Path, threads: int, progress: Progr
     stage = scene.equilibrate
     solver = Solver(scene.points, scene.grid, stage.settings, stage.column, scene.base, scene.scheme)
     simulation = Run(case, scene, Recorder(case, scene, solver, folder, threads), Course(), progress, say)
+    simulation.keep = partial(remember, simulation)
     for warning in scene.layout.warnings:
         simulation.warn(warning)
     return simulation
@@ -101,19 +126,20 @@ def _carry_out(simulation: Run, keeper: Keeper, threads: int) -> Results:
     """All that is left of a run, with a result.json however it ends."""
     recorder = simulation.recorder
     folder = recorder.folder
-    checkpoints = [folder / name for name in CHECKPOINT_FILES]
 
     def conclude(status: str, **more: object) -> None:
+        recorder.forget_others()
         result = outcome(status, simulation.case, simulation.scene, recorder, simulation.course, threads)
         write_result(folder, result | more, recorder.digests)
 
     try:
-        simulation.go(keeper.pause)
+        _go(simulation, keeper)
         conclude("done")
     except NumericalFailure as error:
+        snapshot_failed(simulation, error.failure)
         conclude("failed", failure=error.failure)
-        _remove_all(checkpoints)
-        raise
+        _remove_checkpoints(folder)
+        raise NumericalFailure(message(error.failure, simulation.course.retries), error.failure) from None
     except Stopped as stopped:
         recorder.snapshot("stopped")
         conclude("stopped")
@@ -122,10 +148,27 @@ def _carry_out(simulation: Run, keeper: Keeper, threads: int) -> Results:
             f"stopped by {stopped} at step {solver.steps}, t = {solver.time:.4g} s, in {folder}; "
             "the same command goes on from there"
         ) from None
-    _remove_all(checkpoints)  # the run has ended
+    _remove_checkpoints(folder)  # the run has ended
     return Results(folder)
 
 
-def _remove_all(paths: Iterable[Path]) -> None:
-    for path in paths:
-        remove(path)
+def _go(simulation: Run, keeper: Keeper) -> None:
+    """All that is left of a run; where it goes wrong, with smaller time steps if that is asked for."""
+    while True:
+        try:
+            return simulation.go(keeper.pause)
+        except NumericalFailure as error:
+            if simulation.good.maxlen != GO_BACK or not step_back(simulation, error.failure):
+                raise
+            told = simulation.course.retries
+            simulation.say(
+                f"note: {told[-1]['cause']} at step {told[-1]['step']}, t = {told[-1]['time']:.4g} s; going back to "
+                f"t = {told[-1]['from_time']:.4g} s and on with time.cfl = {told[-1]['new_cfl']:g} "
+                f"(retry {len(told)} of at most {MOST_HALVINGS})"
+            )
+            keeper.write()  # the last one is of a course that is given up, and needs its snapshots
+
+
+def _remove_checkpoints(folder: Path) -> None:
+    for name in CHECKPOINT_FILES:
+        remove(folder / name)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable
 from math import log
 from typing import Any
@@ -11,12 +12,13 @@ import numpy as np
 from mpmcol.case import Case
 from mpmcol.course import Course
 from mpmcol.errors import NumericalFailure
-from mpmcol.faults import diagnose, message
+from mpmcol.faults import Fault, describe, fault_of, message
 from mpmcol.kernels import cycle
 from mpmcol.recorder import Recorder
 from mpmcol.scene import Scene, Stage, close_walls
-from mpmcol.state import BASE
+from mpmcol.state import BASE, ID, X
 from mpmcol.time_step import time_step_limit
+from mpmcol.watch import View, look
 
 Progress = Callable[[str, float], None]  # stage, share of it that is done
 Say = Callable[[str], None]  # one line for the person who waits
@@ -28,6 +30,8 @@ REST_ENERGY = 1e-5  # grid kinetic energy over m g h_i
 REST_FRONT = 0.1  # in h
 MOST_HELD = (3, 1e-3)  # points, or this share of the column: more at the ends of the domain are no lone grains
 CALM_CHECKS = 3  # checks in a row under the tolerance that end the equilibration
+KEEP_CHECKS = 5  # from one state that is kept to go back to, to the next
+FAR_AHEAD = 1.25  # front_max over front_connected that is told of
 
 
 class Run:
@@ -41,15 +45,19 @@ class Run:
         self.progress, self.say = progress, say
         self.tau = scene.layout.fall_time(case.geometry.gravity)
         self._weight = scene.column_mass * case.geometry.gravity
+        self.good: deque[Any] = deque(maxlen=1)  # states in which no check found anything wrong, the latest last
+        self.keep: Callable[[], None] = lambda: None  # adds the present state to them
 
     def go(self, pause: Pause = lambda: None) -> None:
         """All that is left, from the stage that the run is in."""
         if self.course.stage == "equilibrate":
             self._prepare("equilibrate", self.scene.equilibrate)
+            self._keep_one()
             self.equilibrate(pause)
             self.release()
         else:
             self._prepare("collapse", self.scene.collapse)
+            self._keep_one()
         self.collapse(pause)
 
     def equilibrate(self, pause: Pause = lambda: None) -> None:
@@ -64,6 +72,7 @@ class Run:
             unbalanced = solver.ledger[cycle.L_UNBALANCED]
             course.calm = course.calm + 1 if unbalanced < words.tolerance else 0
             self.recorder.record("equilibrate")
+            self._inspect()
             calmed = log(max(unbalanced, words.tolerance)) / log(words.tolerance)  # residuals fall exponentially
             self.progress("equilibrate", max(calmed, solver.time / limit))
         self.progress("equilibrate", 1.0)
@@ -89,6 +98,9 @@ class Run:
         self.recorder.record("release")
         self.recorder.snapshot("release")
         self._say_stage("release", f"gate speed {self.case.stages.gate_speed:g} m/s")
+        course.sound = 0
+        self.good.clear()
+        self._keep_one()
 
     def collapse(self, pause: Pause = lambda: None) -> None:
         """Flow until the column rests, with rows of history and snapshots on the way."""
@@ -109,11 +121,12 @@ class Run:
         self._close(snapshots)
 
     def _look(self, lifting: float) -> None:
-        """What is done some times a tau: lift the gate, record, see what reached the ends and whether all rests."""
+        """What is done some times a tau: lift the gate, record, see whether all is well and whether it rests."""
         self._lift_gate()
         self.recorder.record("collapse")
         self._watch_ends()
         self.course.at_rest = self.solver.time > lifting + self.tau and self._is_quiet()
+        self._inspect()
 
     def _close(self, missed: list[float]) -> None:
         """The last snapshot, and what is to be known of the end; `missed` are times of snapshots that never came."""
@@ -125,13 +138,19 @@ class Run:
                 f"the end of the domain at {self.scene.layout.length:.4g} m holds points that ran ahead ({len(held)}): "
                 "front_max tells no more than that; a larger geometry.domain_length lets them run"
             )
+        front = self.recorder.rows[-1]
+        if front["front_max"] > FAR_AHEAD * front["front_connected"]:
+            self.warn(
+                f"grains ran far ahead of the flow: front_max {front['front_max']:.4g} m, front_connected "
+                f"{front['front_connected']:.4g} m, front_height {front['front_height']:.4g} m; take front_height"
+            )
         if missed and self.case.output.times is not None:
             self.warn(f"output.times: {len(missed)} of them came after the end at {self.solver.time:.4g} s")
         self.recorder.snapshot("rest" if self.course.at_rest else "end")
 
     def _prepare(self, name: str, stage: Stage) -> None:
         """Hand the stage's law and numbers to the solver and have its kernels ready."""
-        self.solver.settings = stage.settings
+        self.solver.settings = stage.settings._replace(cfl=self.course.step_share * stage.settings.cfl)
         self.solver.bodies = (stage.column, self.scene.base)
         self.solver.margin = stage.margin
         self.progress(f"{name}: preparing kernels (compiled once, then kept)", 0.0)
@@ -139,18 +158,36 @@ class Run:
             self.solver.prepare()
 
     def _advance(self, end: float, pause: Pause) -> None:
-        """Step to `end`; on a point that goes wrong, keep the last state and raise NumericalFailure."""
+        """Step to `end`; raises NumericalFailure on a point that goes wrong."""
         while self.solver.time < end:
             pause()
             with self.course.timed(self.course.stage):
                 row = self.solver.advance(end)
             if row >= 0:
                 self.recorder.record(self.course.stage)
-                self._fail(row)
+                self._fail(fault_of(self.solver, row))
 
-    def _fail(self, row: int) -> None:
-        failure: dict[str, Any] = diagnose(self.solver, row, self.course.stage, time_step_limit(self.case))
-        self.recorder.snapshot("failed")
+    def _inspect(self) -> None:
+        """Stop where a check finds something wrong; keep the state now and then if none does."""
+        geometry, recorder = self.case.geometry, self.recorder
+        pressure = self.case.material.density * geometry.gravity * self.scene.layout.h_i
+        scales = (self._weight * self.scene.layout.h_i, pressure, self.tau)
+        if fault := look(View(self.solver, recorder.rows, recorder.start, *scales)):
+            self._fail(fault)
+        self.course.sound += 1
+        if self.course.sound % KEEP_CHECKS == 0:
+            self.keep()
+
+    def _keep_one(self) -> None:
+        if not self.good:
+            self.keep()
+
+    def _fail(self, fault: Fault) -> None:
+        failure = describe(self.solver, self.course.stage, fault, time_step_limit(self.case))
+        if fault.row is not None and not np.isfinite(failure["position"]).all() and self.good:
+            rows, d = self.good[-1].arrays["rows"], self.solver.points.dimension
+            (row,) = rows[rows[:, ID] == failure["point"]]
+            failure["position"] = row[X : X + d].tolist()  # where it was last seen
         raise NumericalFailure(message(failure), failure)
 
     def _held_points(self) -> np.ndarray:
@@ -162,7 +199,7 @@ class Run:
         """Lone grains may wait at the ends of the domain; the flow itself must not come there."""
         held, (least, share) = self._held_points(), MOST_HELD
         if len(held) > max(least, share * self.scene.column_points):
-            self._fail(int(held[0]))
+            self._fail(fault_of(self.solver, int(held[0])))
 
     def _lift_gate(self) -> None:
         """Leave closed what the gate has not passed yet; an instantaneous gate is gone at once."""

@@ -8,7 +8,7 @@ import sys
 from contextlib import ExitStack
 from math import inf
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import click
 
@@ -29,6 +29,13 @@ from mpmcol.errors import Interrupted, NumericalFailure
 @click.option("--go-on", is_flag=True, help="Go on with an unfinished run though case or code differ from its own.")
 @click.option("--checkpoint", type=DURATION, default="5min", show_default=True, help="Time between two checkpoints.")
 @click.option("--max-wall", type=DURATION, help="Stop after this time, e.g. 2h; the same command goes on.")
+@click.option(
+    "--on-instability",
+    type=click.Choice(["stop", "retry"]),
+    default="stop",
+    show_default=True,
+    help="What to do where the run goes wrong: stop, or go on from the last good state with half the time step.",
+)
 @click.option("--requeue-code", type=click.IntRange(0, 255), help="Exit code of a run that was stopped, instead of 75.")
 @click.option("--dry-run", is_flag=True, help="Check everything and say what the run will cost; write nothing.")
 @click.option("--json", "as_json", is_flag=True, help="Print result.json as one line on stdout.")
@@ -44,6 +51,7 @@ def run(
     go_on: bool,
     checkpoint: float,
     max_wall: float | None,
+    on_instability: Literal["stop", "retry"],
     requeue_code: int | None,
     dry_run: bool,
     as_json: bool,
@@ -83,7 +91,8 @@ def run(
         with reporter:
             results = simulate(
                 loaded, folder, threads=threads, fresh=fresh, go_on=go_on, checkpoint_seconds=checkpoint,
-                max_wall=inf if max_wall is None else max_wall, progress=reporter.progress, say=reporter.say,
+                max_wall=inf if max_wall is None else max_wall, on_instability=on_instability,
+                progress=reporter.progress, say=reporter.say,
             )  # fmt: skip
     except Interrupted as end:
         if requeue_code is not None:

@@ -151,7 +151,8 @@ def test_divergence_stops_with_place_cause_and_remedy(tmp_path: Path) -> None:
     results = Results(tmp_path / "a")
     assert results.summary["status"] == "failed"
     assert set(results.summary["failure"]) == {
-        "cause", "stage", "step", "time", "point", "position", "value", "remedy",
+        "check", "cause", "likely", "stage", "step", "time", "point", "position", "value", "limit", "remedy",
+        "smaller_step_helps", "last_good",
     }  # fmt: skip
     assert results.snapshot(-1).stage == "failed"
     assert invoke("run", "quickstart", *tiny(), "--out", str(tmp_path / "a")).exit_code == 0  # a failed run is replaced
@@ -161,7 +162,7 @@ def test_material_at_the_end_of_the_domain_is_refused(tmp_path: Path) -> None:
     case = mpmcol.load_case(
         "quickstart", [*TINY, "geometry.domain_length=0.165", "stages.collapse.max_time_factor=4.0"]
     )
-    with pytest.raises(NumericalFailure, match=r"end of the domain.*\n.*\n.*geometry\.domain_length"):
+    with pytest.raises(NumericalFailure, match=r"end of the domain.*\n.*\n.*\n.*geometry\.domain_length"):
         mpmcol.run(case, tmp_path / "a")
     with pytest.raises(UsageError, match=r"geometry\.domain_length = 0\.1 m is too small"):
         mpmcol.run(mpmcol.load_case("quickstart", [*TINY, "geometry.domain_length=0.1"]), tmp_path / "b")
