@@ -32,7 +32,7 @@ class Hang(BaseException):
     """No Exception, so that nobody but the judge takes it."""
 
 
-def judge(action: Callable[[], str | None]) -> str | None:
+def judge(action: Callable[[], str | None], longest: float = LONGEST) -> str | None:
     """Do it, and say what went wrong: what it says itself, a traceback, or too much time or memory; None if nothing."""
     try:
         with _limited():
@@ -43,7 +43,7 @@ def judge(action: Callable[[], str | None]) -> str | None:
         return f"hangs: {PATIENCE} s"
     except Exception as bug:
         return "".join(traceback.format_exception(bug)[-4:])
-    return wrong or (f"takes {took:.1f} s" if took > LONGEST else None)
+    return wrong or (f"takes {took:.1f} s" if took > longest else None)
 
 
 @contextlib.contextmanager

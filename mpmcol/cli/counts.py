@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-THREADS = click.IntRange(1, 1024)  # far more than cores: the system would not make them, and end the process
+JOBS = THREADS = click.IntRange(1, 1024)  # the system would not make far more than there are cores
 
 
 def whole(text: str) -> int:

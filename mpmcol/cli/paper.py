@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from mpmcol.cli.counts import THREADS
+from mpmcol.cli.counts import JOBS, THREADS
 
 NAMES = ("fig5", "fig6", "fig7", "fig8", "fig9", "factors")
 
@@ -15,7 +15,7 @@ NAMES = ("fig5", "fig6", "fig7", "fig8", "fig9", "factors")
 @click.argument("figures", nargs=-1, metavar="[fig5|fig6|fig7|fig8|fig9|factors|all]...")
 @click.option("--quick", is_flag=True, help="Coarse grids and fewer columns: some minutes instead of hours.")
 @click.option("--out", type=click.Path(path_type=Path), help="Folder; paper, or paper-quick, by default.")
-@click.option("--jobs", type=click.IntRange(1), help="Runs at a time; chosen from their sizes by default.")
+@click.option("--jobs", type=JOBS, help="Runs at a time; chosen from their sizes by default.")
 @click.option("--threads", type=THREADS, help="Threads of each run; chosen from their sizes by default.")
 @click.option("--quiet", is_flag=True, help="Print nothing but the verdicts.")
 def paper(

@@ -6,11 +6,13 @@ from pathlib import Path
 
 import click
 
+from mpmcol.cli.counts import JOBS
+
 
 @click.command()
 @click.argument("study", default="default")
 @click.option("--out", type=click.Path(path_type=Path), help="Folder; pareto/NAME of the study by default.")
-@click.option("--jobs", type=click.IntRange(1), help="Runs at a time; chosen from their sizes by default.")
+@click.option("--jobs", type=JOBS, help="Runs at a time; chosen from their sizes by default.")
 @click.option("--report-only", is_flag=True, help="Run nothing: tables and charts from the runs that have ended.")
 @click.option("--quiet", is_flag=True, help="Print nothing but errors.")
 def pareto(study: str, out: Path | None, jobs: int | None, report_only: bool, quiet: bool) -> None:

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from mpmcol.cli.counts import JOBS
+
 if TYPE_CHECKING:
     from mpmcol.stability import Stability
     from mpmcol.stability.map import Drawn
@@ -24,7 +26,7 @@ FAILED = 4  # exit code
     "--map", "to_map", is_flag=True, help="Draw a map instead: a TOML file or a shipped one (default, quick)."
 )
 @click.option("--out", type=click.Path(path_type=Path), help="Folder; stability or stability/map-NAME by default.")
-@click.option("--jobs", type=click.IntRange(1), help="Runs of a map at a time; chosen from their sizes by default.")
+@click.option("--jobs", type=JOBS, help="Runs of a map at a time; chosen from their sizes by default.")
 @click.option("--report-only", is_flag=True, help="Run nothing: the map from the runs that have ended.")
 @click.option("--quiet", is_flag=True, help="Print nothing but the verdicts; of a map nothing.")
 @click.option("--json", "to_json", is_flag=True, help="Print outcomes and files as one line on stdout.")

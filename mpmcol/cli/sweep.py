@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mpmcol.cli.counts import THREADS
+from mpmcol.cli.counts import JOBS, THREADS
 from mpmcol.cli.duration import duration
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 @click.option("--set", "settings", multiple=True, metavar="KEY=VALUES", help="Vary or replace a value of the case.")
 @click.option("--zip", "zipped", is_flag=True, help="First values of all axes, second of all, ...; not all with all.")
 @click.option("--out", type=click.Path(path_type=Path), help="Folder of the sweep; sweeps/NAME by default.")
-@click.option("--jobs", type=click.IntRange(1), help="Points at a time; chosen from their sizes by default.")
+@click.option("--jobs", type=JOBS, help="Points at a time; chosen from their sizes by default.")
 @click.option("--threads", type=THREADS, help="Threads of each point; chosen from their sizes by default.")
 @click.option(
     "--engine", type=click.Choice(["local", "dask", "commands"]), default="local", show_default=True,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mpmcol.cli.counts import THREADS
+from mpmcol.cli.counts import JOBS, THREADS
 
 if TYPE_CHECKING:
     from mpmcol.validation import Validation
@@ -21,7 +21,7 @@ FAILED = 4  # exit code
 @click.argument("names", nargs=-1, metavar="[NAME]...")
 @click.option("--quick", is_flag=True, help="Coarse grids, each column once: a minute or two instead of half an hour.")
 @click.option("--out", type=click.Path(path_type=Path), help="Folder; validation, or validation-quick, by default.")
-@click.option("--jobs", type=click.IntRange(1), help="Runs at a time; chosen from their sizes by default.")
+@click.option("--jobs", type=JOBS, help="Runs at a time; chosen from their sizes by default.")
 @click.option("--threads", type=THREADS, help="Threads of each run; chosen from their sizes by default.")
 @click.option("--quiet", is_flag=True, help="Print nothing but the checks.")
 @click.option("--json", "to_json", is_flag=True, help="Print checks and files as one line on stdout.")

@@ -8,6 +8,7 @@ from __future__ import annotations
 import contextlib
 import os
 import random
+import time
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
@@ -19,9 +20,10 @@ from click.testing import CliRunner, Result
 
 from mpmcol.case import key_names, load_case, resolved_toml, shipped_cases
 from mpmcol.cli import COMMANDS, main
-from tests.bad_input import judge
+from tests.bad_input import LONGEST, judge
 
 COUNT = 5_000
+LONGEST_PLAN = 10.0  # s of CPU: what is accepted may consist of hundreds of runs, whose cases are read
 CODES = (0, 2, 5)  # done, wrong command or case, unreadable or unwritable file
 BEGINNINGS = (
     "mpmcol.scene.allocate_grid", "mpmcol.sweep.conduct.run_points", "mpmcol.sweep.members.run_points",
@@ -64,11 +66,13 @@ def trial(seed: int, folder: Path) -> str | None:
     arguments = _arguments(draw)
     with _prepared(folder), _cut_off():
         _warm_up()
-        return judge(lambda: _wrong_with(arguments))
+        return judge(lambda: _wrong_with(arguments), LONGEST_PLAN)
 
 
 def _wrong_with(arguments: list[str]) -> str | None:
+    started = time.process_time()
     result = _invoke(arguments)
+    took = time.process_time() - started
     if result.exception and not isinstance(result.exception, SystemExit):
         raise result.exception
     told = f"mpmcol {arguments} ends with {result.exit_code}:\n{result.output[:300]}"
@@ -77,7 +81,7 @@ def _wrong_with(arguments: list[str]) -> str | None:
         return f"{told}\n{report.read_text()[-1500:] if report.exists() else ''}"
     if result.exit_code and not result.stderr.strip():
         return f"{told} without a message"
-    return None
+    return f"{told} after {took:.1f} s" if result.exit_code and took > LONGEST else None
 
 
 def _invoke(arguments: list[str]) -> Result:

@@ -172,6 +172,7 @@ def test_a_path_that_the_system_refuses_is_told(command: str) -> None:
         ("bench", "--points", "9" * 12),  # more than the memory
         ("run", "quickstart", "--threads", "100000"),
         ("sweep", "--aspect", "1,2", "--threads", "100000"),
+        ("sweep", "--aspect", "1,2", "--jobs", "9" * 30),
         ("check", "quickstart", "--set", "title=\udcff"),
     ],
 )
