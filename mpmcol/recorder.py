@@ -62,14 +62,15 @@ class Recorder:
         """Add a row to the history; returns the measurement in it."""
         started = time.perf_counter()
         points, clock = self.solver.points, self.solver.clock
-        column = (points.kind != BASE) & np.isfinite(points.x).all(axis=1)  # of a state that failed, what is left
+        column = (points.kind != BASE) & np.isfinite(sum(points.x.T))  # of a state that failed, what is left
         measured = measure(points.x[column], points.m[column], None, self.shape)
-        self.worst_J = [min(self.worst_J[0], points.J.min()), max(self.worst_J[1], points.J.max())]
+        least_J, largest_J = points.J.min(), points.J.max()
+        self.worst_J = [min(self.worst_J[0], least_J), max(self.worst_J[1], largest_J)]
         row = {"stage": stage, "step": self.solver.steps, "time": clock[cycle.TIME], "dt": clock[cycle.DT]}
         row |= self.energy_ledger() | measured.front | {"height": measured.height}
         row |= {
-            "J_min": points.J.min(),
-            "J_max": points.J.max(),
+            "J_min": least_J,
+            "J_max": largest_J,
             "open_points": int(np.sum(points.opening > 0.0)),
         }
         row |= {

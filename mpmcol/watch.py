@@ -124,8 +124,8 @@ def outside_surface(view: View, limit: float) -> Sign | None:
     solver, quiet = view.solver, QUIET * view.stress
     law, params = solver.bodies[COLUMN].law, solver.bodies[COLUMN].params
     rows = np.flatnonzero(solver.points.kind != BASE)
-    s1, s2, s3 = principal(np.take(solver.points.sigma, rows, axis=0))
-    history = np.take(solver.points.history, rows, axis=0).T
+    s1, s2, s3 = principal(*(component[rows] for component in solver.points.sigma.T))
+    history = np.array([values[rows] for values in solver.points.history.T])
     scale = limit * (np.maximum(np.abs(s1), np.abs(s3)) + quiet)
     suspects = np.flatnonzero(law.may_yield(s1, s3, tuple(history), params) > scale)
     if not len(suspects):
@@ -170,9 +170,10 @@ def node_position(grid: Grid, address: int) -> tuple[float, ...] | None:
     return place if grid.n_z > 1 else place[:2]
 
 
-def principal(sigma: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Principal stresses s1 >= s2 >= s3 (n,) of stresses (n, 6: xx yy zz xy yz xz), to 1e-8 of their differences."""
-    xx, yy, zz, xy, yz, xz = np.ascontiguousarray(sigma.T)
+def principal(
+    xx: np.ndarray, yy: np.ndarray, zz: np.ndarray, xy: np.ndarray, yz: np.ndarray, xz: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Principal stresses s1 >= s2 >= s3 (n,) from the components of stresses, to 1e-8 of their differences."""
     mean = (xx + yy + zz) / 3.0
     if not yz.any() and not xz.any():  # two dimensions
         centre, half = 0.5 * (xx + yy), 0.5 * (xx - yy)

@@ -65,6 +65,9 @@ def run(
 
     A run that was stopped, or killed, goes on where it was when the same command is given again, and ends with equal
     bits. Ctrl-C, SIGTERM, SIGUSR1 and --max-wall stop it in good order (exit code 75), a second Ctrl-C at once.
+
+    A run that goes wrong stops with cause, place and remedy (exit code 3) and keeps its last good state as a snapshot;
+    with --on-instability retry it first goes back to a good state with half of time.cfl, at most four times.
     """
     if certify and accuracy is None:
         raise click.UsageError("--certify goes with --accuracy, which chooses the grid")

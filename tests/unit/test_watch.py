@@ -296,4 +296,4 @@ def test_principal_stresses(d: int) -> None:
         sigma[:, 4:] = 0.0
     xx, yy, zz, xy, yz, xz = sigma.T
     known = np.linalg.eigvalsh(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]).transpose(2, 0, 1))
-    np.testing.assert_allclose(np.array(principal(sigma)).T, known[:, ::-1], atol=1e-4)
+    np.testing.assert_allclose(np.array(principal(*sigma.T)).T, known[:, ::-1], atol=1e-4)
