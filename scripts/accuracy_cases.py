@@ -132,7 +132,10 @@ def main() -> None:
         worst = max(abs(error) for error in checked.errors.values()) / column.accuracy
         held, twice, bars = held + (worst <= 1.0), twice + (worst <= 2.0), bars + all(checked.bars)
         told = ", ".join(f"{q} {e:+.1%} (reference +- {checked.unsure[q]:.1%})" for q, e in checked.errors.items())
-        print(f"{column}; {advice.family}, {advice.cells:g}; asked {column.accuracy:.1%}: {told}; bars {checked.bars}")
+        print(
+            f"{column}; {advice.family}, {advice.cells:g}; asked {column.accuracy:.1%}: {told}; bars {checked.bars}",
+            flush=True,
+        )
     print(f"of {words.count}: {held} within the accuracy, {twice} within twice that; {bars} within their error bars")
 
 
