@@ -94,8 +94,9 @@ def forces(d: int) -> Any:
 
 
 @device
-def move(record: Any, mean: Any, d: int, limits: Any, settings: Settings, dt: float) -> tuple[Any, Any]:
-    """New first row of a point's record, and its displacement (lanes 4 to 6), Eq. (26)-(27).
+def move(record: Any, mean: Any, d: int, limits: Any, settings: Settings, dt: float) -> tuple[Any, Any, Any]:
+    """New first row of a point's record, Eq. (26)-(27); in lanes 4 to 6 its displacement, and gravity's work (J) on it
+    where the limits hold it, which the nodes know nothing of.
 
     record: the old row. mean: weighted sums of v~ and a over the nodes of `d` dimensions. limits: least and largest
     position in lanes 4 to 6.
@@ -107,8 +108,10 @@ def move(record: Any, mean: Any, d: int, limits: Any, settings: Settings, dt: fl
     # Eq. 27
     step = fma(forces(d) * (-settings.position_factor * dt * dt), mean, forces(d) * dt * swapped)
     moved = fma(record, kept, speed_up + step)
-    moved = where_positive(limits[0] - moved, limits[0], moved)
-    return where_positive(moved - limits[1], limits[1], moved), step
+    held = where_positive(limits[0] - moved, limits[0], moved)
+    held = where_positive(held - limits[1], limits[1], held)
+    pull = vector(0.0, 0.0, 0.0, 0.0, settings.gravity_x, settings.gravity_y, settings.gravity_z, 0.0)
+    return held, step, lane(record, 0) * (pull * (held - moved))
 
 
 @device

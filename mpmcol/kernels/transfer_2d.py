@@ -80,8 +80,9 @@ def gather(
 ) -> tuple[Any, Any]:
     """Update velocity, position and velocity gradient of one point from its nine nodes.
 
-    Returns two vectors that count in lanes 4 to 6: its displacement, and the work of its old stress on the motion of
-    the nodes, J. Eq. (26)-(28), with the shares of FLIP and PIC and the position rule that the settings name.
+    Returns two vectors that count in lanes 4 to 6: its displacement, and the work of its old stress on the motion
+    of the nodes, with gravity's on it where a wall holds it, J. Eq. (26)-(28), with the shares of FLIP and PIC and
+    the position rule that the settings name.
     """
     inv_h = 1.0 / grid.h
     old = load(rows, o)
@@ -106,12 +107,12 @@ def gather(
         hoop = (l_zz - 0.5 * dt * lane(mean, 4) / rows[o + X]) * rows[o + HOOP]
         work = work + vector(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, hoop, 0.0)
     work = (dt * rows[o + J] * rows[o + V0]) * work
-    record, step = move(old, mean, 2, bounds, settings, dt)
+    record, step, lifted = move(old, mean, 2, bounds, settings, dt)
     store(rows, o, record)
     store_column(rows, o + 8, 2, grad_x)
     store_column(rows, o + 16, 2, grad_y)
     rows[o + 11] = l_zz
-    return step, work
+    return step, work + lifted
 
 
 @device

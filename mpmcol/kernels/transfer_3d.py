@@ -97,8 +97,9 @@ def gather(
 ) -> tuple[Any, Any]:
     """Update velocity, position and velocity gradient of one point from its twenty-seven nodes.
 
-    Returns two vectors that count in lanes 4 to 6: its displacement, and the work of its old stress on the motion of
-    the nodes, J. Eq. (26)-(28), with the shares of FLIP and PIC and the position rule that the settings name.
+    Returns two vectors that count in lanes 4 to 6: its displacement, and the work of its old stress on the motion
+    of the nodes, with gravity's on it where a wall holds it, J. Eq. (26)-(28), with the shares of FLIP and PIC and
+    the position rule that the settings name.
     """
     inv_h, old = 1.0 / grid.h, load(rows, o)
     _, base, w0, w1, w2, g0, g1, g2 = stencil(old, grid, settings)
@@ -117,12 +118,12 @@ def gather(
 
     work = power(load(rows, o + 8), grad_x, dt) + power(load(rows, o + 16), grad_y, dt)
     work = (dt * rows[o + J] * rows[o + V0]) * (work + power(load(rows, o + 24), grad_z, dt))
-    record, step = move(old, mean, 3, bounds, settings, dt)
+    record, step, lifted = move(old, mean, 3, bounds, settings, dt)
     store(rows, o, record)
     store_column(rows, o + 8, 3, grad_x)
     store_column(rows, o + 16, 3, grad_y)
     store_column(rows, o + 24, 3, grad_z)
-    return step, work
+    return step, work + lifted
 
 
 @device

@@ -88,7 +88,8 @@ def _make_gather(dimension: int, basis: ModuleType) -> Callable[..., Any]:
         """Update velocity, position and velocity gradient of one point from its nodes.
 
         Returns two vectors that count in lanes 4 to 6: its displacement, and the work of its old stress on the motion
-        of the nodes, J. Eq. (26)-(28), with the shares of FLIP and PIC and the position rule that the settings name.
+        of the nodes, with gravity's on it where a wall holds it, J. Eq. (26)-(28), with the shares of FLIP and PIC and
+        the position rule that the settings name.
         """
         old = load(rows, o)
         mean, x, y, z = sums(old, nodes, grid, settings)
@@ -103,9 +104,9 @@ def _make_gather(dimension: int, basis: ModuleType) -> Callable[..., Any]:
         else:
             work = work + power(load(rows, o + 24), z, dt)
         work = (dt * rows[o + J] * rows[o + V0]) * work
-        record, step = move(old, mean, dimension, bounds, settings, dt)
+        record, step, lifted = move(old, mean, dimension, bounds, settings, dt)
         store(rows, o, record)
         set_columns(rows, o, dimension, x, y, z)
-        return step, work
+        return step, work + lifted
 
     return gather

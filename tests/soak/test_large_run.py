@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import mpmcol
-from mpmcol.checkpoint import read_checkpoint
+from mpmcol.checkpoint import read_checkpoints
 from mpmcol.layout import make_layout
 from mpmcol.results import Results
 from tests.soak._runs import STOPPED, start, stop
@@ -34,6 +34,6 @@ def test_a_signal_ends_a_large_run(name: str, tmp_path: Path) -> None:
     said, took = stop(run, signal.SIGTERM)
     assert run.returncode == STOPPED, said
     assert took < WITHIN, f"{took:.2f} s"
-    found, damaged = read_checkpoint(tmp_path)
-    assert found is not None and not damaged
+    found, damaged = read_checkpoints(tmp_path)
+    assert found and not damaged
     assert Results(tmp_path).snapshot(-1).stage == "stopped"
