@@ -22,8 +22,9 @@ EMPTY_FACTOR = 2.0  # on the runout over a rigid base, where the empty part of t
 HEADROOM_CELLS = 6
 END_CELLS = 4  # nodes this near to an open end hold what comes: far enough from it for the support of every basis
 SOFT = 0.01  # weight over stiffness from which on a unit is probably wrong
-# its record, sorting, its share of the nodes that are touched, and what is copied while a snapshot is written
-BYTES_PER_POINT = {2: 600, 3: 800}
+# its record and that of the last good state, sorting, its share of the nodes that are touched, and what is copied while
+# a snapshot is written
+BYTES_PER_POINT = {2: 800, 3: 1060}
 BYTES_PER_NODE = 5  # masks, and what they are made from
 ROUNDING_WORTH_A_WARNING = 1e-9
 
