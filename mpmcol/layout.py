@@ -19,6 +19,7 @@ from mpmcol.time_step import points_per_axis, time_step_warnings
 
 RUNOUT_MARGIN = 0.5  # r_i beyond the farthest-running experiment
 EMPTY_FACTOR = 2.0  # on the runout over a rigid base, where the empty part of the domain costs nothing
+USUAL_FRICTION, LEAST_FRICTION = 33.0, 10.0  # degrees: of the experiments' sand; below, domains grow no more
 HEADROOM_CELLS = 6
 END_CELLS = 4  # nodes this near to an open end hold what comes: far enough from it for the support of every basis
 SOFT = 0.01  # weight over stiffness from which on a unit is probably wrong
@@ -186,7 +187,7 @@ def refuse_beyond_memory(needed: int, what: str, remedy: str) -> None:
 def _domain(case: Case, h: float) -> tuple[float, float]:
     """Length and height of the domain above the base, m: as asked for, or from the expected runout."""
     geometry = case.geometry
-    runout = expected_runout(geometry.model, geometry.a, geometry.section)
+    runout = expected_runout(geometry.model, geometry.a, geometry.section) * _slipperiness(case)
     runout *= EMPTY_FACTOR if geometry.base == "rigid" else 1.0
     widest = max(geometry.r_i, geometry.depth or 0.0)
     length = geometry.domain_length or widest + geometry.r_i * (runout + RUNOUT_MARGIN) + END_CELLS * h
@@ -201,6 +202,13 @@ def _domain(case: Case, h: float) -> tuple[float, float]:
                 "make it larger, or leave it out to have the domain sized from the expected runout"
             )
     return length, height
+
+
+def _slipperiness(case: Case) -> float:
+    """How much farther than the experiments' sand a material runs, about: as its friction is lower, of what has one."""
+    material = case.material
+    friction = getattr(material, "friction_residual_deg", getattr(material, "friction_deg", USUAL_FRICTION))
+    return max(math.tan(math.radians(USUAL_FRICTION)) / math.tan(math.radians(max(friction, LEAST_FRICTION))), 1.0)
 
 
 def column_shape(case: Case, layout: Layout) -> ColumnShape:
