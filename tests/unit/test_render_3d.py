@@ -71,6 +71,7 @@ def fabricate(folder: Path, model: str = "quarter", has_base: bool = True, squar
             "id": np.arange(len(points), dtype=np.int32),
             "mass": np.ones(len(points)),
         }
+        folder.mkdir(exist_ok=True)
         write_snapshot(folder, step, Snapshot(0.1 * step, step, "collapse", arrays), meta)
     return folder
 
