@@ -12,7 +12,7 @@ from mpmcol import __version__
 DECIDING = (
     "basis", "bounds.py", "experiments", "geometries", "grid.py", "jit.py", "kernels", "laws", "layout.py", "measure",
     "outcome.py", "recorder.py", "results.py", "scene.py", "simd", "simulation.py", "snapshot.py", "solver.py",
-    "stages.py", "state.py", "time_step.py", "vtkhdf.py",
+    "stages.py", "state.py", "time_step.py", "vtkhdf.py", "watch.py",
 )  # fmt: skip
 
 
