@@ -120,7 +120,10 @@ def time_step(view: View, limit: float) -> Sign | None:
 
 
 def outside_surface(view: View, limit: float) -> Sign | None:
-    """No point of the column bears more than its law allows, now or before it softened."""
+    """No point of the column bears more than its law allows, now or before it softened.
+
+    The surface moves within a step, after the return: by as much as a step softens.
+    """
     solver, quiet = view.solver, QUIET * view.stress
     law, params = solver.bodies[COLUMN].law, solver.bodies[COLUMN].params
     rows = np.flatnonzero(solver.points.kind != BASE)
@@ -195,7 +198,7 @@ CHECKS = (
     Check("ledger", ledger_residual, 1e-6, DAMAGED, REPORT),
     Check("time step", time_step, 0.1, "a point that swells without end, or damage to the clock",
           "set method.opening_strain = true; else " + REPORT),
-    Check("yield surface", outside_surface, 1e-6, "a law whose return does not end on its surface, or " + DAMAGED,
+    Check("yield surface", outside_surface, 0.01, "a law whose return does not end on its surface, or " + DAMAGED,
           "check `return_map` of the law; else " + REPORT),
     Check("nodes", senseless_nodes, 0.0, DAMAGED, REPORT, smaller_step_helps=True),
 )  # fmt: skip
