@@ -22,7 +22,7 @@ from mpmcol.scene import build_scene
 from mpmcol.sweep.points import Point
 
 LONGEST = 1.0  # s of CPU: of the wall's time other programs have a share
-PATIENCE = 20  # s of the wall, after which a trial hangs
+PATIENCE = 120  # s of the wall, after which a trial hangs
 ROOM = 2**30  # bytes that a trial may take beyond what the process has
 SMALL = 20_000_000  # bytes of a scene that is built, too
 EVERYWHERE = ("nested too deeply", "larger than", "cannot be read", "no such case file")  # of no line

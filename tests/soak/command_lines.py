@@ -27,7 +27,7 @@ LONGEST_PLAN = 10.0  # s of CPU: what is accepted may consist of hundreds of run
 CODES = (0, 2, 5)  # done, wrong command or case, unreadable or unwritable file
 BEGINNINGS = (
     "mpmcol.scene.allocate_grid", "mpmcol.sweep.conduct.run_points", "mpmcol.sweep.members.run_points",
-    "mpmcol.stability.play", "mpmcol.bench.measure.measure_scene",
+    "mpmcol.stability.play", "mpmcol.stability.map.draw_map", "mpmcol.bench.measure.measure_scene",
 )  # fmt: skip
 NUMBERS = (
     "0", "-1", "1", "3", "2.5", "1e400", "nan", "-inf", "9" * 30, "9" * 5000, "1," + "9" * 5000, "1,,2", "1,x", "٣",
@@ -44,8 +44,8 @@ WORDS = (
 )  # fmt: skip
 PLACES = (
     "good.toml", "bad.toml", "binary.toml", "empty.toml", "folder", "run", "sweep", "nowhere", "nowhere/deep",
-    "good.toml/x", "folder/new", "/", "/dev/null", "/dev/zero", "/proc/self/mem", "picture.png", "new.toml", ".", "..",
-    "~", "good", "\udcff.toml",
+    "good.toml/x", "folder/new", "/dev", "/dev/null", "/dev/zero", "/proc/self/mem", "picture.png", "new.toml", ".",
+    "..", "~", "good", "\udcff.toml",
 )  # fmt: skip
 FITTING: dict[str, tuple[str, ...]] = {
     "case": ("good.toml", "\udcff.toml", "quickstart", "lube-quarter"),
@@ -79,7 +79,7 @@ def _wrong_with(arguments: list[str]) -> str | None:
     if result.exit_code not in CODES:
         report = Path("crash-report.txt")
         return f"{told}\n{report.read_text()[-1500:] if report.exists() else ''}"
-    if result.exit_code and not result.stderr.strip():
+    if result.exit_code and not result.output.strip():
         return f"{told} without a message"
     return f"{told} after {took:.1f} s" if result.exit_code and took > LONGEST else None
 
