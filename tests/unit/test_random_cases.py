@@ -36,12 +36,15 @@ def result(**changes: Any) -> SimpleNamespace:
     return SimpleNamespace(
         measure=lambda: SimpleNamespace(zeta=zeta, beta=changes.get("beta", 0.5)),
         history=history,
+        summary={"warnings": changes.get("warnings", [])},
         snapshot=lambda index: SimpleNamespace(arrays=last if index else arrays),
     )
 
 
 def test_a_sound_result_passes() -> None:
     assert list(unsound(load_case("quickstart"), result())) == []
+    told = {"zeta": {"front_max": 3.5}, "warnings": ["grains ran far ahead of the flow: ..."]}
+    assert list(unsound(load_case("quickstart"), result(**told))) == []
 
 
 @pytest.mark.parametrize(
