@@ -15,6 +15,7 @@ from mpmcol.files import (
     DIGEST_FILE,
     GIVEN_CASE_FILE,
     HISTORY_FILE,
+    INDEX_FILES,
     LOCK,
     RESULT_FILE,
     leftovers,
@@ -26,7 +27,7 @@ from mpmcol.verify.finding import Finding, Report
 from mpmcol.verify.readable import unreadable
 
 Problems = Mapping[str, str]  # name of a file: what is wrong with it
-INDEX = "run.vtkhdf"
+INDEX = INDEX_FILES[0]
 FOREIGN = "it is not of this run"
 
 
