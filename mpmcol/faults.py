@@ -15,6 +15,10 @@ from mpmcol.state import COLUMN
 TIME_STEP = "lower time.cfl ({limit}), or refine grid.spacing"
 UNKNOWN = "0.5 is the default"  # where no case says what a lone point bears
 TOO_LONG = "a time step too long for points that are alone, by a wall or near the axis"
+OPEN = "set method.opening_strain = true"
+LOOSENS = "sand that dilates loosens for as long as it flows"
+PULLED_APART = "points that are pulled apart, or sand that dilates, swell without end"
+SLOW = 0.02  # volumetric strain of a step that waves and flow make; what a step too long makes is larger
 TOO_SMALL = "the flow goes farther than the experiments that the domain was sized by, or than the case allows for"
 
 
@@ -95,12 +99,20 @@ def finite_fields(solver: Solver) -> dict[str, np.ndarray]:
 
 
 def _volume(solver: Solver, row: int, J: float, c2: float) -> Fault:
-    cause, limit = f"the volume ratio J left [{J_MIN:g}, {J_MAX:g}]", J_MIN if J < J_MIN else J_MAX
-    remedy = TIME_STEP + ("" if solver.settings.opening_strain else "; or set method.opening_strain = true")
-    if solver.settings.free_speed**2 <= c2:
-        return Fault("volume", cause, J, limit, TOO_LONG, remedy, row, smaller_step_helps=True)
-    likely = f"what falls here lands about as fast as waves in its material ({np.sqrt(c2):.3g} m/s), and is crushed"
-    return Fault("volume", cause, J, limit, likely, f"raise material.youngs_modulus; or {remedy}", row)
+    swells, opens = J > J_MAX, solver.settings.opening_strain
+    cause, limit = f"the volume ratio J left [{J_MIN:g}, {J_MAX:g}]", J_MAX if swells else J_MIN
+    slow = abs(np.trace(solver.points.grad_v[row])) * solver.dt < SLOW
+    if swells and slow:
+        remedy = (
+            "let dilatancy fade (law mohr-coulomb-softening), or lower its angle or stages.collapse.max_time_factor"
+        )
+        likely, remedy = (LOOSENS, remedy) if opens else (PULLED_APART, f"{OPEN}; or {remedy}")
+        return Fault("volume", cause, J, limit, likely, remedy, row)
+    if not swells and (slow or solver.settings.free_speed**2 > c2):
+        likely = f"what falls here crushes its material, in which waves run at {np.sqrt(c2):.3g} m/s"
+        return Fault("volume", cause, J, limit, likely, "raise material.youngs_modulus", row)
+    remedy = TIME_STEP + ("" if opens else f"; or {OPEN}")
+    return Fault("volume", cause, J, limit, TOO_LONG, remedy, row, smaller_step_helps=True)
 
 
 def _too_fast(row: int, speed: float, waves: float, free: float) -> Fault:

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mpmcol.faults import TIME_STEP, TOO_LONG, Fault, finite_fields, not_finite
+from mpmcol.faults import OPEN, TIME_STEP, TOO_LONG, Fault, finite_fields, not_finite
 from mpmcol.grid import NODE, Grid
 from mpmcol.solver import Solver
 from mpmcol.state import BASE, COLUMN
@@ -205,7 +205,7 @@ CHECKS = (
           TIME_STEP + ", or lower material.youngs_modulus", smaller_step_helps=True),
     Check("ledger", ledger_residual, 1e-6, DAMAGED, REPORT),
     Check("time step", time_step, 0.1, "a point that swells without end, or damage to the clock",
-          "set method.opening_strain = true; else " + REPORT),
+          OPEN + "; else " + REPORT),
     Check("yield surface", outside_surface, 1e-6, NOT_RETURNED, CHECK_LAW),
     Check("yield surface", outside_softened_surface, 0.01, NOT_RETURNED, CHECK_LAW),
     Check("nodes", senseless_nodes, 0.0, DAMAGED, REPORT, smaller_step_helps=True),

@@ -199,6 +199,25 @@ def test_damage_is_found_within_one_look_and_named(case: Case, model: str, tmp_p
         assert f"point {failure['point']} at x = " in scene.text
 
 
+@pytest.mark.parametrize(
+    ("value", "opening_strain", "likely", "remedy"),
+    [
+        (80.0, True, "dilates", "dilatancy"),
+        (80.0, False, "pulled apart", "opening_strain"),
+        (0.01, True, "crushes", "youngs"),
+    ],
+)
+def test_a_volume_that_leaves_its_bounds_slowly_is_not_put_down_to_the_time_step(
+    value: float, opening_strain: bool, likely: str, remedy: str, tmp_path: Path
+) -> None:
+    def damage(run: Run, row: int) -> None:
+        run.solver.settings = run.solver.settings._replace(opening_strain=opening_strain)
+        put(J, value, run, row)
+
+    failure = Saboteur("plane", tmp_path, damage, "step").failure()
+    assert likely in failure["likely"] and remedy in failure["remedy"] and not failure["smaller_step_helps"]
+
+
 @pytest.mark.parametrize(("cfl", "model"), STEPS)
 def test_a_time_step_too_long_is_found_within_a_few_looks(cfl: float, model: str, tmp_path: Path) -> None:
     """Loading under gravity, from the first step on; what it comes from is said, and what helps."""
