@@ -5,7 +5,7 @@ Three definitions of the front are always given; their spread is the uncertainty
 * `front_max`: the farthest material point, grains in flight included;
 * `front_connected`: the farthest point reached from the pile without a gap wider than one cell;
 * `front_height`: where the deposit's height, mass per bin of width h over density, falls below
-  max(h / 2, r_i / 100), contiguous from the pile.
+  max(s, r_i / 100), contiguous from the pile; s: a point's size as released, at most h / 2.
 
 A two-sided release is measured on its half model: r_i is then the half-width of the column. In axisymmetry
 masses are per radian. Points have the size `point_size`, so a point's edge lies half of it beyond its

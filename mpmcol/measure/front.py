@@ -36,7 +36,8 @@ def fronts(section: Section, profile_x: Array, profile_y: Array, shape: ColumnSh
     farthest = float(section.distance.max() + half) if len(section.distance) else 0.0
     ring = np.maximum(np.floor(section.distance / shape.spacing), 0.0).astype(np.intp)
     pile = grounded(section.x[:, 1], ring, shape)
-    by_height = _front_by_height(profile_x, profile_y, max(0.5 * shape.spacing, 0.01 * shape.r_i))
+    layer = min(shape.point_size, 0.5 * shape.spacing)  # of single points, which nothing thinner is resolved by
+    by_height = _front_by_height(profile_x, profile_y, max(layer, 0.01 * shape.r_i))
     return farthest, _connected_front(section.distance[pile], shape), min(by_height, farthest)
 
 

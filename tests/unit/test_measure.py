@@ -143,6 +143,14 @@ def test_height_threshold_is_a_hundredth_of_the_radius_on_fine_grids() -> None:
     assert measured(wedge(), coarse).front["front_height"] == pytest.approx(0.22, abs=H)
 
 
+@pytest.mark.parametrize(("per_axis", "threshold"), [(1, 0.0015), (2, 0.0015), (3, 0.001)])
+def test_height_threshold_is_a_layer_of_single_points(per_axis: int, threshold: float) -> None:
+    """At most half a cell: with one point a cell a layer of them could not be told from what is thinner."""
+    shape = replace(PLANE, spacing=0.003, point_size=0.003 / per_axis)
+    front = measured(wedge(shape), shape).front["front_height"]
+    assert front == pytest.approx(0.24 * (1.0 - threshold / 0.06), abs=0.001)
+
+
 def test_front_by_height_is_contiguous_from_the_pile() -> None:
     heap = lattice(0.01, 0.01, lambda x, y: x < np.inf, PLANE) + np.array([0.30, 0.0])
     assert measured(heap).front["front_height"] == pytest.approx(0.31)
