@@ -22,17 +22,15 @@ from mpmcol.case import load_case
 from mpmcol.errors import UsageError
 from mpmcol.pareto.advice import Advice, advise, as_overrides, options, values_for
 from mpmcol.pareto.certify import Certified, certify
-from mpmcol.pareto.settings import CFL_STEP
 from mpmcol.pareto.table import QUANTITIES
 from mpmcol.sweep.conduct import conduct
 from mpmcol.sweep.points import Point, make_point
 from mpmcol.sweep.table import make_rows
 from mpmcol.units import to_unit
 
-FINE = {"light": 80.0, "light, nine points": 56.0}  # family -> r_i / h of the reference
-FINE_TALL = {"light": 56.0, "light, nine points": 40.0}  # as many cells in the height
+FINE = {"light, nine points": 80.0, "light, sixteen points": 56.0}  # family -> r_i / h of the reference
+FINE_TALL = {"light, nine points": 56.0, "light, sixteen points": 40.0}  # as many cells in the height
 TALL = 1.5  # a
-REPEATS = 2  # of a reference
 
 Values = Mapping[str, float]  # by quantity
 
@@ -91,26 +89,20 @@ def check(column: Column, advice: Advice, out: Path, jobs: int | None) -> Checke
     outcomes, bars = certify(column.source, column.overrides, advice, folder / "advised", jobs)
     first = next(row for row in make_rows(outcomes) if row["cells"] == advice.cells)
     fine = FINE if column.a < TALL else FINE_TALL
-    means = [_mean(column, family, cells, folder / "reference", jobs) for family, cells in fine.items()]
-    reference = {quantity: (means[0][quantity] + means[1][quantity]) / 2.0 for quantity in QUANTITIES}
+    points = [_reference(column, family, cells, folder / "reference") for family, cells in fine.items()]
+    rows = make_rows(conduct(points, folder / "reference", jobs, 1))
+    reference = {quantity: (rows[0][quantity] + rows[1][quantity]) / 2.0 for quantity in QUANTITIES}
     return Checked(
         {quantity: first[quantity] / reference[quantity] - 1.0 for quantity in QUANTITIES},
-        {quantity: abs(means[0][quantity] / reference[quantity] - 1.0) for quantity in QUANTITIES},
+        {quantity: abs(rows[0][quantity] / reference[quantity] - 1.0) for quantity in QUANTITIES},
         [_holds(bar, reference[bar.quantity]) for bar in bars],
     )
 
 
-def _mean(column: Column, family: str, cells: float, out: Path, jobs: int | None) -> Values:
+def _reference(column: Column, family: str, cells: float, out: Path) -> Point:
     base = load_case(column.source, column.overrides)
     asked = [*column.overrides, *as_overrides(values_for(base, family, cells))]
-    points = [_point(column.source, asked, f"{cells:g}-{i}", 1.0 - CFL_STEP * i, out) for i in range(REPEATS)]
-    rows = make_rows(conduct(points, out, jobs, 1))
-    return {quantity: float(np.mean([row[quantity] for row in rows])) for quantity in QUANTITIES}
-
-
-def _point(source: str, overrides: Sequence[str], name: str, factor: float, out: Path) -> Point:
-    cfl = load_case(source, overrides).time.cfl * factor
-    return make_point(load_case(source, [*overrides, f"time.cfl={cfl:.6g}"]), out, {"time.cfl": cfl}, name)
+    return make_point(load_case(column.source, asked), out, {"cells": cells}, f"{cells:g}")
 
 
 def _holds(bar: Certified, reference: float) -> bool:
