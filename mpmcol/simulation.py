@@ -77,7 +77,7 @@ def run(
     folder, used = Path(folder), set_threads(threads)
     if threads is not None and used != threads:
         say(f"note: {used} threads instead of {threads}; NUMBA_NUM_THREADS sets the most")
-    with locked(folder) as lock, stop_request(max_wall) as stop:
+    with stop_request(max_wall) as stop, locked(folder) as lock:
         found = None if fresh else _unfinished(case, folder, go_on, say)
         scene = build_scene(case)  # may refuse the case: before anything old is removed
         if found:

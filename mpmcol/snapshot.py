@@ -16,6 +16,7 @@ import h5py
 import numpy as np
 
 from mpmcol import vtkhdf
+from mpmcol.digests import has_digest, read_digests
 from mpmcol.errors import OutputError
 from mpmcol.files import INDEX_FILES, atomic_write, make_folder
 
@@ -89,7 +90,7 @@ def write_snapshot(folder: Path, index: int, snapshot: Snapshot, meta: Meta, com
         vtkhdf.write_points(file["VTKHDF"], points, data, {"Points": marks["position"], **marks}, compression)
         file["VTKHDF/FieldData/TimeValue"] = [snapshot.time]
         for name, value in {**meta, "schema": SCHEMA, "units": "SI", **moment}.items():
-            file[f"mpmcol/{name}"] = value
+            _write_plain(file, f"mpmcol/{name}", value)
         content = vtkhdf.image(file)
     atomic_write(path, content)
     return path
@@ -152,6 +153,15 @@ def _compact(values: np.ndarray) -> np.ndarray:
     return values.astype(np.float32) if values.dtype.kind == "f" else values
 
 
+def _write_plain(file: h5py.File, name: str, value: str | int | float) -> None:
+    """Text gets a fixed length: HDF5 may read a damaged heap, where texts of any length lie, for ever."""
+    if isinstance(value, str):
+        text = value.encode()
+        file.create_dataset(name, data=text, dtype=h5py.string_dtype("utf-8", max(len(text), 1)))
+    else:
+        file[name] = value
+
+
 def _plain(dataset: h5py.Dataset) -> Any:
     is_text = h5py.check_string_dtype(dataset.dtype) is not None
     return dataset.asstr()[()] if is_text else dataset[()].item()
@@ -163,6 +173,7 @@ def _opened(path: Path) -> Iterator[h5py.File]:
     if not path.is_file():
         raise OutputError(f"{path}: no such snapshot; they are in the folder `snapshots` of a results folder")
     try:
+        _require_own_bytes(path)
         with h5py.File(path, "r", locking=False) as file:
             if "VTKHDF" not in file or "mpmcol" not in file:
                 raise ValueError("it was not written by mpmcol (no group /VTKHDF or /mpmcol)")
@@ -174,3 +185,14 @@ def _opened(path: Path) -> Iterator[h5py.File]:
             f"{path}: not a readable snapshot: {error}; if it is damaged, delete it (the other snapshots stand "
             "alone) and run the case again to get it back"
         ) from error
+
+
+def _require_own_bytes(path: Path) -> None:
+    """Raise ValueError if the run's list of digests knows other bytes: what HDF5 makes of damage is not foreseeable."""
+    folder = path.parent.parent
+    try:
+        digest = read_digests(folder).get(path.relative_to(folder).as_posix())
+    except (OSError, ValueError):
+        return  # the run has not ended, or the list is damaged too
+    if digest is not None and not has_digest(path, digest):
+        raise ValueError("its bytes are not those that the run wrote")

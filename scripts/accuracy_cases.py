@@ -28,7 +28,7 @@ from mpmcol.sweep.points import Point, make_point
 from mpmcol.sweep.table import make_rows
 from mpmcol.units import to_unit
 
-FINE = {"light, nine points": 80.0, "light, sixteen points": 56.0}  # family -> r_i / h of the reference
+FINE = {"light, nine points": 112.0, "light, sixteen points": 80.0}  # family -> r_i / h of the reference
 FINE_TALL = {"light, nine points": 56.0, "light, sixteen points": 40.0}  # as many cells in the height
 TALL = 1.5  # a
 

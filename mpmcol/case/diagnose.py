@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import islice
 from typing import Any
 
 from pydantic import ValidationError
@@ -28,10 +27,11 @@ def find_problems(given: Given, invalid: ValidationError) -> list[Problem]:
     They come in the order of the file; overrides come last.
     """
     told = (error for error in invalid.errors(include_url=False) if error["type"] not in _ECHOES)
-    errors = [(_key_path(error), error) for error in islice(told, MOST_COUNTED)]
+    located = [(_key_path(error), error) for error in told]
+    errors = located[:MOST_COUNTED]
     law = _law(given.tables)
     meant = {key: _meant(key, law) for key, error in errors if error["type"] == "extra_forbidden"}
-    wrong = {key for key, _ in errors} | {known for known in meant.values() if known}
+    wrong = {key for key, _ in located} | {known for known in meant.values() if known}
     problems = [
         _unknown_key(given, key, meant[key], law) if key in meant else _bad_value(given, key, error, law)
         for key, error in errors

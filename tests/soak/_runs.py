@@ -29,6 +29,7 @@ def keep(name: str, make: Callable[[Path], object]) -> Path:
     place = KEPT / digest(PACKAGE) / name
     if not place.exists():
         making = place.with_name(f"{place.name}.{os.getpid()}")
+        shutil.rmtree(making, ignore_errors=True)  # of an attempt that failed
         making.mkdir(parents=True)
         make(making)
         try:

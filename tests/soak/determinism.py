@@ -37,7 +37,7 @@ LAWS = {
 }
 THREADS = ("1", "2", "3", "4", "8")
 # Without the instruction a fused multiply-add is a call of the C library, and a step takes some hundred times longer.
-SLOW, SLOW_THREADS, COARSER = "generic", ("1", "2"), 2.0
+SLOW, SLOW_THREADS, COARSER = "generic", ("1", "2"), 1.4
 
 
 def has_layer(pool: str) -> bool:

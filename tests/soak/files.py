@@ -22,7 +22,7 @@ DRAW = 2
 def trial(seed: int, folder: Path) -> str | None:
     """Read every snapshot of a run, alone and as a step of the series, in three ways."""
     draw, (source, *values) = random.Random(seed), list(CASES.values())[seed % len(CASES)]
-    times = f"output.times={sorted(round(draw.uniform(0.001, 0.1), 4) for _ in range(draw.randint(1, 4)))}"
+    times = f"output.times={sorted({round(draw.uniform(0.001, 0.1), 4) for _ in range(draw.randint(1, 4))})}"
     more = draw.choice(([], [times], ["output.compression=gzip"]))
     results = mpmcol.run(mpmcol.load_case(source, [*values, *SHORT, *more]), folder / "run", threads=1)
     for k, path in enumerate(results.snapshots):

@@ -6,6 +6,7 @@ import random
 import signal
 from pathlib import Path
 
+from mpmcol.files import is_locked
 from mpmcol.stop import SIGNALS
 from mpmcol.sweep.states import read_state
 from tests.soak._runs import CASES, STOPPED, await_, described, finish, seconds, start, stop, words
@@ -25,7 +26,7 @@ def trial(seed: int, folder: Path) -> str | None:
         command = [*words(name), "--out", str(run_folder), "--threads", str(threads)]
         run = start(command, {"NUMBA_NUM_THREADS": str(threads)})
         await_(run, moment(draw, run_folder, pace))
-        begun = (run_folder / ".lock").exists()
+        begun = is_locked(run_folder)
         said, took = stop(run, number)
         done = read_state(run_folder).name == "done"
         allowed = (0, STOPPED) if begun and not done else (0, STOPPED, 130, -number)  # else there is nothing to keep

@@ -94,6 +94,11 @@ def test_floods_of_problems_take_no_time(item: str) -> None:
     assert "1000 problems or more" in refusal("".join(map(item.format, range(10_000))))
 
 
+def test_a_flood_hides_no_value_from_the_rules() -> None:
+    keys = "".join(f"k{k} = 1\n" for k in range(2000))
+    assert "1000 problems or more" in refusal(f"[grid]\n{keys}[[stages.collapse.damping]]\n")
+
+
 def test_a_flood_of_wrong_items_takes_no_time() -> None:
     assert "1000 problems or more" in refusal(f"[output]\ntimes = [{'[],' * LONG}]")
 

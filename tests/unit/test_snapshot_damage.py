@@ -8,8 +8,9 @@ import h5py
 import numpy as np
 import pytest
 
+from mpmcol.digests import digest_of, write_digests
 from mpmcol.errors import OutputError
-from mpmcol.snapshot import Meta, Snapshot, read_snapshot, write_index, write_snapshot
+from mpmcol.snapshot import Meta, Snapshot, read_meta, read_snapshot, write_index, write_snapshot
 
 N = 20
 META: Meta = {"model": "plane", "case": "[grid]\n"}
@@ -89,3 +90,24 @@ def test_arrays_of_unequal_length_are_refused(tmp_path: Path):
         file["VTKHDF/PointData/mass"] = np.ones(N - 1)
     with pytest.raises(OutputError, match="differ in length"):
         read_snapshot(path)
+
+
+def test_a_changed_byte_is_told_before_hdf5_meets_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    path = write_snapshot(tmp_path, 0, SNAPSHOT, META)
+    write_digests(tmp_path, {"snapshots/000000.vtkhdf": digest_of(path)})
+    assert np.array_equal(read_snapshot(path).arrays["mass"], np.ones(N))
+    content = bytearray(path.read_bytes())
+    content[-1] ^= 1
+    path.write_bytes(content)
+    monkeypatch.setattr(h5py, "File", None)
+    with pytest.raises(OutputError, match="its bytes are not those that the run wrote"):
+        read_snapshot(path)
+
+
+def test_no_text_lies_in_a_heap_whose_damage_keeps_hdf5_busy_for_ever(tmp_path: Path):
+    path = write_snapshot(tmp_path, 0, SNAPSHOT, {**META, "title": "", "case": "Böschung, 33°\n"})
+    assert read_meta(path).items() >= {"title": "", "case": "Böschung, 33°\n", "stage": "collapse"}.items()
+    with h5py.File(path) as file:
+        found = [name for name, data in file["mpmcol"].items() if h5py.check_string_dtype(data.dtype)]
+        assert {"case", "title", "stage", "units"} <= set(found)
+        assert all(h5py.check_string_dtype(file["mpmcol"][name].dtype).length for name in found)
