@@ -83,7 +83,7 @@ def write_snapshot(folder: Path, index: int, snapshot: Snapshot, meta: Meta, com
     path = make_folder(folder / "snapshots", parents=False) / f"{index:06d}.vtkhdf"
     order = np.argsort(snapshot.arrays["id"], kind="stable")
     data = {name: _compact(values)[order] for name, values in snapshot.arrays.items()}
-    moment = {"time": snapshot.time, "step": snapshot.step, "stage": snapshot.stage}
+    moment: Meta = {"time": snapshot.time, "step": snapshot.step, "stage": snapshot.stage}
     marks = {name: _marks(name, PER.get(str(meta.get("model")), "")) for name in UNITS}
     with vtkhdf.memory_file() as file:
         points = data.pop("position")
