@@ -14,6 +14,7 @@ import pytest
 
 import mpmcol
 from mpmcol.errors import NumericalFailure
+from mpmcol.faults import fault_of
 from mpmcol.grid import node_coordinates
 from mpmcol.kernels import cycle
 from mpmcol.results import Results
@@ -216,6 +217,17 @@ def test_a_volume_that_leaves_its_bounds_slowly_is_not_put_down_to_the_time_step
 
     failure = Saboteur("plane", tmp_path, damage, "step").failure()
     assert likely in failure["likely"] and remedy in failure["remedy"] and not failure["smaller_step_helps"]
+
+
+@pytest.mark.parametrize(("share", "likely"), [(0.4, "time step"), (0.6, "crushes")])
+def test_a_volume_lost_at_once_is_put_down_to_the_softness_of_what_falls(
+    share: float, likely: str, tmp_path: Path
+) -> None:
+    solver = Saboteur("plane", tmp_path, lambda run, row: None, "step").run.solver
+    solver.settings = solver.settings._replace(free_speed=share * solver.bodies[0].wave_speed2 ** 0.5)
+    solver.points.J[0] = 0.01
+    solver.points.grad_v = -np.ones_like(solver.points.grad_v) / solver.dt
+    assert likely in fault_of(solver, 0).likely
 
 
 @pytest.mark.parametrize(("cfl", "model"), STEPS)
