@@ -42,7 +42,7 @@ def advised(case: str, overrides: Sequence[str], accuracy: float, silent: bool) 
 
     advice = advise(case, overrides, accuracy)
     if not silent:
-        click.echo(f"cheapest within {accuracy:.3g}: {advice}")
+        click.echo(f"cheapest within {100.0 * accuracy:.3g}%: {advice}")
     return advice
 
 

@@ -31,12 +31,12 @@ def plan(case: str, overrides: tuple[str, ...], accuracy: float, target: Path | 
     for proposal in propose(case, overrides, accuracy):
         click.echo(f"{proposal.name:44s}{f'x {proposal.cost_ratio:.2g}':>8s}{_effects(proposal.effect)}")
     advice = advise(case, overrides, accuracy)
-    click.echo(f"\ncheapest within {accuracy:.1%}: {advice}")
+    click.echo(f"\ncheapest within {100.0 * accuracy:.3g}%: {advice}")
     if target:
         atomic_write(target, resolved_toml(load_case(case, [*overrides, *advice.overrides])).encode())
         click.echo(f"written to {target}; next: mpmcol run {target}")
     else:
-        click.echo(f"next: mpmcol run {case} --accuracy {accuracy:.3g}, or --apply NEW.toml")
+        click.echo(f"next: mpmcol run {case} --accuracy {100.0 * accuracy:.3g}%, or --apply NEW.toml")
 
 
 def _effects(effect: Mapping[str, float] | None) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from math import ceil
 from pathlib import Path
 
 from mpmcol.case import Case, load_case
@@ -61,8 +62,8 @@ def advise(source: str | Path, overrides: Sequence[str], accuracy: float) -> Adv
     if not keeping:
         best = min(candidates, key=lambda one: one.error)
         raise UsageError(
-            f"no setting of the study keeps to {accuracy:.3g} around this case; the most accurate:\n{best}\n"
-            f"ask for --accuracy {best.error:.1%} or more, or give grid.spacing yourself"
+            f"no setting of the study keeps to {100.0 * accuracy:.3g}% around this case; the most accurate:\n{best}\n"
+            f"ask for --accuracy {ceil(1e3 * best.error) / 10.0:g}% or more, or give grid.spacing yourself"
         )
     return min(keeping, key=lambda one: one.core_seconds)
 
