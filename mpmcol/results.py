@@ -7,14 +7,14 @@ import hashlib
 import io
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from mpmcol.case import Case, load_case
+from mpmcol.case import Case, case_hash, load_case
 from mpmcol.digests import digest_of, write_digests
 from mpmcol.errors import OutputError, UsageError
 from mpmcol.files import (
@@ -38,7 +38,8 @@ RESULT_SCHEMA = 1
 # the case last, so that a folder half emptied is still known for a run's
 OWN_FILES = (
     RESULT_FILE, DIGEST_FILE, HISTORY_FILE, *INDEX_FILES, "snapshots", "profile.png", "front.png", "energy.png",
-    "collapse.gif", "topview.png", *CHECKPOINT_FILES, CASE_FILE,
+    "profile.svg", "front.svg", "energy.svg", "collapse.gif", "topview.png", "snapshot-*.png", *CHECKPOINT_FILES,
+    CASE_FILE,
 )  # fmt: skip
 HISTORY = (
     "stage", "step", "time", "dt", "kinetic", "potential", "elastic", "plastic", "damping", "walls", "transfer",
@@ -122,18 +123,22 @@ def measure_snapshot(snapshot: Snapshot, shape: ColumnShape) -> Measurement:
     return measure(arrays["position"], arrays["mass"], arrays["displacement"], shape)
 
 
-def prepare_folder(folder: Path, fresh: bool) -> None:
-    """Make room for a run: a finished one is kept unless `fresh`, an unfinished one is replaced.
+def prepare_folder(folder: Path, case: Case, fresh: bool, say: Callable[[str], None]) -> None:
+    """Make room for a run of a case: a finished one is kept unless `fresh`, one that diverged is replaced, and told of.
 
     Raises UsageError for a finished run or a folder that holds something else, OutputError if it cannot be emptied.
     """
-    if (folder / RESULT_FILE).exists() and not fresh and _is_finished(folder):
-        raise UsageError(f"{folder} holds a finished run; use --fresh to replace it, or --out for another folder")
+    if (folder / RESULT_FILE).exists() and not fresh:
+        if _is_finished(folder):
+            raise UsageError(f"{folder} holds a finished run; use --fresh to replace it, or --out for another folder")
+        if Results(folder).summary.get("case_hash") != case_hash(case):
+            say(f"note: a run of another case in {folder}, which had not come to its end, is replaced")
     found = {path.name for path in folder.iterdir()} if folder.is_dir() else set()
     if found - {LOCK, GIVEN_CASE_FILE, LOG_FILE} and CASE_FILE not in found:
         raise UsageError(f"{folder} is not empty and holds no run; use --out for another folder")
-    for name in OWN_FILES:
-        remove(folder / name)
+    for pattern in OWN_FILES:
+        for path in folder.glob(pattern):
+            remove(path)
 
 
 def reopen_folder(folder: Path) -> None:

@@ -62,7 +62,7 @@ def _readable(results: Results, say: Callable[[str], None]) -> dict[int, float]:
         try:
             times[i] = results.snapshot(i).time
         except OutputError:
-            say(f"note: {path} is damaged and left out; run the case again to get it back")
+            say(f"note: {path} is damaged and left out; the case run again with --fresh makes it anew")
     if not times:
         raise OutputError(f"{results.folder}: all {len(paths)} snapshots are damaged; run the case again")
     return times

@@ -83,7 +83,7 @@ def run(
         if found:
             require_same_points(scene, found)
         try:
-            reopen_folder(folder) if found else prepare_folder(folder, fresh)
+            reopen_folder(folder) if found else prepare_folder(folder, case, fresh, say)
             simulation = set_up(case, scene, folder, used, progress, say)
             if on_instability == "retry":
                 simulation.good = deque(maxlen=GO_BACK)

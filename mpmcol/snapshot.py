@@ -182,8 +182,8 @@ def _opened(path: Path) -> Iterator[h5py.File]:
             yield file
     except DAMAGE as error:
         raise OutputError(
-            f"{path}: not a readable snapshot: {error}; if it is damaged, delete it (the other snapshots stand "
-            "alone) and run the case again to get it back"
+            f"{path}: not a readable snapshot: {error}; the other snapshots stand alone, and the case run again with "
+            "--fresh makes it anew"
         ) from error
 
 

@@ -21,6 +21,7 @@ from mpmcol import __version__
 from mpmcol.errors import MpmcolError, OutputError
 
 LONGEST_NAME = 200  # of a path in a message
+DISK = (errno.ENOSPC, errno.EDQUOT, errno.EIO)  # what writing to stdout may meet
 
 COMMANDS = {
     "run": "mpmcol.cli.run:run",
@@ -94,6 +95,9 @@ class Commands(click.Group):
                 raise  # the reader of our output has gone; click ends quietly
             if isinstance(bug, OSError) and bug.filename:
                 click.echo(_file_error(bug), err=True)
+                ctx.exit(OutputError.exit_code)
+            if isinstance(bug, OSError) and bug.errno in DISK:
+                click.echo(f"the output cannot be written: {bug.strerror}; make room, or send it elsewhere", err=True)
                 ctx.exit(OutputError.exit_code)
             _report_bug(bug)
             ctx.exit(1)

@@ -46,14 +46,22 @@ def advised(case: str, overrides: Sequence[str], accuracy: float, silent: bool) 
     return advice
 
 
-def certified(case: str, overrides: Sequence[str], advice: Advice, out: Path, as_json: bool, quiet: bool) -> None:
+def certified(
+    case: str,
+    overrides: Sequence[str],
+    advice: Advice,
+    out: Path,
+    threads: int | None,
+    as_json: bool,
+    quiet: bool,
+) -> None:
     """Run a case as advised at two spacings, print runout and height with error bars, and end the command."""
     from mpmcol.cli.sweep_display import Display
     from mpmcol.pareto.certify import certify
     from mpmcol.sweep.engine import exit_code
 
     with Display(out, quiet or as_json) as display:
-        outcomes, quantities = certify(case, overrides, advice, out, watcher=display)
+        outcomes, quantities = certify(case, overrides, advice, out, threads=threads, watcher=display)
     if as_json:
         click.echo(json.dumps({one.quantity: vars(one) for one in quantities}))
     elif not quiet:

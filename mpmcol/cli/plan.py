@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from shlex import quote
 
 import click
 
@@ -36,7 +37,8 @@ def plan(case: str, overrides: tuple[str, ...], accuracy: float, target: Path | 
         atomic_write(target, resolved_toml(load_case(case, [*overrides, *advice.overrides])).encode())
         click.echo(f"written to {target}; next: mpmcol run {target}")
     else:
-        click.echo(f"next: mpmcol run {case} --accuracy {100.0 * accuracy:.3g}%, or --apply NEW.toml")
+        values = "".join(f" --set {quote(text)}" for text in overrides)
+        click.echo(f"next: mpmcol run {quote(case)}{values} --accuracy {100.0 * accuracy:.3g}%, or --apply NEW.toml")
 
 
 def _effects(effect: Mapping[str, float] | None) -> str:

@@ -11,11 +11,14 @@ from pathlib import Path
 from typing import Any, Literal
 
 import click
+from click.core import ParameterSource
 
 from mpmcol.cli.accuracy import ACCURACY, advised, certified
 from mpmcol.cli.counts import THREADS
 from mpmcol.cli.duration import DURATION, duration
 from mpmcol.errors import Interrupted, NumericalFailure
+
+OF_ONE_RUN = ("fresh", "go_on", "checkpoint", "max_wall", "on_instability", "requeue_code", "dry_run")
 
 
 @click.command()
@@ -69,8 +72,8 @@ def run(
     A run that goes wrong stops with cause, place and remedy (exit code 3) and keeps its last good state as a snapshot;
     with --on-instability retry it first goes back to a good state with half of time.cfl, at most four times.
     """
-    if certify and accuracy is None:
-        raise click.UsageError("--certify goes with --accuracy, which chooses the grid")
+    if certify:
+        _check_certify(accuracy)
     if threads is not None:
         os.environ.setdefault("NUMBA_NUM_THREADS", str(max(threads, os.cpu_count() or 1)))
     from mpmcol.case import case_hash, load_case
@@ -78,7 +81,8 @@ def run(
     if accuracy is not None:
         advice = advised(case, overrides, accuracy, silent=quiet or as_json)
         if certify:
-            certified(case, overrides, advice, out or Path("runs") / f"{Path(case).stem}-certified", as_json, quiet)
+            folder = out or Path("runs") / f"{Path(case).stem}-certified"
+            certified(case, overrides, advice, folder, threads, as_json, quiet)
         overrides = (*overrides, *advice.overrides)
     loaded = load_case(case, overrides)
     if dry_run:
@@ -112,6 +116,16 @@ def run(
 
         click.echo(closing_table(results))
         click.echo(f"results in {folder}; next: mpmcol plot {folder}, mpmcol render {folder}")
+
+
+def _check_certify(accuracy: float | None) -> None:
+    """Refuse what makes no sense with --certify, which is a sweep of six runs."""
+    if accuracy is None:
+        raise click.UsageError("--certify goes with --accuracy, which chooses the grid")
+    context = click.get_current_context()
+    given = [name for name in OF_ONE_RUN if context.get_parameter_source(name) is ParameterSource.COMMANDLINE]
+    if given:
+        raise click.UsageError(f"--{given[0].replace('_', '-')} is of one run, and --certify makes six: leave one out")
 
 
 class Reporter:

@@ -54,6 +54,10 @@ def sweep(
     """
     if (engine == "dask") != (scheduler is not None):
         raise click.UsageError("--engine dask and --scheduler ADDRESS go together")
+    if engine != "local" and jobs is not None:
+        raise click.UsageError("--jobs is for --engine local; a cluster chooses the points at a time itself")
+    if engine == "commands" and to_json:
+        raise click.UsageError("--json tells what the points became, and --engine commands runs none; leave one out")
     from mpmcol.sweep.axes import parse_axes
     from mpmcol.sweep.points import plan_points
 
@@ -63,7 +67,7 @@ def sweep(
     if dry_run:
         _print_forecast(points, jobs, threads, to_json)
     elif engine == "commands":
-        _print_commands(points, folder, threads)
+        _print_commands(points, folder, threads, quiet)
     else:
         _run(points, folder, jobs, threads, scheduler, to_json, quiet)
 
@@ -135,7 +139,7 @@ def _print_forecast(points: list[Point], jobs: int | None, threads: int | None, 
     click.echo(f"about {duration(total)} in all; nothing was run" if left else "nothing was run")
 
 
-def _print_commands(points: list[Point], out: Path, threads: int | None) -> None:
+def _print_commands(points: list[Point], out: Path, threads: int | None, quiet: bool) -> None:
     """The lines on stdout; all else on stderr, so that they can be piped."""
     from mpmcol.sweep.commands import SLURM_FILE, write_commands
     from mpmcol.sweep.conduct import make_plan, todo
@@ -149,5 +153,6 @@ def _print_commands(points: list[Point], out: Path, threads: int | None) -> None
     shares = Shares(len(left), threads or 1)
     write_plan(prepare_out(out), make_plan(points, shares))
     click.echo("\n".join(write_commands(left, shares.threads, out)))
-    click.echo(f"{len(left)} points to run; on Slurm: sbatch {out / SLURM_FILE}", err=True)
-    click.echo("afterwards the same command without --engine makes table and charts", err=True)
+    if not quiet:
+        click.echo(f"{len(left)} points to run; on Slurm: sbatch {out / SLURM_FILE}", err=True)
+        click.echo("afterwards the same command without --engine makes table and charts", err=True)

@@ -9,11 +9,13 @@ from collections.abc import Iterator
 from contextlib import ExitStack
 from dataclasses import asdict
 from pathlib import Path
+from types import FrameType
 from typing import Any
 
 import click
 
 from mpmcol.cli.duration import duration
+from mpmcol.errors import Interrupted
 from mpmcol.measure import FRONTS
 from mpmcol.sweep.conduct import Watcher
 from mpmcol.sweep.engine import Outcome
@@ -26,6 +28,8 @@ RECORD_SCHEMA = 1
 LOOK_SECONDS = 1.0  # between two looks at the files of the runs
 RESOLUTION = 1000  # of the bar
 MOST_ROWS = 60
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGUSR1, signal.SIGHUP)  # a lost terminal is a wish to end, too
+AT_ONCE = 2  # wishes
 
 
 class Display(Watcher):
@@ -40,15 +44,19 @@ class Display(Watcher):
         self._jobs = 1
         self._ended_before: set[str] = set()
         self._looked = 0.0
+        self._wishes = 0  # to end
 
     def __enter__(self) -> Display:
-        heed_signals()
+        for number in SIGNALS:
+            if signal.getsignal(number) is not signal.SIG_IGN:  # as for a sweep that was started with nohup
+                signal.signal(number, self._note)
         return self
 
     def __exit__(self, kind: type[BaseException] | None, *error: object) -> None:
+        """Where the runs were ended in good order, say how to go on, as of a run."""
         self._stack.close()
-        if kind is KeyboardInterrupt:
-            click.echo("the same command again completes the sweep", err=True)
+        if kind is KeyboardInterrupt and self._wishes < AT_ONCE:
+            raise Interrupted("stopped in good order; the same command again completes the sweep") from None
 
     def say(self, line: str) -> None:
         """One line, where the bar was."""
@@ -81,15 +89,12 @@ class Display(Watcher):
         self._bar.label = how_far(parts, self._jobs)
         self._bar.update(int(share_done(parts) * RESOLUTION) - self._bar.pos)
 
+    def _note(self, number: int, frame: FrameType | None) -> None:
+        self._wishes += 1
+        raise KeyboardInterrupt
+
     def _parts(self) -> list[Part]:
         return self._progress.parts() if self._progress else []
-
-
-def heed_signals() -> None:
-    """A scheduler's wish and a lost terminal are a Ctrl-C, but for a sweep that was started with nohup."""
-    for number in (signal.SIGTERM, signal.SIGHUP):
-        if signal.getsignal(number) is not signal.SIG_IGN:
-            signal.signal(number, signal.default_int_handler)
 
 
 def how_far(parts: list[Part], jobs: int) -> str:

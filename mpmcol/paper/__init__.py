@@ -10,11 +10,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from types import ModuleType
 
-from mpmcol.errors import OutputError
 from mpmcol.paper import factors, fig5, fig6, fig7, fig8, fig9
 from mpmcol.paper.report import Report, write_report
 from mpmcol.sweep.conduct import Watcher
-from mpmcol.sweep.engine import Outcome
+from mpmcol.sweep.engine import Outcome, unsuccessful
 from mpmcol.sweep.members import carry_out_members
 from mpmcol.version import code_version
 
@@ -39,7 +38,7 @@ def reproduce(
     needed = (member for name in names for member in FIGURES[name].members(quick))
     outcomes, found = carry_out_members(needed, out / RUNS, jobs, threads, watcher)
     if not found:
-        raise OutputError(f"no run of {', '.join(names)} ended well; mpmcol status {out / RUNS} says why")
+        raise unsuccessful(outcomes, f"no run of {', '.join(names)} ended well; mpmcol status {out / RUNS} says why")
     reports = {name: FIGURES[name].report(found, quick) for name in names}
     heading = f"mpmcol {code_version()}{', quick: coarse grids, fewer columns' if quick else ''}."
     files = [

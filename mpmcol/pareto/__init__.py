@@ -11,13 +11,13 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from mpmcol.errors import MpmcolError, OutputError, UsageError
+from mpmcol.errors import MpmcolError, UsageError
 from mpmcol.pareto.report import write_report
 from mpmcol.pareto.score import Scored, score_study
 from mpmcol.pareto.settings import Setting, settings_of
 from mpmcol.pareto.study import Study
 from mpmcol.sweep.conduct import Watcher
-from mpmcol.sweep.engine import Outcome
+from mpmcol.sweep.engine import Outcome, unsuccessful
 from mpmcol.sweep.members import carry_out_members, find_members
 
 RUNS = "runs"
@@ -47,8 +47,10 @@ def carry_out_study(
         outcomes, found = find_members(members, out / RUNS)
     else:
         outcomes, found = carry_out_members(members, out / RUNS, jobs, 1, watcher)
+    if not found and report_only:
+        raise UsageError(f"no run of the study has ended in {out / RUNS}; leave --report-only out")
     if not found:
-        raise OutputError(f"no run of the study ended well; mpmcol status {out / RUNS} says why")
+        raise unsuccessful(outcomes, f"no run of the study ended well; mpmcol status {out / RUNS} says why")
     ended = {outcome.point.folder: outcome for outcome in outcomes}
     failures = {
         member: outcome.ending.message

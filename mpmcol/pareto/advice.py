@@ -9,6 +9,7 @@ from pathlib import Path
 
 from mpmcol.case import Case, load_case
 from mpmcol.errors import UsageError
+from mpmcol.pareto.notes import unlike
 from mpmcol.pareto.settings import overrides_of
 from mpmcol.pareto.table import QUANTITIES, Row, place_of, scenes_around, shipped_rows, shipped_study
 from mpmcol.sweep.definition import Value, as_text
@@ -27,6 +28,7 @@ class Advice:
     within: Mapping[str, float]  # quantity -> relative error that nine of ten runs keep to, in all `scenes`
     scenes: Sequence[str]  # of the study, between which the case lies
     core_seconds: float  # expected, on the machine of the study
+    unlike: Sequence[str]  # what the case has otherwise than the study, whose errors may not hold for it
 
     @property
     def overrides(self) -> list[str]:
@@ -40,10 +42,13 @@ class Advice:
 
     def __str__(self) -> str:
         errors = ", ".join(f"{quantity} {error:.1%}" for quantity, error in self.within.items())
-        return (
-            f'"{self.family}" at r_i/h = {self.cells:g}: {", ".join(self.overrides)}\n'
-            f"  its errors in the study: {errors} (9 of 10 runs; {'; '.join(self.scenes)})\n"
-            f"  expected: about {self.core_seconds:.2g} core-seconds on the machine of the study"
+        return "\n  ".join(
+            [
+                f'"{self.family}" at r_i/h = {self.cells:g}: {", ".join(self.overrides)}',
+                f"its errors in the study: {errors} (9 of 10 runs; {'; '.join(self.scenes)})",
+                *(f"note: they may not hold here: {what}" for what in self.unlike),
+                f"expected: about {self.core_seconds:.2g} core-seconds on the machine of the study",
+            ]
         )
 
 
@@ -83,7 +88,8 @@ def options(source: str | Path, overrides: Sequence[str]) -> Iterator[Advice]:
             pace = max(row.seconds_per_point_step for row in rows)
             known = [row.within for row in rows if row.within]
             within = {quantity: max(errors[quantity] for errors in known) for quantity in QUANTITIES}
-            yield Advice(family, cells, values, within, scenes, pace * Point({}, asked, Path()).work)
+            cost = pace * Point({}, asked, Path()).work
+            yield Advice(family, cells, values, within, scenes, cost, unlike(asked, family, scenes))
 
 
 def values_for(case: Case, family: str, cells: float) -> dict[str, Value]:

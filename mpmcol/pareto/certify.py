@@ -10,10 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from mpmcol.case import load_case
-from mpmcol.errors import OutputError
 from mpmcol.pareto.advice import Advice
 from mpmcol.sweep.conduct import Watcher, conduct
-from mpmcol.sweep.engine import Outcome
+from mpmcol.sweep.engine import Outcome, unsuccessful
 from mpmcol.sweep.members import CFL_STEP
 from mpmcol.sweep.points import Point, make_point
 from mpmcol.sweep.table import make_rows
@@ -22,7 +21,8 @@ RUNS = 3  # at each spacing, with time steps a little apart
 RATIO = sqrt(2.0)  # of the spacings, about: the radius is whole cells
 ORDER = 1.0  # the lowest that is usual for the front and the height of a pile
 SAFETY = 1.25
-STUDENT = 2.78  # 95 % of Student's t with 2 (RUNS - 1) degrees of freedom
+FEWEST = 2  # that must have ended well
+STUDENT = {2: 4.30, 3: 3.18, 4: 2.78}  # degrees of freedom -> 95 % of Student's t
 
 
 @dataclass(frozen=True)
@@ -49,23 +49,24 @@ def certify(
     advice: Advice,
     out: Path,
     jobs: int | None = None,
+    threads: int | None = None,
     watcher: Watcher | None = None,
 ) -> tuple[list[Outcome], list[Certified]]:
     """Run a case as advised and at a coarser spacing into the folder `out`, some times each.
 
-    Raises OutputError if no runs of one of the spacings ended well.
+    Raises an MpmcolError with the runs' exit code if fewer than FEWEST at one of the spacings ended well.
     """
     asked = [*overrides, *advice.overrides]
     coarse = max(round(advice.cells / RATIO), 2)
     levels = [_points(source, asked, cells, out) for cells in (coarse, advice.cells)]
-    outcomes = conduct([point for points in levels for point in points], out, jobs, watcher=watcher)
+    outcomes = conduct([point for points in levels for point in points], out, jobs, threads, watcher=watcher)
     rows = [row for row in make_rows(outcomes) if row["status"] == "done"]
     values = {
         quantity: [[row[quantity] for row in rows if row["cells"] == cells] for cells in (coarse, advice.cells)]
         for quantity in advice.within
     }
-    if not all(level for both in values.values() for level in both):
-        raise OutputError(f"too few runs ended well to tell an error; mpmcol status {out} says why")
+    if any(len(level) < FEWEST for both in values.values() for level in both):
+        raise unsuccessful(outcomes, f"too few runs ended well to tell an error; mpmcol status {out} says why")
     ratio = advice.cells / coarse
     return outcomes, [
         error_bar(quantity, both[0], both[1], ratio, advice.within[quantity]) for quantity, both in values.items()
@@ -82,10 +83,10 @@ def error_bar(
     so that the bar is never less than the relative error `within` which the study found of this setting.
     """
     change = float(np.mean(fine) - np.mean(coarse))
-    variances = [float(np.var(level, ddof=1)) if len(level) > 1 else 0.0 for level in (coarse, fine)]
-    scatter = sqrt(np.mean(variances))
+    freedom = len(coarse) + len(fine) - 2
+    scatter = sqrt(sum(float(np.var(level)) * len(level) for level in (coarse, fine)) / freedom)
     mean_error = scatter * sqrt(1.0 / len(coarse) + 1.0 / len(fine))
-    shown = SAFETY * float(np.hypot(change, STUDENT * mean_error)) / (ratio**ORDER - 1.0)
+    shown = SAFETY * float(np.hypot(change, STUDENT[freedom] * mean_error)) / (ratio**ORDER - 1.0)
     value = float(np.mean(fine))
     known = within * abs(value)
     return Certified(quantity, value, max(shown, known), change, scatter, known)

@@ -60,7 +60,7 @@ def _styles(families: Sequence[str]) -> dict[str, dict[str, Any]]:
 
 
 def _draw_family(axes: Axes, scored: Sequence[Scored], quantity: str, family: str, style: dict[str, Any]) -> None:
-    shown = [one for one in scored if quantity in one.errors and not one.failures]
+    shown = [one for one in scored if quantity in one.errors and one.is_complete]
     x = [one.cost["core_seconds"] for one in shown]
     y = [max(one.errors[quantity].usual, LEAST) for one in shown]
     axes.plot(x, y, linewidth=1.0, markersize=5.0, fillstyle="none", label=family, **style)

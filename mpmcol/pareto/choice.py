@@ -32,11 +32,11 @@ def kept_errors(scored: Sequence[Scored], quantity: str) -> list[Kept]:
     """Settings of a scene that can be relied on, with their errors.
 
     An error that grows again as the grid is refined was small by luck, so that the largest of a setting and those finer
-    counts. Left out are settings with runs that failed, and families at too few spacings to tell.
+    counts. Left out are settings with runs that failed or are yet to be made, and families at too few spacings to tell.
     """
     kept = []
     for family in dict.fromkeys(one.setting.family for one in scored):
-        own = [one for one in scored if one.setting.family == family and quantity in one.errors and not one.failures]
+        own = [one for one in scored if one.setting.family == family and quantity in one.errors and one.is_complete]
         worst = 0.0
         for one in sorted(own, key=lambda one: -one.setting.cells) if len(own) >= FEWEST else ():
             worst = max(worst, one.errors[quantity].usual)

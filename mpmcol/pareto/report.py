@@ -54,7 +54,7 @@ def table_rows(study: Study, references: Mapping[str, Reference], scored: Sequen
         setting, scene = one.setting, study.scenes[one.setting.scene]
         row: dict[str, Any] = {
             "scene": setting.scene, "case": scene.case, "a": scene.aspect, "family": setting.family,
-            "cells": setting.cells, "runs": len(one.runs), "failed": len(setting.members) - len(one.runs),
+            "cells": setting.cells, "runs": len(one.runs), "failed": len(one.failures),
         }  # fmt: skip
         row |= {name: one.cost[name] if one.runs else None for name in COSTS}
         for quantity in (*QUANTITIES, PROFILE):
@@ -65,7 +65,7 @@ def table_rows(study: Study, references: Mapping[str, Reference], scored: Sequen
             row[f"{quantity} kept"] = kept.get((id(one), quantity))
             row[f"{quantity} reference +-"] = reference and reference.uncertainty(quantity)
             row[f"{quantity} unbeaten"] = one in fronts[setting.scene, quantity]
-        yield row | {"message": "; ".join(one.failures)}
+        yield row | {"message": one.causes}
 
 
 def experiment_of(scored: Scored) -> Experiment:

@@ -40,7 +40,17 @@ class Scored:
     setting: Setting
     runs: Sequence[Finished]
     errors: Mapping[str, Error]  # by quantity; empty without runs or reference
-    failures: Sequence[str]
+    failures: Sequence[str]  # one for each run that did not
+
+    @property
+    def causes(self) -> str:
+        """Why runs did not end well, each cause once."""
+        return "; ".join(dict.fromkeys(self.failures))
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether all of its runs ended well; some may not have been made yet."""
+        return len(self.runs) == len(self.setting.members)
 
     @cached_property
     def cost(self) -> dict[str, float]:
@@ -74,8 +84,7 @@ def score_study(
 def _score(setting: Setting, found: Found, failures: Mapping[Member, str], reference: Reference | None) -> Scored:
     runs = _runs(setting, found)
     errors = _errors(runs, reference) if runs and reference else {}
-    told = dict.fromkeys(failures[member] for member in setting.members if member in failures)
-    return Scored(setting, runs, errors, list(told))
+    return Scored(setting, runs, errors, [failures[member] for member in setting.members if member in failures])
 
 
 def _errors(runs: Sequence[Finished], reference: Reference) -> dict[str, Error]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cache
 
 from mpmcol.case import Case, load_case
 from mpmcol.pareto.study import Family, Scene, Study
@@ -44,7 +43,7 @@ def overrides_of(case: Case, family: Family) -> dict[str, Value]:
 
 
 def _members(scene: Scene, family: Family, cells: float, repeats: int) -> tuple[Member, ...]:
-    case = _load(scene.case, scene.aspect)
+    case = load_scene(scene)
     values = {**scene.set, **overrides_of(case, family)}
     cfl = float(values.pop("time.cfl", case.time.cfl))
     h = round(case.geometry.r_i / cells, 9)
@@ -55,6 +54,9 @@ def _members(scene: Scene, family: Family, cells: float, repeats: int) -> tuple[
     )
 
 
-@cache
-def _load(case: str, aspect: float) -> Case:
-    return load_case(case, [f"geometry.aspect={aspect}"])
+def load_scene(scene: Scene, family: Family | None = None) -> Case:
+    """The case of a scene, with the choices of a family if one is given."""
+    values: dict[str, Value] = {"geometry.aspect": scene.aspect, **scene.set}
+    if family is not None:
+        values |= overrides_of(load_scene(scene), family)
+    return load_case(scene.case, [f"{key}={as_text(value)}" for key, value in values.items()])

@@ -12,10 +12,11 @@ from functools import cache
 from math import hypot
 from typing import Any
 
-from mpmcol.case import Case, load_case
+from mpmcol.case import Case
 from mpmcol.errors import UsageError
 from mpmcol.experiments import column_kind
 from mpmcol.pareto.score import BETA, ZETA
+from mpmcol.pareto.settings import load_scene
 from mpmcol.pareto.study import Study, load_study, shipped_studies
 
 STUDY = "default"
@@ -69,28 +70,36 @@ def shipped_rows() -> tuple[Row, ...]:
 
 
 def scenes_around(place: Place) -> list[str]:
-    """The study's scenes between which a column lies: in friction, and among those in aspect ratio.
+    """The study's scenes between which a column lies, in friction and in aspect ratio.
 
-    Raises UsageError if it has no columns of this kind.
+    Of every friction next to its own the scenes next in aspect ratio, and of every aspect ratio next to its own those
+    next in friction: not every pair of the two was studied. Raises UsageError if there are no columns of this kind.
     """
-    places = {name: place_of(load_scene(name)) for name in shipped_study().scenes}
+    alike = places_alike(place)
+    chosen: dict[str, None] = {}
+    for friction in _bracket({other.friction_deg for other in alike.values()}, place.friction_deg, NEAR_FRICTION, 1.0):
+        group = {name: other.a for name, other in alike.items() if other.friction_deg == friction}
+        aspects = _bracket(set(group.values()), place.a, 0.0, NEAR_ASPECT)
+        chosen |= dict.fromkeys(name for name, a in group.items() if a in aspects)
+    for aspect in _bracket({other.a for other in alike.values()}, place.a, 0.0, NEAR_ASPECT):
+        group = {name: other.friction_deg for name, other in alike.items() if other.a == aspect}
+        chosen |= dict.fromkeys([min(group, key=lambda name: abs(group[name] - place.friction_deg))])
+    return list(chosen)
+
+
+def places_alike(place: Place) -> dict[str, Place]:
+    """The study's scenes with columns of the same kind, and where they stand; UsageError if there are none."""
+    places = {name: place_of(scene_case(name)) for name in shipped_study().scenes}
     alike = {name: other for name, other in places.items() if other.kind == place.kind}
     if not alike:
         raise UsageError(f"the study of errors has no {place.kind} columns; give grid.spacing yourself")
-    frictions = _bracket({other.friction_deg for other in alike.values()}, place.friction_deg, NEAR_FRICTION, 1.0)
-    chosen = []
-    for friction in frictions:
-        group = {name: other.a for name, other in alike.items() if other.friction_deg == friction}
-        aspects = _bracket(set(group.values()), place.a, 0.0, NEAR_ASPECT)
-        chosen += [name for name, a in group.items() if a in aspects]
-    return chosen
+    return alike
 
 
 @cache
-def load_scene(name: str) -> Case:
+def scene_case(name: str) -> Case:
     """The case of a scene of the shipped study."""
-    scene = shipped_study().scenes[name]
-    return load_case(scene.case, [f"geometry.aspect={scene.aspect}", *(f"{k}={v}" for k, v in scene.set.items())])
+    return load_scene(shipped_study().scenes[name])
 
 
 def _bracket(values: Iterable[float], x: float, near: float, ratio: float) -> list[float]:

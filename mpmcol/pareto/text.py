@@ -104,5 +104,5 @@ def _failures(scored: Sequence[Scored]) -> Iterator[str]:
     if failed:
         yield "|---" * 4 + "|"
     for one in failed:
-        count, causes = len(one.setting.members), "; ".join(one.failures)
-        yield f"| {one.setting.scene} | {name_of(one)} | {count - len(one.runs)} of {count} | {causes} |"
+        count, causes = len(one.setting.members), one.causes
+        yield f"| {one.setting.scene} | {name_of(one)} | {len(one.failures)} of {count} | {causes} |"

@@ -64,4 +64,5 @@ def dask_pool(scheduler: str, out: Path) -> Iterator[Pool]:
     halt = FileHalt(out.resolve() / f".halt-{uuid.uuid4().hex}")
     with client:
         executor = client.get_executor(pure=False, retries=RETRIES)
-        yield Pool(executor, sum(client.nthreads().values()), halt, halt.stop)
+        slots = max(sum(client.nthreads().values()), 1)  # an adaptive cluster starts without workers
+        yield Pool(executor, slots, halt, halt.stop)

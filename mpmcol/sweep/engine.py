@@ -10,11 +10,11 @@ from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 
-from mpmcol.errors import NumericalFailure, OutputError, UsageError
+from mpmcol.errors import Interrupted, MpmcolError, NumericalFailure, OutputError, UsageError
 from mpmcol.sweep.points import Point, freeze
 from mpmcol.sweep.shares import Shares, choose_shares
 from mpmcol.sweep.states import read_state
-from mpmcol.sweep.task import HALTED, Ending, Halt, Task, carry_out
+from mpmcol.sweep.task import Ending, Halt, Task, carry_out
 from mpmcol.sweep.warm import smallest_of_each
 from mpmcol.version import code_version
 
@@ -85,10 +85,17 @@ def run_points(
 
 
 def exit_code(outcomes: Sequence[Outcome]) -> int:
-    """Of a sweep, the first that is true of a point: 130 halted, 5 files, 3 diverged, 2 refused, 1 else; 0 all done."""
+    """Of a sweep, the first that is true of a point: 75 halted, 5 files, 3 diverged, 2 refused, 1 else; 0 all done."""
     codes = {outcome.ending.exit_code for outcome in outcomes if outcome.status != "done"}
-    known = (HALTED, OutputError.exit_code, NumericalFailure.exit_code, UsageError.exit_code)
+    known = (Interrupted.exit_code, OutputError.exit_code, NumericalFailure.exit_code, UsageError.exit_code)
     return next((code for code in known if code in codes), 1) if codes else 0
+
+
+def unsuccessful(outcomes: Sequence[Outcome], message: str) -> MpmcolError:
+    """The error of a report that too few runs ended well for; it has their exit code."""
+    error = OutputError(message)
+    error.exit_code = exit_code(outcomes) or OutputError.exit_code
+    return error
 
 
 @contextmanager

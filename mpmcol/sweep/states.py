@@ -10,6 +10,8 @@ from typing import Any, Literal
 
 from mpmcol.files import CASE_FILE, HISTORY_FILE, RESULT_FILE, is_locked
 
+BEFORE_RELEASE = "equilibrate"
+
 Name = Literal["done", "failed", "running", "stopped", "unfinished", "damaged", "missing"]
 
 
@@ -74,7 +76,7 @@ def reached(folder: Path) -> float | None:
     try:
         rows = (folder / HISTORY_FILE).read_text().splitlines()
         names, last = rows[0].split(","), rows[-1].split(",")
-        return float(last[names.index("time")])
+        return float(last[names.index("time")]) if last[names.index("stage")] != BEFORE_RELEASE else None
     except (OSError, ValueError, IndexError):
         return None
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from mpmcol.errors import NumericalFailure, OutputError, UsageError
+from mpmcol.errors import Interrupted, NumericalFailure, OutputError, UsageError
 from mpmcol.files import GIVEN_CASE_FILE, LOG_FILE, is_locked
 from mpmcol.sweep.states import State, read_state
 from mpmcol.version import code_version
@@ -20,7 +20,6 @@ from mpmcol.version import code_version
 RETRIES = 2
 GRACE = 30.0  # s that a run has to write its last state
 POLL = 0.1  # s
-HALTED = 130  # exit code
 
 Halt = Callable[[], int]  # 0 go on, 1 end the run in good order, 2 end it at once
 
@@ -68,7 +67,7 @@ def carry_out(task: Task, halt: Halt = lambda: 0) -> Ending:
         if state.has_ended:
             return _ended(state, attempts)
         if halt():
-            return Ending("halted", attempts, HALTED)
+            return Ending("halted", attempts, Interrupted.exit_code)
         if attempts > RETRIES or code == UsageError.exit_code:
             return Ending("broken", attempts, code, _why(task.folder, code, attempts))
         try:

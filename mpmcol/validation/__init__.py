@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
 
-from mpmcol.errors import OutputError, UsageError
+from mpmcol.errors import UsageError
 from mpmcol.sweep.conduct import Watcher
-from mpmcol.sweep.engine import Outcome
+from mpmcol.sweep.engine import Outcome, unsuccessful
 from mpmcol.sweep.members import Found, carry_out_members
 from mpmcol.validation.check import Check, Judgement, judge
 from mpmcol.validation.checks import CHECKS
@@ -65,7 +65,7 @@ def validate(
     needed = [member for check in chosen for member in check.members(quick)]
     outcomes, found = carry_out_members(needed, out / RUNS, jobs, threads, watcher)
     if not found:
-        raise OutputError(f"no run of the checks ended well; mpmcol status {out / RUNS} says why")
+        raise unsuccessful(outcomes, f"no run of the checks ended well; mpmcol status {out / RUNS} says why")
     judgements = [judge(check, found, quick) for check in chosen]
     others = _others(chosen, found, quick)
     return Validation(outcomes, judgements, others, write_report(judgements, others, found, quick, out))

@@ -100,7 +100,7 @@ def _remedy(folder: Path, name: str, problems: Problems) -> str:
     """How to get a file back at the least cost."""
     if name.startswith(INDEX) and not any(other.startswith("snapshots/") for other in problems):
         call = f"from pathlib import Path; from mpmcol.snapshot import write_index; write_index(Path({str(folder)!r}))"
-        return f"only viewers read it, and the snapshots are whole: python -c {call!r} writes it again"
+        return f"only viewers read it, and the snapshots are whole: python -c {quote(call)} writes it again"
     if problems[name] == FOREIGN:
         return "delete it"
     sources = [folder / case for case in (CASE_FILE, GIVEN_CASE_FILE) if case not in problems]

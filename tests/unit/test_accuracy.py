@@ -60,6 +60,21 @@ def test_the_cheapest_that_keeps_to_it_is_chosen() -> None:
     assert advise("lube-cylinder", (), 0.5).cells == 10.0
 
 
+def test_what_the_study_has_otherwise_is_told(tmp_path: Path) -> None:
+    assert advise("lube-cylinder", ("material.density=1600", "material.youngs_modulus=5e6"), 0.1).unlike == []
+    assert advise("lube-quarter", (), 0.1).unlike == []
+    values = ("geometry.aspect=10", "material.friction_deg=15", "method.transfer=pic", "stages.collapse.damping=0.1")
+    told = advise("lube-channel", values, 0.1)
+    assert list(told.unlike) == [
+        "a = 10 here, 1 to 3 in the study",
+        "friction = 15 here, 22 to 42 in the study",
+        'method.transfer = "pic" here, "taylor-flip" in the study',
+        "stages.collapse.damping = 0.1 here, 0.05 in the study",
+    ]
+    assert "note: they may not hold here: a = 10 here" in str(told)
+    assert 'material.law = "mohr-coulomb-softening" here' in str(advise("lube-channel-dense", (), 0.1))
+
+
 def test_a_quarter_becomes_axisymmetric_and_a_box_is_refused() -> None:
     found = advise("lube-quarter", (), 0.05)
     case = load_case("lube-quarter", found.overrides)
@@ -86,6 +101,7 @@ def test_what_cannot_be_kept_is_refused_with_the_best(tmp_path: Path) -> None:
         (5.0, 33.0, ["cylinder, a = 2.75"]),
         (2.75, 27.0, ["cylinder, a = 0.9, 22 degrees", "cylinder, a = 2.75"]),
         (0.9, 44.5, ["cylinder, a = 0.9, 42 degrees"]),
+        (2.75, 41.0, ["cylinder, a = 0.9, 42 degrees", "cylinder, a = 2.75"]),
     ],
 )
 def test_a_case_lies_between_scenes(a: float, friction: float, scenes: list[str]) -> None:
@@ -128,6 +144,8 @@ def test_an_accuracy_is_a_share(text: str) -> None:
 def test_certify_goes_with_accuracy() -> None:
     done = invoke("run", "quickstart", "--certify")
     assert done.exit_code == 2 and "--certify goes with --accuracy" in done.output
+    done = invoke("run", "quickstart", "--accuracy", "10%", "--certify", "--dry-run")
+    assert done.exit_code == 2 and "--dry-run is of one run" in done.output
 
 
 def test_a_dry_run_tells_the_row(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -146,6 +164,9 @@ def test_the_error_bar_holds_the_limit() -> None:
         bar = error_bar(ZETA, coarse.tolist(), fine.tolist(), float(np.sqrt(2.0)))
         inside += abs(bar.value - 1.0) <= bar.error
     assert inside > 270
+    few = error_bar(ZETA, [0.9, 1.1], [0.9, 1.1], 2.0)
+    more = error_bar(ZETA, [0.9, 1.1, 0.9, 1.1], [0.9, 1.1], 2.0)
+    assert few.error > more.error > 0.0
     sure = error_bar(ZETA, [0.9, 0.9], [0.95, 0.95], 2.0)
     assert sure.error == pytest.approx(1.25 * 0.05)
     lucky = error_bar(ZETA, [0.9, 0.9], [0.9, 0.9], 2.0, within=0.1)

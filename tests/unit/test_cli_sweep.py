@@ -135,7 +135,7 @@ def test_killed_with_all_its_runs_it_completes_with_equal_results() -> None:
         assert np.array_equal(mine, other)
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGUSR1])
 def test_interrupted_it_ends_its_runs(number: signal.Signals) -> None:
     out = Path("out")
     with start("sweep", "--aspect", "3,4", *ENDLESS, "--jobs", "2", "--out", str(out)) as sweep:
@@ -146,7 +146,7 @@ def test_interrupted_it_ends_its_runs(number: signal.Signals) -> None:
         assert "running" in invoke("status", run).stdout
         sweep.send_signal(number)
         _, err = sweep.communicate(timeout=60)
-    assert sweep.returncode == 130 and "Traceback" not in err
+    assert sweep.returncode == 75 and "Traceback" not in err
     assert "ending the runs" in err and "the same command again completes the sweep" in err
     assert [read_state(path).name for path in out.glob("a*")] == ["stopped", "stopped"]
     assert Results(run).snapshot(-1).stage == "stopped"
@@ -218,6 +218,8 @@ def test_json_is_json_for_infinite_values_too() -> None:
             2,
             "--engine dask and --scheduler ADDRESS go together",
         ),
+        (("sweep", "--aspect", "1", "--engine", "commands", "--jobs", "2"), 2, "--jobs is for --engine local"),
+        (("sweep", "--aspect", "1", "--engine", "commands", "--json"), 2, "--engine commands runs none"),
         (("sweep", "quikstart", "--aspect", "1"), 2, 'did you mean the shipped case "quickstart"?'),
         (("sweep", "--aspect", "1", "--out", "full"), 2, "full is not empty and holds no sweep"),
         (("status", "full"), 5, "full: neither the folder of a sweep (sweep.json) nor of a run"),

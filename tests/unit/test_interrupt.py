@@ -31,3 +31,12 @@ def test_interrupt_keeps_the_last_state(tmp_path: Path) -> None:
     results = Results(folder)
     assert results.summary["status"] == "stopped"
     assert results.snapshot(-1).stage == "stopped"
+
+
+def test_a_full_disk_behind_the_output_is_no_bug(tmp_path: Path) -> None:
+    command = [sys.executable, "-u", "-m", "mpmcol", "check", "quickstart"]
+    with Path("/dev/full").open("w") as full:
+        environment = {**os.environ, "PYTHONPATH": str(Path.cwd())}
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, cwd=tmp_path, env=environment)
+    assert done.returncode == 5 and "the output cannot be written: No space left" in done.stderr
+    assert not list(tmp_path.iterdir())

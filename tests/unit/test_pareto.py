@@ -19,6 +19,7 @@ from mpmcol.pareto.limit import Limit, combine, find_limit
 from mpmcol.pareto.score import BETA, PROFILE, ZETA, Error, Scored
 from mpmcol.pareto.settings import Setting, overrides_of, settings_of
 from mpmcol.pareto.study import Family, load_study, shipped_studies
+from mpmcol.sweep.members import with_settings
 from mpmcol.sweep.profile import area_between
 
 STUDY = """
@@ -81,10 +82,14 @@ def test_two_limits_that_disagree_are_no_surer_than_half_their_difference() -> N
     assert agreeing.error == pytest.approx(0.01 * np.sqrt(0.9))
 
 
-def scored(family: str, cells: float, cost: float, bias: float, failed: str = "", scene: str = "low") -> Scored:
+def scored(
+    family: str, cells: float, cost: float, bias: float, failed: str = "", scene: str = "low", left: int = 0
+) -> Scored:
+    """A setting of no runs, with one that failed, or with some that are left to be made."""
     error = Error(bias, 0.0, 2)
+    members = (with_settings("quickstart", 1.0, 0.01),) * (left + bool(failed))
     made = Scored(
-        Setting(scene, family, cells, ()), [], dict.fromkeys((ZETA, BETA, PROFILE), error), [failed] * bool(failed)
+        Setting(scene, family, cells, members), [], dict.fromkeys((ZETA, BETA, PROFILE), error), [failed] * bool(failed)
     )
     made.__dict__["cost"] = {"core_seconds": cost, "point_steps": cost}
     return made
@@ -98,10 +103,11 @@ def test_an_error_that_grows_again_was_luck() -> None:
     assert cheapest(lucky, ZETA, 0.01) is None
 
 
-def test_the_front_leaves_out_what_is_beaten_or_failed_or_alone() -> None:
+def test_the_front_leaves_out_what_is_beaten_or_failed_or_unfinished_or_alone() -> None:
     all_ = [scored("a", n, n, 1.0 / n) for n in (10, 20, 40)]
     all_ += [scored("b", n, 2.0 * n, 1.0 / n) for n in (10, 20, 40)]
     all_ += [scored("c", n, 0.1 * n, 0.5 / n, failed="diverged") for n in (10, 20, 40)]
+    all_ += [scored("d", n, 0.1 * n, 0.5 / n, left=1) for n in (10, 20, 40)]
     all_ += [scored("alone", 10, 0.1, 0.001)]
     assert [(kept.one.setting.family, kept.one.setting.cells) for kept in pareto_front(all_, ZETA)] == [
         ("a", 10), ("a", 20), ("a", 40)

@@ -121,6 +121,15 @@ def test_fresh_replaces_and_repeats_bit_for_bit(finished: Path, tmp_path: Path) 
     np.testing.assert_array_equal(first.x, Results(finished).snapshot(-1).x)
 
 
+def test_fresh_leaves_no_picture_of_the_old_run(tmp_path: Path) -> None:
+    case, pictures = mpmcol.load_case("quickstart", TINY), ("snapshot-000003.png", "front.svg", "collapse.gif")
+    mpmcol.run(case, tmp_path)
+    for name in (*pictures, "mine.png"):
+        (tmp_path / name).write_bytes(b"")
+    mpmcol.run(case, tmp_path, fresh=True)
+    assert {path.name for path in tmp_path.iterdir()} & {*pictures, "mine.png"} == {"mine.png"}
+
+
 def test_json_is_one_line(tmp_path: Path) -> None:
     result = invoke("run", "quickstart", *tiny(), "--out", str(tmp_path / "a"), "--json")
     assert json.loads(result.stdout)["status"] == "done"
@@ -155,7 +164,10 @@ def test_divergence_stops_with_place_cause_and_remedy(tmp_path: Path) -> None:
         "smaller_step_helps", "last_good",
     }  # fmt: skip
     assert results.snapshot(-1).stage == "failed"
-    assert invoke("run", "quickstart", *tiny(), "--out", str(tmp_path / "a")).exit_code == 0  # a failed run is replaced
+    again = invoke("run", "quickstart", *tiny("time.cfl=1.9"), "--out", str(tmp_path / "a"))
+    assert again.exit_code == 3 and "is replaced" not in again.output
+    mended = invoke("run", "quickstart", *tiny(), "--out", str(tmp_path / "a"))
+    assert mended.exit_code == 0 and "note: a run of another case" in mended.output
 
 
 def test_material_at_the_end_of_the_domain_is_refused(tmp_path: Path) -> None:

@@ -49,7 +49,7 @@ def test_truncated_file(tmp_path: Path):
     content = path.read_bytes()
     for size in (0, 7, 100, 2000, len(content) // 2, len(content) - 1):
         path.write_bytes(content[:size])
-        with pytest.raises(OutputError, match=r"000000.vtkhdf: not a readable snapshot: .*delete it"):
+        with pytest.raises(OutputError, match=r"000000.vtkhdf: not a readable snapshot: .*--fresh makes it anew"):
             read_snapshot(path)
 
 

@@ -26,7 +26,7 @@ from mpmcol.sweep.plan import Plan, Planned, read_plan
 from mpmcol.sweep.points import Point, freeze, plan_points
 from mpmcol.sweep.progress import Progress, counts, plan_of, share_done, time_left
 from mpmcol.sweep.shares import Shares
-from mpmcol.sweep.states import read_state
+from mpmcol.sweep.states import reached, read_state
 from mpmcol.sweep.task import Ending, Task, carry_out, run_command
 from mpmcol.sweep.warm import smallest_of_each
 from mpmcol.version import code_version
@@ -57,7 +57,7 @@ if what == "refuses":
     print("it does not fit")
     sys.exit(2)
 if what == "waits":
-    signal.signal(signal.SIGTERM, lambda *_: end("stopped", 130))
+    signal.signal(signal.SIGTERM, lambda *_: end("stopped", 75))
     (folder / "begun").touch()
     time.sleep(60)
 if what == "deaf":
@@ -169,7 +169,7 @@ def test_a_refusal_is_not_retried(tmp_path: Path, acts: Acts) -> None:
 
 
 @pytest.mark.parametrize(
-    ("codes", "expected"), [([0], 0), ([0, 1], 1), ([-9], 1), ([1, 3], 3), ([3, 5], 5), ([5, 130], 130)]
+    ("codes", "expected"), [([0], 0), ([0, 1], 1), ([-9], 1), ([1, 3], 3), ([3, 5], 5), ([5, 75], 75)]
 )
 def test_exit_codes(tmp_path: Path, codes: list[int], expected: int) -> None:
     (point,) = make_points(tmp_path, "1")
@@ -370,3 +370,11 @@ def test_compiling_comes_before_the_first_runs(tmp_path: Path, monkeypatch: pyte
 def test_schemes_have_kernels_of_their_own(axis: str, sets: int, tmp_path: Path) -> None:
     points = plan_points("lube-cylinder", parse_axes("1", ["grid.spacing=0.02", axis])[0], tmp_path)
     assert len(smallest_of_each(points)) == sets
+
+
+@pytest.mark.parametrize(("stage", "time", "share"), [("equilibrate", 0.3, None), ("collapse", 0.3, 0.3)])
+def test_time_under_gravity_is_no_time_of_the_collapse(
+    stage: str, time: float, share: float | None, tmp_path: Path
+) -> None:
+    (tmp_path / "history.csv").write_text(f"stage,step,time\nequilibrate,1,0.1\n{stage},9,{time}\n")
+    assert reached(tmp_path) == share
