@@ -190,7 +190,7 @@ def test_interrupting_ends_the_runs_in_good_order(tmp_path: Path, acts: Acts) ->
     said: list[str] = []
 
     def interrupt() -> None:
-        if all((point.folder / "begun").exists() for point in points[:2]):
+        if all((point.folder / "begun").exists() for point in points[:2]) and read_state(points[2].folder).has_ended:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
