@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import random
 import shutil
+import signal
 from contextlib import suppress
 from functools import cache
+from math import inf
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -58,9 +60,14 @@ def look(run: Path) -> str | None:
     return "; ".join(told) or None
 
 
-def go(run: Path, fresh: bool = False, max_wall: float = float("inf")) -> None:
-    """The run of all trials, in this process."""
-    mpmcol.run(mpmcol.load_case(*CASE), run, threads=1, fresh=fresh, checkpoint_seconds=0.002, max_wall=max_wall)
+def go(run: Path, fresh: bool = False, stop_at: float = inf) -> None:
+    """The run of all trials, in this process; at some share of the collapse it is asked to stop."""
+
+    def ask(stage: str, share: float) -> None:
+        if stage == "collapse" and share > stop_at:
+            signal.raise_signal(signal.SIGUSR1)
+
+    mpmcol.run(mpmcol.load_case(*CASE), run, threads=1, fresh=fresh, checkpoint_seconds=0.002, progress=ask)
 
 
 def undisturbed() -> Path:
@@ -77,7 +84,7 @@ def _stopped(run: Path) -> bool:
 
     def make(folder: Path) -> None:
         with suppress(Interrupted):
-            go(folder / "run", max_wall=0.15)
+            go(folder / "run", stop_at=0.3)
 
     shutil.copytree(keep("writes/stopped", make) / "run", run)
     return False

@@ -61,7 +61,7 @@ def await_(condition: Callable[[], object], seconds: float = 120.0) -> None:
     deadline = time.monotonic() + seconds
     while not condition():
         assert time.monotonic() < deadline
-        time.sleep(0.05)
+        time.sleep(0.01)
 
 
 def measured(folder: Path) -> list[dict[str, str]]:

@@ -156,9 +156,9 @@ def test_the_limit_of_time_and_the_exit_codes(tmp_path: Path) -> None:
     def invoke(*more: str) -> Any:
         return CliRunner().invoke(main, [*words, *more])
 
-    first = invoke("--max-wall", "0.2s", "--quiet")
+    first = invoke("--max-wall", "0.001s", "--quiet")
     assert first.exit_code == 75 and "stopped by the limit of time at step" in first.stderr
-    assert invoke("--max-wall", "0.2s", "--requeue-code", "99").exit_code == 99
+    assert invoke("--max-wall", "0.001s", "--requeue-code", "99").exit_code == 99
     done = invoke("--json")
     assert done.exit_code == 0 and len(json.loads(done.stdout)["continued"]) == 2
 
