@@ -14,7 +14,7 @@ from mpmcol.layout import Layout
 from mpmcol.scene import build_scene
 from mpmcol.solver import Solver
 
-USUAL_TRANSITS = 10.0  # of a wave up and down, until a column rests under gravity
+USUAL_TRANSITS = {"gravity": 7.0, "k0": 2.0}  # of a wave up and down, until a column rests behind the gate
 USUAL_TAU = 5.0  # until a collapse rests
 TRIAL_SECONDS = 1.0
 BYTES_OF_POINT_IN_SNAPSHOT = 90
@@ -81,7 +81,8 @@ def durations(case: Case, layout: Layout) -> tuple[tuple[float, float], tuple[fl
     stages, tau = case.stages, layout.fall_time(case.geometry.gravity)
     transit, lifting = layout.wave_time(case.material.wave_speed**2), layout.h_i / stages.gate_speed
     longest = stages.equilibrate.max_time_factor * transit, stages.collapse.max_time_factor * tau + lifting
-    usual = min(USUAL_TRANSITS * transit, longest[0]), min(USUAL_TAU * tau + lifting, longest[1])
+    settling = USUAL_TRANSITS[stages.initial_stress] * transit
+    usual = min(settling, longest[0]), min(USUAL_TAU * tau + lifting, longest[1])
     return usual, longest
 
 

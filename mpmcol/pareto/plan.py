@@ -127,7 +127,9 @@ def _softer(case: Case) -> Values | None:
 
 
 def _shorter(case: Case) -> Values | None:
-    """The domain that would be chosen from the expected runout, where a longer one was given."""
+    """The domain that would be chosen from the expected runout, where a longer one was given: it saves base."""
+    if case.geometry.base != "elastic":
+        return None
     free = case.geometry.model_copy(update={"domain_length": None})
     length = make_layout(case.model_copy(update={"geometry": free})).length
     given = case.geometry.domain_length

@@ -115,13 +115,14 @@ def test_a_plan_tells_what_each_change_saves_and_does() -> None:
         "softer column and base", "domain from the expected runout",
     }  # fmt: skip
     assert found["axisymmetric instead of 3D"].cost_ratio < 0.05
+    assert all(one.cost_ratio < 0.98 for one in found.values())
     assert found["domain from the expected runout"].effect == {ZETA: 0.0, BETA: 0.0}
     effect = found["rigid floor instead of the elastic layer"].effect
     assert effect is not None and effect[ZETA] == pytest.approx(0.95 / 0.9 - 1.0)
     finer = {one.name: one for one in propose("lube-cylinder", ("grid.spacing=0.002",), 0.1)}
     assert finer["coarser grid"].values["grid.spacing"] == pytest.approx(0.097 / 20.0)
     light = ("geometry.base=rigid", "stages.initial_stress=k0", "material.youngs_modulus=1e5")
-    assert [one.name for one in propose("lube-cylinder", light, 0.1)] == []
+    assert [one.name for one in propose("lube-cylinder", (*light, "geometry.domain_length=1"), 0.1)] == []
     whole = propose("lube-quarter", ("geometry.model=full",), 0.1)
     assert "a quarter instead of the whole" in {one.name for one in whole}
 
