@@ -6,6 +6,7 @@ from mpmcol.jit import device
 from mpmcol.simd import load, root, store, transpose, where_positive
 
 J_MIN, J_MAX = 0.1, 50.0
+OPEN_MAX = 1e30  # a grain alone keeps its velocity gradient and opens as exp(t): so far, it never closes
 
 
 @device
@@ -56,6 +57,7 @@ def open_or_close(opening, ratio, volumetric):
     strain that are left to the closed material, and one where the point stays open: there both are void.
     """
     opened = (1.0 + opening) * ratio - 1.0
+    opened = where_positive(opened - OPEN_MAX, OPEN_MAX, opened)
     stays = where_positive(opening, where_positive(opened, 1.0, 0.0), 0.0)
     ratio = where_positive(stays, 1.0, where_positive(opening, 1.0 + opened, ratio))
     return where_positive(stays, opened, 0.0), ratio, where_positive(opening, opened, volumetric), stays

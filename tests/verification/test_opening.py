@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from mpmcol.kernels.stress import OPEN_MAX
 from mpmcol.solver import Solver
 from mpmcol.stability.problems.sand import H, in_a_box, stacked_layers
 from mpmcol.state import COLUMN, Points
@@ -92,3 +93,16 @@ def test_blocks_pulled_apart_are_not_held_with_taylor(opening_strain: bool) -> N
     left = start.x[:, 0] < 0.3
     assert -0.505 < by_id(solver).v[left, 0].mean() < -0.5
     assert 1.0 < kinetic_energy(solver.points) / kinetic_energy(start) < 1.04
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_a_grain_alone_opens_without_end_but_stays_a_number(d: int) -> None:
+    """Nothing slows what its own velocity gradient says, since the grid hands just that back: it grows as exp(t)."""
+    point = points_at(np.full((1, d), 0.3), H / 2, kind=COLUMN)
+    solver = make_solver(point, walled_grid((0.0,) * d, H, (30,) * d), WEIGHTLESS)
+    solver.points.grad_v = np.diag([1.0] * d + [0.0] * (3 - d))[None] * 0.05 / solver.dt
+    advance_steps(solver, 400)
+    assert solver.points.opening[0] == pytest.approx(1.05 ** (400 * d), rel=0.2)  # the first steps are elastic
+    advance_steps(solver, 800)
+    assert solver.points.opening[0] == OPEN_MAX and np.isfinite(np.float32(OPEN_MAX))
+    assert solver.points.J[0] < 1.01
