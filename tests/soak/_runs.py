@@ -12,6 +12,7 @@ import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
+from mpmcol.files import CHECKPOINT_FILES
 from mpmcol.results import Results
 from mpmcol.sweep.states import read_state
 from tests.soak.figures import PACKAGE, digest
@@ -109,8 +110,11 @@ def await_(run: subprocess.Popen[str], due: Callable[[], bool]) -> None:
 
 
 def finish(name: str, folder: Path, threads: int, environment: Mapping[str, str] | None = None) -> str | None:
-    """Give the run's command once more, and say how what it leaves differs from the undisturbed run."""
-    if read_state(folder).name != "done":
+    """Give the run's command once more, and say how what it leaves differs from the undisturbed run.
+
+    Of a run that was killed after its result and before its last state was removed, too.
+    """
+    if read_state(folder).name != "done" or any((folder / name).exists() for name in CHECKPOINT_FILES):
         command = [*words(name), "--out", str(folder), "--threads", str(threads)]
         code, said = carry_out(command, {"NUMBA_NUM_THREADS": str(threads), **(environment or {})})
         if code != 0:
