@@ -62,7 +62,7 @@ def test_a_sound_result_passes() -> None:
         ({"kinetic": [0.0, 0.7]}, "moves with more energy than it has lost"),
         ({"mass": [1.0, 1.0, 2.0]}, "the points' mass is not what it was"),
         ({"id": [0, 1, 1]}, "the points' id is not what it was"),
-        ({"stress": [[np.nan] * 6] * 3}, "stresses are no numbers"),
+        ({"stress": [[np.nan] * 6] * 3}, "the points' stress are no numbers"),
     ],
 )
 def test_what_cannot_be_is_seen(changes: dict[str, Any], told: str) -> None:
