@@ -14,7 +14,7 @@ from typing import Any
 
 __version__ = "0.1.0"
 
-_HOME = {"load_case": "mpmcol.case", "run": "mpmcol.simulation", "Results": "mpmcol.results"}
+_HOME = {"load_case": "mpmcol.case", "run": "mpmcol.simulation.run", "Results": "mpmcol.io.results"}
 __all__ = ["Results", "__version__", "load_case", "run"]
 
 

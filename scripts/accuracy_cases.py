@@ -20,11 +20,11 @@ import numpy as np
 
 from mpmcol.case import load_case
 from mpmcol.errors import UsageError
-from mpmcol.pareto.advice import Advice, advise, as_overrides, options, values_for
-from mpmcol.pareto.certify import Certified, certify
-from mpmcol.pareto.table import QUANTITIES
-from mpmcol.sweep.conduct import conduct
-from mpmcol.sweep.points import Point, make_point
+from mpmcol.studies.pareto.certify import Certified, certify
+from mpmcol.studies.pareto.recommend import Advice, advise, as_overrides, options, values_for
+from mpmcol.studies.pareto.shipped import QUANTITIES
+from mpmcol.sweep.runner import conduct
+from mpmcol.sweep.runs import Point, make_point
 from mpmcol.sweep.table import make_rows
 from mpmcol.units import to_unit
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from mpmcol.case import load_case
 from mpmcol.measure import FRONTS
-from mpmcol.simulation import run
+from mpmcol.simulation.run import run
 
 CFL = (0.46, 0.47, 0.48, 0.49, 0.50, 0.51, 0.52, 0.53)
 

@@ -13,7 +13,7 @@ import sys
 
 import numpy as np
 
-from mpmcol.results import Results
+from mpmcol.io.results import Results
 
 WIDTHS = (10.0, 5.0, 2.0, 1.0)  # degrees
 

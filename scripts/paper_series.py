@@ -16,9 +16,9 @@ from typing import Any
 from mpmcol import __version__
 from mpmcol.case import load_case
 from mpmcol.experiments import find_experiment
+from mpmcol.io.results import Results
 from mpmcol.measure import FRONTS
-from mpmcol.results import Results
-from mpmcol.simulation import run
+from mpmcol.simulation.run import run
 
 SERIES = {
     "channel": ("lube-channel", 0.002, (1.0, 2.0, 3.0, 5.0, 7.0, 10.0)),

@@ -11,10 +11,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mpmcol.grid import NODE
-from mpmcol.jit import kernel, prange, set_threads
-from mpmcol.simd import LANES, fma, load, splat, store, sum_lanes
-from mpmcol.state import ROW, aligned_zeros
+from mpmcol.mpm.grid import NODE
+from mpmcol.mpm.jit import kernel, prange, set_threads
+from mpmcol.mpm.particles import ROW, aligned_zeros
+from mpmcol.mpm.simd import LANES, fma, load, splat, store, sum_lanes
 
 BYTES = 8
 CHAINS, BLOCKS, ROUNDS = 8, 64, 20_000

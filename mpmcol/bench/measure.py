@@ -12,14 +12,14 @@ import numpy as np
 
 from mpmcol.bench import timed
 from mpmcol.bench.machine import measure_machine
-from mpmcol.bench.plain import PlainGrid, PlainPoints, plain_grid, plain_points
+from mpmcol.bench.plain_loops.common import PlainGrid, PlainPoints, plain_grid, plain_points
 from mpmcol.bench.report import Row, Scene, Spread
 from mpmcol.bench.scenes import make_solver
-from mpmcol.grid import NODE, Tiles
-from mpmcol.jit import set_threads
-from mpmcol.kernels.grid import NODE_REPORT
-from mpmcol.solver import Solver
-from mpmcol.state import Points
+from mpmcol.mpm.grid import NODE, Tiles
+from mpmcol.mpm.jit import set_threads
+from mpmcol.mpm.kernels.grid_update import NODE_REPORT
+from mpmcol.mpm.particles import Points
+from mpmcol.mpm.solver import Solver
 
 SORT_INTERVAL = 50  # steps; a fast collapse sorts every 50 to 100 steps
 

@@ -6,10 +6,10 @@ from math import pi
 
 import numpy as np
 
-from mpmcol.grid import allocate_grid, node_coordinates, set_fixed
-from mpmcol.laws import elastic, mohr_coulomb
-from mpmcol.solver import Body, Solver
-from mpmcol.state import BASE, Points, Settings
+from mpmcol.mpm.constitutive import elastic, mohr_coulomb
+from mpmcol.mpm.grid import allocate_grid, node_coordinates, set_fixed
+from mpmcol.mpm.particles import BASE, Points, Settings
+from mpmcol.mpm.solver import Body, Solver
 
 MODELS = ("plane", "axisymmetric", "quarter")
 RADIUS, HEIGHT, BASE_LENGTH, BASE_DEPTH = 0.09, 0.09, 0.27, 0.02  # m

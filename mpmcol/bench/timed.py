@@ -11,19 +11,19 @@ from functools import cache
 from types import ModuleType
 from typing import Any
 
-from mpmcol.bench import plain, plain_2d, plain_3d
 from mpmcol.bench.clock import seconds
-from mpmcol.jit import driver, phase, prange, variant
-from mpmcol.kernels.cycle import DT, sum_nodes, sum_points
-from mpmcol.kernels.grid import clear, update_grid
-from mpmcol.kernels.transfer import make_p2g
-from mpmcol.kernels.transfer_any import TRANSFERS
-from mpmcol.kernels.update import make_update_points
-from mpmcol.simd import lane
+from mpmcol.bench.plain_loops import common, transfer_2d, transfer_3d
+from mpmcol.mpm.jit import driver, phase, prange, variant
+from mpmcol.mpm.kernels.grid_update import clear, update_grid
+from mpmcol.mpm.kernels.loop import DT, sum_nodes, sum_points
+from mpmcol.mpm.kernels.particle_update import make_update_points
+from mpmcol.mpm.kernels.transfer import TRANSFERS
+from mpmcol.mpm.kernels.transfer_common import make_p2g
+from mpmcol.mpm.simd import lane
 
 VECTOR_PHASES = ("clear", "p2g", "update_grid", "update_points", "sums")
 PLAIN_PHASES = ("clear", "p2g", "update_grid", "g2p", "stress")
-PLAIN_TRANSFERS = {2: plain_2d, 3: plain_3d}
+PLAIN_TRANSFERS = {2: transfer_2d, 3: transfer_3d}
 
 
 @cache
@@ -62,7 +62,7 @@ def make_vector_steps(dimension: int, column_law: ModuleType, base_law: ModuleTy
 @cache
 def make_plain_steps(dimension: int, column_law: ModuleType, base_law: ModuleType) -> Callable[..., Any]:
     """The plain loops with a clock reading before and after each of PLAIN_PHASES."""
-    update_stress = plain.make_update_stress(dimension, column_law, base_law)
+    update_stress = common.make_update_stress(dimension, column_law, base_law)
     p2g, g2p = PLAIN_TRANSFERS[dimension].p2g, PLAIN_TRANSFERS[dimension].g2p
 
     @driver
@@ -78,11 +78,11 @@ def make_plain_steps(dimension: int, column_law: ModuleType, base_law: ModuleTyp
         for k in range(len(times)):
             dt = clock[DT]
             times[k, 0] = seconds()
-            plain.clear(grid)
+            common.clear(grid)
             times[k, 1] = seconds()
             p2g(points, grid, tiles, settings)
             times[k, 2] = seconds()
-            plain.update_grid(grid, settings, smallest_mass, dt, node_report)
+            common.update_grid(grid, settings, smallest_mass, dt, node_report)
             times[k, 3] = seconds()
             g2p(points, grid, tiles, settings, dt)
             times[k, 4] = seconds()

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from mpmcol.case.load import flattened_text, load_case, resolved_toml
+from mpmcol.case.problem import Problem
 from mpmcol.case.reference import explain, json_schema, key_names
-from mpmcol.case.report import Problem
 from mpmcol.case.schema import Case, case_hash
 from mpmcol.case.source import shipped_cases
 

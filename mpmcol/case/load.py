@@ -9,12 +9,12 @@ from pathlib import Path
 import tomli_w
 from pydantic import ValidationError
 
-from mpmcol.case.diagnose import find_problems
-from mpmcol.case.lines import KeyPath
+from mpmcol.case.diagnostics import find_problems
 from mpmcol.case.overrides import Override, parse_override
-from mpmcol.case.report import Problem, case_error, set_option
+from mpmcol.case.problem import Problem, case_error, set_option
 from mpmcol.case.schema import Case
 from mpmcol.case.source import read_case, read_chain
+from mpmcol.case.toml_lines import KeyPath
 
 
 def load_case(source: str | Path, overrides: Sequence[str] = ()) -> Case:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from mpmcol.case.lines import KeyPath, Unfit, parse
+from mpmcol.case.toml_lines import KeyPath, Unfit, parse
 
 # one of these replaces the other when it is given by an override
 _ALTERNATIVES: dict[KeyPath, str] = {("geometry", "height"): "aspect", ("geometry", "aspect"): "height"}

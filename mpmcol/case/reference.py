@@ -8,10 +8,10 @@ from typing import Any
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
-from mpmcol.case import words
+from mpmcol.case import fields
 from mpmcol.case.schema import Case, LawName
 from mpmcol.errors import UsageError
-from mpmcol.laws import LAWS
+from mpmcol.mpm.constitutive import LAWS
 from mpmcol.units import Keys, choice
 
 _LAW = FieldInfo(annotation=LawName, description="law of the material; the other keys depend on it")
@@ -25,13 +25,13 @@ _EXTENDS = FieldInfo(
 def fields_at(table: tuple[str, ...], law: str) -> dict[str, FieldInfo]:
     """Give the keys of a table by name; () is the top level; the keys of material depend on the law."""
     if not table:
-        return {"extends": _EXTENDS, **words.fields(Case)}
+        return {"extends": _EXTENDS, **fields.fields(Case)}
     if table == ("material",):
-        return words.fields(LAWS[law].Material) | {"law": _LAW} if law in LAWS else {}
+        return fields.fields(LAWS[law].Material) | {"law": _LAW} if law in LAWS else {}
     *parent, name = table
     field = fields_at(tuple(parent), law).get(name)
-    keys = words.subtable(field) if field else None
-    return words.fields(keys) if keys else {}
+    keys = fields.subtable(field) if field else None
+    return fields.fields(keys) if keys else {}
 
 
 def field_at(key: tuple[str, ...], law: str) -> FieldInfo:
@@ -62,9 +62,9 @@ def explain(key: str = "") -> str:
         return "\n\n".join(map(explain, ["schema", "title", "extends", *tables]))
     names = key_names()
     if key not in names:
-        near = words.nearest(key, names) or _ending(key, names)
+        near = fields.nearest(key, names) or _ending(key, names)
         meant = f' Did you mean "{near}"?' if near else ""
-        raise UsageError(f"there is no key {words.shown(key)}.{meant} (mpmcol explain lists all keys)")
+        raise UsageError(f"there is no key {fields.shown(key)}.{meant} (mpmcol explain lists all keys)")
     path = tuple(key.split("."))
     inside = [name for name in names if name.startswith(key + ".")]
     title = f"[{key}]" if inside else key
@@ -74,7 +74,7 @@ def explain(key: str = "") -> str:
 
 def _ending(key: str, names: tuple[str, ...]) -> str | None:
     by_ending = {name.rpartition(".")[2]: name for name in names}
-    near = words.nearest(key.rpartition(".")[2], by_ending)
+    near = fields.nearest(key.rpartition(".")[2], by_ending)
     return by_ending[near] if near else None
 
 
@@ -84,7 +84,7 @@ def _indented(name: str) -> list[str]:
 
 def _details(path: tuple[str, ...]) -> list[str]:
     field = field_at(path, "")
-    lines = [f"    {field.description}", f"    {words.expected(field)}{_default(field)}"]
+    lines = [f"    {field.description}", f"    {fields.expected(field)}{_default(field)}"]
     laws = [law for law in LAWS if path[-1] in fields_at(path[:-1], law)]
     return lines + ([f"    laws: {', '.join(laws)}"] if len(laws) < len(LAWS) else [])
 
@@ -93,7 +93,7 @@ def _default(field: FieldInfo) -> str:
     if field.is_required():
         return "; required"
     plain = field.default not in (None, PydanticUndefined, "") and not isinstance(field.default, Keys)
-    return f"; default {words.shown(field.default)}" if plain else "; optional"
+    return f"; default {fields.shown(field.default)}" if plain else "; optional"
 
 
 def json_schema() -> dict[str, Any]:
@@ -112,7 +112,7 @@ def _table_schema(fields: dict[str, FieldInfo]) -> dict[str, Any]:
 
 
 def _material_schema(material: type[Keys]) -> dict[str, Any]:
-    schema = _table_schema(words.fields(material))
+    schema = _table_schema(fields.fields(material))
     return schema | {"required": ["law", *schema["required"]]}
 
 
@@ -120,23 +120,23 @@ def _field_schema(name: str, field: FieldInfo) -> dict[str, Any]:
     if name == "material":
         described: dict[str, Any] = {"description": field.description}
         return described | {"oneOf": [_material_schema(law.Material) for law in LAWS.values()]}
-    table = words.subtable(field)
+    table = fields.subtable(field)
     if table:
-        return {"description": field.description, **_table_schema(words.fields(table))}
-    schema = {"description": f"{field.description} ({words.expected(field)})", **_value_schema(field)}
+        return {"description": field.description, **_table_schema(fields.fields(table))}
+    schema = {"description": f"{field.description} ({fields.expected(field)})", **_value_schema(field)}
     plain = field.default not in (None, PydanticUndefined) and field.default != float("inf")
     return schema | ({"default": field.default} if plain else {})
 
 
 def _value_schema(field: FieldInfo) -> dict[str, Any]:
-    if number := words.number_of(field):
+    if number := fields.number_of(field):
         return _number_schema(number.bounds)
-    if item := words.item_number(field):
+    if item := fields.item_number(field):
         return {"type": "array", "items": _number_schema(item.bounds), "minItems": 1}
-    if allowed := words.allowed(field):
+    if allowed := fields.allowed(field):
         return {"enum": list(allowed)}
-    kind = {bool: "boolean", int: "integer"}.get(words.value_type(field), "string")
-    least = words.minimum(field)
+    kind = {bool: "boolean", int: "integer"}.get(fields.value_type(field), "string")
+    least = fields.minimum(field)
     return {"type": kind} | ({} if least is None else {"minimum": least})
 
 

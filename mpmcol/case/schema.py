@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, Union
 from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
-from mpmcol.case.rules import broken_rules
+from mpmcol.case.constraints import broken_rules
 from mpmcol.experiments import EXPERIMENTS
-from mpmcol.laws import LAWS, elastic
+from mpmcol.mpm.constitutive import LAWS, elastic
 from mpmcol.units import Keys, Number, choice, quantity
 
 if TYPE_CHECKING:
@@ -67,7 +67,7 @@ class Geometry(Keys):
 
     @property
     def shape(self) -> str:
-        """Name of the column's geometry (mpmcol.geometries)."""
+        """Name of the column's geometry (mpmcol.setup.geometries)."""
         return self.model if self.model in ("plane", "axisymmetric") else self.section
 
     @property

@@ -9,10 +9,10 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from mpmcol.case.lines import NO_TOML, KeyPath, Unfit, locate, parse
+from mpmcol.case.fields import nearest, shortened
 from mpmcol.case.overrides import Override, apply_overrides
-from mpmcol.case.report import Problem, case_error
-from mpmcol.case.words import nearest, shortened
+from mpmcol.case.problem import Problem, case_error
+from mpmcol.case.toml_lines import NO_TOML, KeyPath, Unfit, locate, parse
 from mpmcol.errors import CaseError
 
 LARGEST_FILE = 200_000  # bytes

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 if TYPE_CHECKING:
-    from mpmcol.pareto.advice import Advice
+    from mpmcol.studies.pareto.recommend import Advice
 
 
 class Accuracy(click.ParamType):
@@ -38,7 +38,7 @@ ACCURACY = Accuracy()
 
 def advised(case: str, overrides: Sequence[str], accuracy: float, silent: bool) -> Advice:
     """The cheapest setting for a case that keeps to an accuracy; tells which and why."""
-    from mpmcol.pareto.advice import advise
+    from mpmcol.studies.pareto.recommend import advise
 
     advice = advise(case, overrides, accuracy)
     if not silent:
@@ -57,7 +57,7 @@ def certified(
 ) -> None:
     """Run a case as advised at two spacings, print runout and height with error bars, and end the command."""
     from mpmcol.cli.sweep_display import Display
-    from mpmcol.pareto.certify import certify
+    from mpmcol.studies.pareto.certify import certify
     from mpmcol.sweep.engine import exit_code
 
     with Display(out, quiet or as_json) as display:

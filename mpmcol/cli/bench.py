@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mpmcol.cli.counts import whole
+from mpmcol.cli.option_types import whole
 
 if TYPE_CHECKING:
     from mpmcol.bench.report import Report
@@ -49,9 +49,9 @@ def bench(
     from mpmcol.bench.measure import FULL, QUICK, measure_scene
     from mpmcol.bench.report import load_report, make_report, scene_lines
     from mpmcol.bench.scenes import MODELS
-    from mpmcol.files import atomic_write
-    from mpmcol.jit import set_threads
-    from mpmcol.layout import BYTES_PER_POINT, refuse_beyond_memory
+    from mpmcol.io.atomic import atomic_write
+    from mpmcol.mpm.jit import set_threads
+    from mpmcol.setup.discretization import BYTES_PER_POINT, refuse_beyond_memory
 
     most = max(points or (0,))
     refuse_beyond_memory(2 * most * BYTES_PER_POINT[3], f"{most:,} points, twice,", "give fewer --points")

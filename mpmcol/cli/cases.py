@@ -21,7 +21,7 @@ def cases() -> None:
 def init(name: str) -> None:
     """Print the file of the shipped case NAME, to start an own one from: mpmcol init quickstart > my.toml"""
     from mpmcol.case import flattened_text, shipped_cases
-    from mpmcol.case.words import nearest
+    from mpmcol.case.fields import nearest
     from mpmcol.errors import UsageError
 
     names = shipped_cases()

@@ -15,7 +15,7 @@ def check(case: str, overrides: tuple[str, ...], resolved: bool) -> None:
     All problems are named at once, with file, line and key; the exit code is then 2.
     """
     from mpmcol.case import case_hash, load_case, resolved_toml
-    from mpmcol.layout import make_layout, refuse_if_too_large
+    from mpmcol.setup.discretization import make_layout, refuse_if_too_large
 
     loaded = load_case(case, overrides)
     layout = make_layout(loaded)

@@ -13,8 +13,8 @@ import click
 
 if TYPE_CHECKING:
     from mpmcol.experiments import ProfileScore, Score
+    from mpmcol.io.results import Results
     from mpmcol.measure import Array, ColumnShape, Measurement
-    from mpmcol.results import Results
 
 EMPTY = "none"
 
@@ -52,7 +52,7 @@ class State:
 @click.option("--csv", "form", flag_value="csv", help="A header and one row.")
 def measure(folder: Path, snapshot: int, form: str | None) -> None:
     """Measure the deposit of the results in DIR and compare it with every published law of its kind."""
-    from mpmcol.results import Results
+    from mpmcol.io.results import Results
 
     results = Results(folder)
     measured, shape, state = results.measure(snapshot), results.shape, _state(results, snapshot)
@@ -80,8 +80,8 @@ def _state(results: Results, snapshot: int) -> State:
 
 def _stop_time(results: Results) -> float | None:
     """When the front came within a cell of its end, in sqrt(h_i / g); None, with a note, without its history."""
+    from mpmcol.io.results import HISTORY_FILE
     from mpmcol.measure import stop_time
-    from mpmcol.results import HISTORY_FILE
 
     history = _collapse_history(results)
     if history is None:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from mpmcol.cli.counts import JOBS, THREADS
+from mpmcol.cli.option_types import JOBS, THREADS
 
 NAMES = ("fig5", "fig6", "fig7", "fig8", "fig9", "factors")
 
@@ -31,7 +31,7 @@ def paper(
     if unknown:
         raise click.BadParameter(f"{unknown[0]!r}: expected {', '.join(NAMES)} or all", param_hint="figures")
     from mpmcol.cli.sweep_display import Display
-    from mpmcol.paper import FIGURES, reproduce
+    from mpmcol.studies.paper import FIGURES, reproduce
     from mpmcol.sweep.engine import exit_code
 
     chosen = [name for name in NAMES if name in figures] if figures and "all" not in figures else list(NAMES)

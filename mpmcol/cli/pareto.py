@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from mpmcol.cli.counts import JOBS
+from mpmcol.cli.option_types import JOBS
 
 
 @click.command()
@@ -22,9 +22,9 @@ def pareto(study: str, out: Path | None, jobs: int | None, report_only: bool, qu
     model, against the experiment with its scatter. The same command again completes what is missing.
     """
     from mpmcol.cli.sweep_display import Display
-    from mpmcol.pareto import RUNS, carry_out_study
-    from mpmcol.pareto.study import load_study
-    from mpmcol.pareto.text import closing_lines
+    from mpmcol.studies.pareto import RUNS, carry_out_study
+    from mpmcol.studies.pareto.study import load_study
+    from mpmcol.studies.pareto.text import closing_lines
     from mpmcol.sweep.engine import exit_code
 
     loaded = load_study(study)

@@ -24,9 +24,9 @@ def plan(case: str, overrides: tuple[str, ...], accuracy: float, target: Path | 
     Savings are estimated from points and steps; effects were measured on columns like this one by `mpmcol pareto`.
     """
     from mpmcol.case import load_case, resolved_toml
-    from mpmcol.files import atomic_write
-    from mpmcol.pareto.advice import advise
-    from mpmcol.pareto.plan import propose
+    from mpmcol.io.atomic import atomic_write
+    from mpmcol.studies.pareto.recommend import advise
+    from mpmcol.studies.pareto.savings import propose
 
     click.echo(f"{'change, alone':44s}{'time':>8s}{'zeta':>8s}{'beta':>8s}")
     for proposal in propose(case, overrides, accuracy):

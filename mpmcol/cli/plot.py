@@ -27,8 +27,8 @@ def parse_times(context: click.Context, parameter: click.Parameter, text: str | 
 @click.option("--svg", is_flag=True, help="Also write each chart as SVG.")
 def plot(folder: Path, times: tuple[float, ...] | None, out: Path | None, svg: bool) -> None:
     """Chart the results in DIR: profiles, front and height over time, energy ledger."""
-    from mpmcol.results import Results
-    from mpmcol.run_charts import chart_run
+    from mpmcol.io.results import Results
+    from mpmcol.plotting.run_charts import chart_run
 
     for path in chart_run(Results(folder), times, svg, out, lambda note: click.echo(note, err=True)):
         click.echo(path)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from mpmcol.cli.counts import whole
+from mpmcol.cli.option_types import whole
 
 
 def parse_size(context: click.Context, parameter: click.Parameter, text: str) -> tuple[int, int]:
@@ -30,7 +30,7 @@ def render(folder: Path, gif: bool, view: str | None, snapshot: int, out: Path |
 
     From above (`--view top`, of a cylinder), in red what moved by 1 mm or more since the release.
     """
-    from mpmcol.render import render as draw
+    from mpmcol.plotting.render import render as draw
 
     rendered = draw(folder, gif=gif, view=view, snapshot=snapshot, size=size, out=out)
     for path in rendered.paths:

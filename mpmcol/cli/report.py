@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from mpmcol.experiments import find_experiment
-from mpmcol.results import Results
+from mpmcol.io.results import Results
 
 FRONT_TEXT = {
     "front_max": "farthest point",

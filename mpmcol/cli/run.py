@@ -14,8 +14,8 @@ import click
 from click.core import ParameterSource
 
 from mpmcol.cli.accuracy import ACCURACY, advised, certified
-from mpmcol.cli.counts import THREADS
 from mpmcol.cli.duration import DURATION, duration
+from mpmcol.cli.option_types import THREADS
 from mpmcol.errors import Interrupted, NumericalFailure
 
 OF_ONE_RUN = ("fresh", "go_on", "checkpoint", "max_wall", "on_instability", "requeue_code", "dry_run")
@@ -91,8 +91,8 @@ def run(
     stem = Path(case).stem
     folder = out or Path("runs") / (f"{stem}-{case_hash(loaded)[:6]}" if overrides else stem)
     reporter = Reporter(quiet or as_json)
-    from mpmcol.results import Results
-    from mpmcol.simulation import run as simulate
+    from mpmcol.io.results import Results
+    from mpmcol.simulation.run import run as simulate
 
     try:
         with reporter:
@@ -173,7 +173,7 @@ class Reporter:
 def _print_estimate(case: Any, threads: int | None, as_json: bool) -> None:
     from dataclasses import asdict
 
-    from mpmcol.estimate import estimate
+    from mpmcol.setup.cost import estimate
 
     click.echo("measuring the pace of this machine (about a second, more if kernels must be compiled) ...", err=True)
     cost = estimate(case, threads)

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mpmcol.cli.counts import JOBS
+from mpmcol.cli.option_types import JOBS
 
 if TYPE_CHECKING:
-    from mpmcol.stability import Stability
-    from mpmcol.stability.map import Drawn
-    from mpmcol.stability.scene import SceneOutcome
+    from mpmcol.failure_modes import Stability
+    from mpmcol.failure_modes.scenario import SceneOutcome
+    from mpmcol.studies.method_map import Drawn
 
 RECORD_SCHEMA = 1
 FAILED = 4  # exit code
@@ -49,8 +49,8 @@ def stability(
     if jobs is not None or report_only:
         raise click.UsageError("--jobs and --report-only go with --map")
     out = out or Path("stability")
-    from mpmcol.stability import examine
-    from mpmcol.stability.scenes import choose
+    from mpmcol.failure_modes import examine
+    from mpmcol.failure_modes.scenarios import choose
     from mpmcol.sweep.plan import as_json
 
     if to_list:
@@ -70,9 +70,9 @@ def stability(
 def _map(name: str, out: Path | None, jobs: int | None, report_only: bool, quiet: bool, to_json: bool) -> int:
     """The exit code: that methods fail is what a map is for, but runs that broke are told."""
     from mpmcol.cli.sweep_display import Display
-    from mpmcol.stability.map import RUNS, draw_map
-    from mpmcol.stability.map.definition import load_map
-    from mpmcol.stability.map.text import closing_lines
+    from mpmcol.studies.method_map import RUNS, draw_map
+    from mpmcol.studies.method_map.definition import load_map
+    from mpmcol.studies.method_map.text import closing_lines
     from mpmcol.sweep.engine import exit_code
     from mpmcol.sweep.plan import as_json
 
@@ -89,7 +89,7 @@ def _map(name: str, out: Path | None, jobs: int | None, report_only: bool, quiet
 
 
 def _map_record(drawn: Drawn) -> dict[str, Any]:
-    from mpmcol.stability.map.report import table_rows
+    from mpmcol.studies.method_map.report import table_rows
 
     return {
         "schema": RECORD_SCHEMA, "rows": list(table_rows(drawn.judged)), "files": [str(path) for path in drawn.files],
@@ -97,7 +97,7 @@ def _map_record(drawn: Drawn) -> dict[str, Any]:
 
 
 def _lines(outcome: SceneOutcome, quiet: bool) -> Iterator[str]:
-    from mpmcol.stability.report import shown, trial_lines
+    from mpmcol.failure_modes.report import shown, trial_lines
 
     scene = outcome.scene
     yield f"{scene.name}: {outcome.verdict}"
@@ -111,7 +111,7 @@ def _lines(outcome: SceneOutcome, quiet: bool) -> Iterator[str]:
 
 
 def _closing(found: Stability, out: Path) -> Iterator[str]:
-    from mpmcol.stability.report import gaps
+    from mpmcol.failure_modes.report import gaps
 
     well = sum(outcome.verdict == "as expected" for outcome in found.outcomes)
     yield f"{well} of {len(found.outcomes)} scenes as expected"
@@ -121,7 +121,7 @@ def _closing(found: Stability, out: Path) -> Iterator[str]:
 
 
 def _record(found: Stability) -> dict[str, Any]:
-    from mpmcol.stability.report import table_rows
+    from mpmcol.failure_modes.report import table_rows
 
     return {
         "schema": RECORD_SCHEMA, "passed": found.passed,

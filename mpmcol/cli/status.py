@@ -60,8 +60,8 @@ def _record(folder: Path, plan: Plan, parts: list[Part]) -> dict[str, Any]:
 
 
 def _lines(folder: Path, plan: Plan, parts: list[Part]) -> Iterator[str]:
+    from mpmcol.provenance import code_version
     from mpmcol.sweep.progress import counts, time_left
-    from mpmcol.version import code_version
 
     told = ", ".join(f"{count} {name}" for name, count in counts(parts).items())
     yield f"{folder}: {plan.title or 'untitled'}, {told}"

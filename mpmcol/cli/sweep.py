@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mpmcol.cli.counts import JOBS, THREADS
 from mpmcol.cli.duration import duration
+from mpmcol.cli.option_types import JOBS, THREADS
 
 if TYPE_CHECKING:
-    from mpmcol.sweep.points import Point
+    from mpmcol.sweep.runs import Point
 
 
 @click.command()
@@ -59,7 +59,7 @@ def sweep(
     if engine == "commands" and to_json:
         raise click.UsageError("--json tells what the points became, and --engine commands runs none; leave one out")
     from mpmcol.sweep.axes import parse_axes
-    from mpmcol.sweep.points import plan_points
+    from mpmcol.sweep.runs import plan_points
 
     axes, problems = parse_axes(aspect, settings)
     folder = out or _default_folder(case, settings, zipped)
@@ -88,11 +88,11 @@ def _run(
     quiet: bool,
 ) -> None:
     from mpmcol.cli.sweep_display import Display, as_record, closing_lines, failures
-    from mpmcol.sweep.conduct import conduct
     from mpmcol.sweep.engine import exit_code
     from mpmcol.sweep.plan import as_json
-    from mpmcol.sweep.points import notes
-    from mpmcol.sweep.publish import publish
+    from mpmcol.sweep.report import publish
+    from mpmcol.sweep.runner import conduct
+    from mpmcol.sweep.runs import notes
 
     with Display(out, quiet) as display:
         for note in notes(points):
@@ -110,11 +110,11 @@ def _run(
 
 
 def _print_forecast(points: list[Point], jobs: int | None, threads: int | None, to_json: bool) -> None:
-    from mpmcol.sweep.conduct import introduce, todo
     from mpmcol.sweep.forecast import forecast
     from mpmcol.sweep.plan import as_json
-    from mpmcol.sweep.points import notes
-    from mpmcol.sweep.shares import choose_shares, finish
+    from mpmcol.sweep.runner import introduce, todo
+    from mpmcol.sweep.runs import notes
+    from mpmcol.sweep.scheduling import choose_shares, finish
 
     click.echo("measuring the pace of this machine (about a second, more if kernels must be compiled) ...", err=True)
     left = todo(points)
@@ -142,9 +142,9 @@ def _print_forecast(points: list[Point], jobs: int | None, threads: int | None, 
 def _print_commands(points: list[Point], out: Path, threads: int | None, quiet: bool) -> None:
     """The lines on stdout; all else on stderr, so that they can be piped."""
     from mpmcol.sweep.commands import SLURM_FILE, write_commands
-    from mpmcol.sweep.conduct import make_plan, todo
     from mpmcol.sweep.plan import prepare_out, write_plan
-    from mpmcol.sweep.shares import Shares
+    from mpmcol.sweep.runner import make_plan, todo
+    from mpmcol.sweep.scheduling import Shares
 
     left = todo(points)
     if not left:

@@ -17,11 +17,11 @@ import click
 from mpmcol.cli.duration import duration
 from mpmcol.errors import Interrupted
 from mpmcol.measure import FRONTS
-from mpmcol.sweep.conduct import Watcher
 from mpmcol.sweep.engine import Outcome
 from mpmcol.sweep.plan import Plan
 from mpmcol.sweep.progress import Part, Progress, share_done, time_left
-from mpmcol.sweep.publish import Published
+from mpmcol.sweep.report import Published
+from mpmcol.sweep.runner import Watcher
 from mpmcol.sweep.table import Row
 
 RECORD_SCHEMA = 1

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mpmcol.cli.counts import JOBS, THREADS
+from mpmcol.cli.option_types import JOBS, THREADS
 
 if TYPE_CHECKING:
-    from mpmcol.validation import Validation
+    from mpmcol.studies.validation import Validation
 
 RECORD_SCHEMA = 1
 FAILED = 4  # exit code
@@ -43,9 +43,9 @@ def validate(
     Exit code 4 if a check fails.
     """
     from mpmcol.cli.sweep_display import Display
+    from mpmcol.studies.validation import validate as carry_out
     from mpmcol.sweep.engine import exit_code
     from mpmcol.sweep.plan import as_json
-    from mpmcol.validation import validate as carry_out
 
     folder = out or Path("validation-quick" if quick else "validation")
     with Display(folder / "runs", quiet) as display:
@@ -57,7 +57,7 @@ def validate(
 
 
 def _lines(found: Validation) -> Iterator[str]:
-    from mpmcol.validation.report import band_of, controls_of, shown
+    from mpmcol.studies.validation.report import band_of, controls_of, shown
 
     width = max(len(judgement.check.name) for judgement in found.judgements)
     for judgement in found.judgements:
@@ -72,7 +72,7 @@ def _lines(found: Validation) -> Iterator[str]:
 
 
 def _record(found: Validation, quick: bool) -> dict[str, Any]:
-    from mpmcol.validation.report import table_rows
+    from mpmcol.studies.validation.report import table_rows
 
     rows = [row for judgement in found.judgements for row in table_rows(judgement, quick)]
     return {

@@ -10,7 +10,7 @@ import click
 from mpmcol.errors import OutputError
 
 if TYPE_CHECKING:
-    from mpmcol.verify import Report
+    from mpmcol.integrity import Report
 
 VERIFY_SCHEMA = 1
 STATES = {
@@ -33,7 +33,7 @@ def verify(context: click.Context, folders: tuple[Path, ...], as_json: bool) -> 
     """
     import json
 
-    from mpmcol.verify import verify as check
+    from mpmcol.integrity import verify as check
 
     reports = [report for folder in folders for report in check(folder)]
     is_sound = all(report.is_sound for report in reports)

@@ -11,7 +11,8 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from mpmcol.errors import UsageError
-from mpmcol.experiments import (
+from mpmcol.experiments.base import Experiment, Law, Piece, Profile, ProfileScore, Score, column_kind
+from mpmcol.experiments.records import (
     balmforth_kerswell_2005,
     bougouin_lacaze_2018,
     bui_2008,
@@ -27,7 +28,6 @@ from mpmcol.experiments import (
     paper_axisymmetric,
     paper_plane,
 )
-from mpmcol.experiments.base import Experiment, Law, Piece, Profile, ProfileScore, Score, column_kind
 from mpmcol.experiments.scores import score_laws, score_profile
 
 __all__ = [

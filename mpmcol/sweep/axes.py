@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from mpmcol.case import Problem
-from mpmcol.case.report import set_option
-from mpmcol.sweep.points import ASPECT
+from mpmcol.case.problem import set_option
 from mpmcol.sweep.ranges import Axis, parse_values
+from mpmcol.sweep.runs import ASPECT
 
 
 def parse_axes(aspect: str | None, settings: Sequence[str]) -> tuple[list[Axis], list[Problem]]:

@@ -12,9 +12,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
-from mpmcol.chart import EXPERIMENT_COLOUR, FRONT_STYLES, save_figure
 from mpmcol.experiments import EXPERIMENTS, Experiment, Law
 from mpmcol.measure import FRONTS
+from mpmcol.plotting.charts import EXPERIMENT_COLOUR, FRONT_STYLES, save_figure
 from mpmcol.sweep.fits import Slope
 from mpmcol.sweep.series import ASPECT_COLUMN, Series
 from mpmcol.sweep.table import unit_of

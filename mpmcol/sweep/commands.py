@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from math import ceil
 from pathlib import Path
 
-from mpmcol.files import atomic_write
-from mpmcol.sweep.points import Point, freeze
-from mpmcol.sweep.shares import BYTES_OF_PROCESS
+from mpmcol.io.atomic import atomic_write
+from mpmcol.sweep.runs import Point, freeze
+from mpmcol.sweep.scheduling import BYTES_OF_PROCESS
 from mpmcol.sweep.task import run_command
 
 COMMANDS_FILE, SLURM_FILE = "commands.sh", "slurm.sh"

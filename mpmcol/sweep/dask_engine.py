@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from mpmcol.errors import OutputError, UsageError
-from mpmcol.files import atomic_write, remove
+from mpmcol.io.atomic import atomic_write, remove
 from mpmcol.sweep.engine import Pool
 from mpmcol.sweep.task import RETRIES
 

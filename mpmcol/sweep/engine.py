@@ -11,12 +11,12 @@ from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 
 from mpmcol.errors import Interrupted, MpmcolError, NumericalFailure, OutputError, UsageError
-from mpmcol.sweep.points import Point, freeze
-from mpmcol.sweep.shares import Shares, choose_shares
-from mpmcol.sweep.states import read_state
+from mpmcol.io.run_status import read_state
+from mpmcol.provenance import code_version
+from mpmcol.sweep.compile_cache import smallest_of_each
+from mpmcol.sweep.runs import Point, freeze
+from mpmcol.sweep.scheduling import Shares, choose_shares
 from mpmcol.sweep.task import Ending, Halt, Task, carry_out
-from mpmcol.sweep.warm import smallest_of_each
-from mpmcol.version import code_version
 
 TICK = 0.25  # s
 
@@ -152,6 +152,6 @@ def _halt(pending: dict[Future[Ending], Point], pool: Pool, say: Say) -> None:
 def _compile(points: Sequence[Point]) -> None:
     """Compile what the points need once, in a process that is left behind; what goes wrong there, the runs tell."""
     cases = [str(freeze(point)) for point in smallest_of_each(points)]
-    command = [sys.executable, "-m", "mpmcol.sweep.warm", *cases]
+    command = [sys.executable, "-m", "mpmcol.sweep.compile_cache", *cases]
     environment = {**os.environ, "NUMBA_NUM_THREADS": "1"}
     subprocess.run(command, env=environment, stdin=subprocess.DEVNULL, capture_output=True, start_new_session=True)

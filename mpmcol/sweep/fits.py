@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mpmcol.experiments import Experiment
-from mpmcol.files import atomic_write
+from mpmcol.io.atomic import atomic_write
 from mpmcol.measure import FRONTS
 
 SLOPES_FILE = "slopes.csv"

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from mpmcol.estimate import estimate
-from mpmcol.sweep.points import Point
-from mpmcol.sweep.warm import kernels_of
+from mpmcol.setup.cost import estimate
+from mpmcol.sweep.compile_cache import kernels_of
+from mpmcol.sweep.runs import Point
 
 
 def forecast(points: Sequence[Point], threads: int) -> list[float]:

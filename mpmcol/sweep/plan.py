@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from mpmcol.errors import OutputError, UsageError
-from mpmcol.files import atomic_write, make_folder
+from mpmcol.io.atomic import atomic_write, make_folder
 
 PLAN_FILE = "sweep.json"
 PLAN_SCHEMA = 1

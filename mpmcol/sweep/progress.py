@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from mpmcol.errors import OutputError
-from mpmcol.files import CASE_FILE, GIVEN_CASE_FILE
+from mpmcol.io.atomic import CASE_FILE, GIVEN_CASE_FILE
+from mpmcol.io.run_status import State, reached, read_state, running_for
 from mpmcol.sweep.plan import PLAN_FILE, Plan, Planned, read_plan
-from mpmcol.sweep.states import State, reached, read_state, running_for
 
 MOST_SHARE = 0.95  # a run that takes longer than usual is never told as over
 
@@ -64,7 +64,7 @@ def plan_of(folder: Path) -> tuple[Plan, Path]:
     if case is None:
         raise OutputError(f"{folder}: neither the folder of a sweep ({PLAN_FILE}) nor of a run ({CASE_FILE})")
     from mpmcol.case import load_case
-    from mpmcol.sweep.points import Point
+    from mpmcol.sweep.runs import Point
 
     point = Point({}, load_case(case), folder.resolve())
     run = Planned(point.folder.name, {}, point.work, point.end)

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from mpmcol.sweep.points import short_names
+from mpmcol.sweep.runs import short_names
 
 ASPECT_COLUMN = "a"
 ASPECT_KEYS = ("geometry.aspect", "geometry.height")  # what may stand for it

@@ -12,13 +12,13 @@ import h5py
 import numpy as np
 
 from mpmcol.case import resolved_toml
+from mpmcol.case.fields import number_of
 from mpmcol.case.reference import field_at
-from mpmcol.case.words import number_of
 from mpmcol.experiments import find_experiment
-from mpmcol.files import atomic_write
+from mpmcol.io.atomic import atomic_write
+from mpmcol.io.run_status import read_state
+from mpmcol.io.vtkhdf import image
 from mpmcol.sweep.engine import Outcome
-from mpmcol.sweep.states import read_state
-from mpmcol.vtkhdf import image
 
 CSV_FILE, HDF5_FILE = "table.csv", "table.h5"
 TABLE_SCHEMA = 1

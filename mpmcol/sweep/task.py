@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import Literal
 
 from mpmcol.errors import Interrupted, NumericalFailure, OutputError, UsageError
-from mpmcol.files import GIVEN_CASE_FILE, LOG_FILE, is_locked
-from mpmcol.sweep.states import State, read_state
-from mpmcol.version import code_version
+from mpmcol.io.atomic import GIVEN_CASE_FILE, LOG_FILE, is_locked
+from mpmcol.io.run_status import State, read_state
+from mpmcol.provenance import code_version
 
 RETRIES = 2
 GRACE = 30.0  # s that a run has to write its last state

@@ -17,7 +17,7 @@ import taichi as ti
 from scripts.peers.best import Best
 from scripts.peers.example import Example
 from scripts.peers.scene import MASS_FLOOR, WALL_GAP, Scene, make_material
-from tests import reference
+from tests.support import reference
 
 YOUNG, NU, PHI, PSI, COHESION, DENSITY = 1e6, 0.25, 33.0, 5.0, 20.0, 2000.0
 H, NODES = 0.1, {2: (14, 11), 3: (8, 7, 6)}

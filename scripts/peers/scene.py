@@ -7,9 +7,9 @@ from math import radians, sin
 
 import numpy as np
 
-from mpmcol.grid import NODE
-from mpmcol.solver import Solver
-from mpmcol.state import COLUMN
+from mpmcol.mpm.grid import NODE
+from mpmcol.mpm.particles import COLUMN
+from mpmcol.mpm.solver import Solver
 
 WALL_GAP = 0.1  # in h: points are held this far from the walls
 MASS_FLOOR = 1e-20  # share of the smallest point mass under which a node is empty

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from mpmcol.bench.scenes import make_solver
-from mpmcol.jit import set_threads
+from mpmcol.mpm.jit import set_threads
 from scripts.peers.scene import from_solver
 
 Advance = Callable[[int], None]

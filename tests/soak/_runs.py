@@ -12,11 +12,11 @@ import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from mpmcol.files import CHECKPOINT_FILES
-from mpmcol.results import Results
-from mpmcol.sweep.states import read_state
+from mpmcol.io.atomic import CHECKPOINT_FILES
+from mpmcol.io.results import Results
+from mpmcol.io.run_status import read_state
+from tests.integration.test_restart import CASES, SHORT, same
 from tests.soak.figures import PACKAGE, digest
-from tests.unit.test_restart import CASES, SHORT, same
 
 ROOT = PACKAGE.parent
 KEPT = ROOT / "build" / "soak" / "kept"

@@ -18,10 +18,10 @@ from typing import Any
 import tomli_w
 
 from mpmcol.case import flattened_text, key_names, shipped_cases
+from mpmcol.case.fields import allowed, item_number, minimum, number_of, subtable, value_type
 from mpmcol.case.reference import field_at, fields_at
-from mpmcol.case.words import allowed, item_number, minimum, number_of, subtable, value_type
 from mpmcol.units import FACTORS, Number
-from tests.bad_input import judge, wrong_with_reading
+from tests.support.bad_input import judge, wrong_with_reading
 
 COUNT = 20_000
 KEYS_OF_A_TRIAL, KEYS_OF_A_TAME_TRIAL = (1, 2, 4, 8), (1, 1, 2, 3)

@@ -20,14 +20,14 @@ from click.testing import CliRunner, Result
 
 from mpmcol.case import key_names, load_case, resolved_toml, shipped_cases
 from mpmcol.cli import COMMANDS, main
-from tests.bad_input import LONGEST, judge
+from tests.support.bad_input import LONGEST, judge
 
 COUNT = 5_000
 LONGEST_PLAN = 10.0  # s of CPU: what is accepted may consist of hundreds of runs, whose cases are read
 CODES = (0, 2, 5)  # done, wrong command or case, unreadable or unwritable file
 BEGINNINGS = (
-    "mpmcol.scene.allocate_grid", "mpmcol.sweep.conduct.run_points", "mpmcol.sweep.members.run_points",
-    "mpmcol.stability.play", "mpmcol.stability.map.draw_map", "mpmcol.bench.measure.measure_scene",
+    "mpmcol.setup.model.allocate_grid", "mpmcol.sweep.runner.run_points", "mpmcol.studies.runs.run_points",
+    "mpmcol.failure_modes.play", "mpmcol.studies.method_map.draw_map", "mpmcol.bench.measure.measure_scene",
 )  # fmt: skip
 NUMBERS = (
     "0", "-1", "1", "3", "2.5", "1e400", "nan", "-inf", "9" * 30, "9" * 5000, "1," + "9" * 5000, "1,,2", "1,x", "٣",

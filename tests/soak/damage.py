@@ -10,9 +10,9 @@ from pathlib import Path
 from click.testing import CliRunner
 
 from mpmcol.cli import main
-from mpmcol.results import Results
+from mpmcol.io.results import Results
+from tests.integration.test_restart import same
 from tests.soak.writes import BEGINNINGS, CASE, undisturbed
-from tests.unit.test_restart import same
 
 COUNT = 10_000
 DRAW = 60

@@ -16,10 +16,10 @@ from tempfile import TemporaryDirectory
 from click.testing import CliRunner
 
 from mpmcol.cli import main
-from mpmcol.results import Results
-from tests.faulty_disk import Disk
+from mpmcol.io.results import Results
+from tests.integration.test_restart import same
 from tests.soak.writes import CASE, changes, look, undisturbed
-from tests.unit.test_restart import same
+from tests.support.faulty_disk import Disk
 
 COUNT = 200
 DRAW = 8

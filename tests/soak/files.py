@@ -12,7 +12,7 @@ from vtkmodules.vtkCommonDataModel import vtkPolyData
 from vtkmodules.vtkIOHDF import vtkHDFReader
 
 import mpmcol
-from mpmcol.results import Results
+from mpmcol.io.results import Results
 from tests.soak._runs import CASES, SHORT
 
 COUNT = 28

@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from mpmcol.sweep.states import read_state
+from mpmcol.io.run_status import read_state
 from tests.soak._runs import CASES, await_, finish, seconds, start, stop, words
 
 COUNT = 200

@@ -24,10 +24,10 @@ import numpy as np
 from mpmcol.case import Case, load_case
 from mpmcol.errors import NumericalFailure
 from mpmcol.experiments import expected_runout
-from mpmcol.results import Results
-from mpmcol.simulation import run
-from mpmcol.sweep.definition import as_text
-from mpmcol.sweep.points import Point
+from mpmcol.io.results import Results
+from mpmcol.simulation.run import run
+from mpmcol.studies.definition import as_text
+from mpmcol.sweep.runs import Point
 
 COUNT = 1_000
 SECONDS = 3.0  # that a case may take on one core

@@ -6,9 +6,9 @@ import random
 import signal
 from pathlib import Path
 
-from mpmcol.files import is_locked
-from mpmcol.stop import SIGNALS
-from mpmcol.sweep.states import read_state
+from mpmcol.io.atomic import is_locked
+from mpmcol.io.run_status import read_state
+from mpmcol.simulation.interrupt import SIGNALS
 from tests.soak._runs import CASES, STOPPED, await_, described, finish, seconds, start, stop, words
 from tests.soak.kills import moment
 

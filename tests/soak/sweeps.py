@@ -15,10 +15,10 @@ from contextlib import suppress
 from functools import partial
 from pathlib import Path
 
-from mpmcol.results import Results
-from mpmcol.sweep.states import read_state
+from mpmcol.io.results import Results
+from mpmcol.io.run_status import read_state
+from tests.integration.test_cli_sweep import children, measured
 from tests.soak._runs import PATIENCE, carry_out, cpu_time, described, keep, start
-from tests.unit.test_cli_sweep import children, measured
 
 COUNT = 60
 DRAW = 3

@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 import mpmcol
-from mpmcol.checkpoint import read_checkpoints
-from mpmcol.layout import make_layout
-from mpmcol.results import Results
+from mpmcol.io.checkpoint import read_checkpoints
+from mpmcol.io.results import Results
+from mpmcol.setup.discretization import make_layout
 from tests.soak._runs import STOPPED, start, stop
 
 WITHIN = 2.0  # s of a core

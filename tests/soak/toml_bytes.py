@@ -10,9 +10,9 @@ from pathlib import Path
 
 from mpmcol.case import flattened_text, key_names, shipped_cases
 from mpmcol.errors import CaseError, UsageError
-from mpmcol.pareto.settings import settings_of
-from mpmcol.pareto.study import load_study, shipped_studies
-from tests.bad_input import judge, wrong_with_reading, wrong_with_refusal
+from mpmcol.studies.pareto.configurations import settings_of
+from mpmcol.studies.pareto.study import load_study, shipped_studies
+from tests.support.bad_input import judge, wrong_with_reading, wrong_with_refusal
 
 COUNT = 100_000
 MUTATIONS_OF_A_TRIAL = (1, 1, 1, 2, 4)

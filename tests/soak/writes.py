@@ -13,11 +13,11 @@ from tempfile import TemporaryDirectory
 
 import mpmcol
 from mpmcol.errors import Interrupted, MpmcolError
-from mpmcol.results import Results
-from mpmcol.verify import verify
-from tests.faulty_disk import Disk, PowerLost
+from mpmcol.integrity import verify
+from mpmcol.io.results import Results
+from tests.integration.test_restart import same
 from tests.soak._runs import keep
-from tests.unit.test_restart import same
+from tests.support.faulty_disk import Disk, PowerLost
 
 COUNT = 2400
 DRAW = 12

@@ -11,9 +11,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mpmcol.solver import Solver
-from mpmcol.state import Points, Scheme
-from tests.verification.blocks import (
+from mpmcol.failure_modes.toolkit import (
     WEIGHTLESS,
     advance_steps,
     elastic_body,
@@ -23,6 +21,8 @@ from tests.verification.blocks import (
     points_at,
     walled_grid,
 )
+from mpmcol.mpm.particles import Points, Scheme
+from mpmcol.mpm.solver import Solver
 
 H, STEPS = 0.1, 200
 SPIN = np.array([[0.0, -3.0, 1.0], [3.0, 0.0, -2.0], [-1.0, 2.0, 0.0]])

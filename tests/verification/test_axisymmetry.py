@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mpmcol.grid import node_records
-from tests.verification.blocks import (
+from mpmcol.failure_modes.toolkit import (
     DENSITY,
     NU,
     PLAIN,
@@ -21,6 +20,7 @@ from tests.verification.blocks import (
     points_at,
     walled_grid,
 )
+from mpmcol.mpm.grid import node_records
 
 H = 0.1
 FREE = WEIGHTLESS._replace(axisymmetric=True)

@@ -15,8 +15,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from mpmcol.state import Points
-from tests.verification.blocks import (
+from mpmcol.failure_modes.toolkit import (
     WEIGHTLESS,
     advance_steps,
     by_id,
@@ -27,6 +26,7 @@ from tests.verification.blocks import (
     points_at,
     walled_grid,
 )
+from mpmcol.mpm.particles import Points
 
 H, NU, DENSITY = 0.2, 0.2, 1.0
 YOUNG = DENSITY * 16.7**2 * (1.0 + NU) * (1.0 - 2.0 * NU) / (1.0 - NU)

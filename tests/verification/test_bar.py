@@ -1,11 +1,11 @@
-"""Axial vibration of an elastic bar (`mpmcol.stability.problems.bar`): period and energy for each transfer."""
+"""Axial vibration of an elastic bar (`mpmcol.failure_modes.problems.bar`): period and energy for each transfer."""
 
 from __future__ import annotations
 
 import pytest
 
-from mpmcol.stability.problems.bar import PERIOD, vibration
-from mpmcol.state import Scheme
+from mpmcol.failure_modes.problems.bar import PERIOD, vibration
+from mpmcol.mpm.particles import Scheme
 
 
 @pytest.mark.parametrize("cfl", [0.1, 0.5])

@@ -7,9 +7,9 @@ from itertools import product
 import numpy as np
 import pytest
 
-from mpmcol.basis import BASES
-from mpmcol.basis.quadratic import spline, splines
-from mpmcol.simd import vector
+from mpmcol.mpm.shape_functions import BASES
+from mpmcol.mpm.shape_functions.quadratic import spline, splines
+from mpmcol.mpm.simd import vector
 
 NODES = 6
 EXACT = 1e-13

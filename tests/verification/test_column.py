@@ -5,14 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mpmcol.grid import node_coordinates, node_records, set_fixed
-from mpmcol.kernels.grid import clear
-from mpmcol.kernels.transfer import make_p2g
-from mpmcol.kernels.transfer_any import TRANSFERS
-from mpmcol.solver import Solver
-from mpmcol.stability.problems.column import AT_REST, DAMPED, HEIGHT, WEIGHT, settled_column, stress_error
-from mpmcol.state import COLUMN, PAPER, Points, Scheme
-from tests.verification.blocks import (
+from mpmcol.failure_modes.problems.column import AT_REST, DAMPED, HEIGHT, WEIGHT, settled_column, stress_error
+from mpmcol.failure_modes.toolkit import (
     DENSITY,
     K_ACTIVE,
     NU,
@@ -24,6 +18,12 @@ from tests.verification.blocks import (
     points_at,
     walled_grid,
 )
+from mpmcol.mpm.grid import node_coordinates, node_records, set_fixed
+from mpmcol.mpm.kernels.grid_update import clear
+from mpmcol.mpm.kernels.transfer import TRANSFERS
+from mpmcol.mpm.kernels.transfer_common import make_p2g
+from mpmcol.mpm.particles import COLUMN, PAPER, Points, Scheme
+from mpmcol.mpm.solver import Solver
 
 STIFF = elastic_body(youngs_modulus=1e8)
 both_dimensions = pytest.mark.parametrize("d", [2, 3])

@@ -10,14 +10,14 @@ from pathlib import Path
 
 import pytest
 
-from mpmcol.state import PAPER, Scheme
-from tests.verification.blocks import advance_steps
+from mpmcol.failure_modes.toolkit import advance_steps
+from mpmcol.mpm.particles import PAPER, Scheme
 from tests.verification.test_energy import DAMPED, collapse
 
 ROOT = Path(__file__).absolute().parents[2]
 STEPS = 400
 IN_ANOTHER_PROCESS = """
-from mpmcol.jit import set_threads
+from mpmcol.mpm.jit import set_threads
 from tests.verification.test_determinism import OTHER, fingerprint
 for threads in (1, 2, 4):
     print(set_threads(threads), fingerprint(2), fingerprint(3), fingerprint(2, scheme=OTHER), fingerprint(3, margin=1))

@@ -1,6 +1,6 @@
 """A spinning elastic disc: what is left of rigid rotation in its third turn, for each transfer.
 
-`mpmcol.stability.problems.disc`. Residual: mass-weighted rms of
+`mpmcol.failure_modes.problems.disc`. Residual: mass-weighted rms of
 the velocity less the rigid rotation of the same angular momentum, over omega R. An independent code found, at
 one instant after three turns, 3.7 % for FLIP, 1.39 % for Taylor P2G with FLIP and 1.20 % with PIC, with
 kinetic energies of 0.897, 0.956 and 0.958 and angular momenta of 0.986, 1.021 and 1.022. Its stiffness is not
@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import pytest
 
-from mpmcol.stability.problems.disc import spin
+from mpmcol.failure_modes.problems.disc import spin
 
 
 @pytest.mark.parametrize(

@@ -10,10 +10,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from mpmcol.jit import driver, variant
-from mpmcol.kernels import stress_2d, stress_3d
-from mpmcol.solver import Body
-from tests.verification.blocks import K_ACTIVE, NU, PHI, WEIGHTLESS, E, elastic_body, sand_body
+from mpmcol.failure_modes.toolkit import K_ACTIVE, NU, PHI, WEIGHTLESS, E, elastic_body, sand_body
+from mpmcol.mpm.jit import driver, variant
+from mpmcol.mpm.kernels import stress_2d, stress_3d
+from mpmcol.mpm.solver import Body
 
 SHEAR = E / (2.0 * (1.0 + NU))
 BULK = E / (3.0 * (1.0 - 2.0 * NU))

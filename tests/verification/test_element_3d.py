@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mpmcol.solver import Body
-from tests.verification.blocks import K_ACTIVE, NU, PHI, WEIGHTLESS, E, elastic_body, sand_body
+from mpmcol.failure_modes.toolkit import K_ACTIVE, NU, PHI, WEIGHTLESS, E, elastic_body, sand_body
+from mpmcol.mpm.solver import Body
 from tests.verification.test_element import make_path
 
 N_PHI = 1.0 / K_ACTIVE

@@ -9,10 +9,10 @@ import pytest
 
 import mpmcol
 from mpmcol.errors import NumericalFailure
-from mpmcol.scene import build_scene
-from mpmcol.simulation import set_up
-from mpmcol.stages import Run
-from mpmcol.state import BASE
+from mpmcol.mpm.particles import BASE
+from mpmcol.setup.model import build_scene
+from mpmcol.simulation.run import set_up
+from mpmcol.simulation.stages import Run
 
 RADIUS, LENGTH, SPEED = 0.097, 0.36, 8.0  # m, m, m/s
 COARSE = ("grid.spacing=0.0194", "stages.equilibrate.law=mohr-coulomb", "stages.initial_stress=k0")

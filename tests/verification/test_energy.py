@@ -27,10 +27,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from mpmcol.kernels.cycle import L_DAMPING, L_GRID, L_NODE_WORK, L_WALLS, L_WORK
-from mpmcol.solver import Solver
-from mpmcol.state import COLUMN, PAPER, Scheme, Settings
-from tests.verification.blocks import (
+from mpmcol.failure_modes.toolkit import (
     PLAIN,
     WEIGHTLESS,
     G,
@@ -46,6 +43,9 @@ from tests.verification.blocks import (
     sand_body,
     walled_grid,
 )
+from mpmcol.mpm.kernels.loop import L_DAMPING, L_GRID, L_NODE_WORK, L_WALLS, L_WORK
+from mpmcol.mpm.particles import COLUMN, PAPER, Scheme, Settings
+from mpmcol.mpm.solver import Solver
 
 WIDTH, HEIGHT, BASE = 0.08, 0.16, 0.02
 LENGTH, SPACING = {2: 0.5, 3: 0.24}, {2: 0.01, 3: 0.02}

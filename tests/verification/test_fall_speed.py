@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import mpmcol
-from mpmcol.faults import diagnose
-from mpmcol.scene import build_scene, free_speed
-from mpmcol.simulation import set_up
-from mpmcol.stages import Run
-from mpmcol.state import BASE
+from mpmcol.mpm.particles import BASE
+from mpmcol.setup.model import build_scene, free_speed
+from mpmcol.simulation.failure import diagnose
+from mpmcol.simulation.run import set_up
+from mpmcol.simulation.stages import Run
 
 SOFT = ("grid.spacing=0.015", "material.youngs_modulus=0.002 MPa", "stages.initial_stress=k0")
 

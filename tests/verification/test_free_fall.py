@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mpmcol.grid import node_records
-from mpmcol.stability.problems.fall import H, thrown_block
-from tests.verification.blocks import (
+from mpmcol.failure_modes.problems.fall import H, thrown_block
+from mpmcol.failure_modes.toolkit import (
     PLAIN,
     WEIGHTLESS,
     G,
@@ -16,6 +15,7 @@ from tests.verification.blocks import (
     kinetic_energy,
     potential_energy,
 )
+from mpmcol.mpm.grid import node_records
 
 THROWN = (0.7, 1.5, -0.4)  # m/s
 both_dimensions = pytest.mark.parametrize("d", [2, 3])

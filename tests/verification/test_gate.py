@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 import mpmcol
-from mpmcol.grid import NODE, Grid, node_coordinates
-from mpmcol.layout import Layout
-from mpmcol.scene import Scene, build_scene, close_walls
-from mpmcol.simulation import set_up
-from mpmcol.solver import Solver
-from mpmcol.state import BASE
-from tests.verification.blocks import G, advance_to, by_id
+from mpmcol.failure_modes.toolkit import G, advance_to, by_id
+from mpmcol.mpm.grid import NODE, Grid, node_coordinates
+from mpmcol.mpm.particles import BASE
+from mpmcol.mpm.solver import Solver
+from mpmcol.setup.discretization import Layout
+from mpmcol.setup.model import Scene, build_scene, close_walls
+from mpmcol.simulation.run import set_up
 
 H, RADIUS, HEIGHT, DEPTH, DENSITY = 0.02, 0.1, 0.0875, 0.06, 2650.0
 ROWS = 9  # of points over the height, which is not a whole number of half cells

@@ -5,9 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mpmcol.solver import Solver
-from mpmcol.state import VX, VZ, J, Settings, X, Z
-from tests.verification.blocks import (
+from mpmcol.failure_modes.toolkit import (
     WEIGHTLESS,
     E,
     advance_to,
@@ -19,6 +17,8 @@ from tests.verification.blocks import (
     points_at,
     walled_grid,
 )
+from mpmcol.mpm.particles import VX, VZ, J, Settings, X, Z
+from mpmcol.mpm.solver import Solver
 
 H = 0.1
 TRANSIT = 1.0 / 64.7

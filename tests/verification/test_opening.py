@@ -5,11 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mpmcol.kernels.stress import OPEN_MAX
-from mpmcol.solver import Solver
-from mpmcol.stability.problems.sand import H, in_a_box, stacked_layers
-from mpmcol.state import COLUMN, Points
-from tests.verification.blocks import (
+from mpmcol.failure_modes.problems.sand import H, in_a_box, stacked_layers
+from mpmcol.failure_modes.toolkit import (
     WEIGHTLESS,
     advance_steps,
     advance_to,
@@ -21,6 +18,9 @@ from tests.verification.blocks import (
     points_at,
     walled_grid,
 )
+from mpmcol.mpm.kernels.stress_common import OPEN_MAX
+from mpmcol.mpm.particles import COLUMN, Points
+from mpmcol.mpm.solver import Solver
 
 
 def test_layers_that_come_together_keep_their_area() -> None:

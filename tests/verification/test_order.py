@@ -7,11 +7,11 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from mpmcol.basis import BASES
-from mpmcol.basis.quadratic import base_node
-from mpmcol.grid import NODE, TILE, Grid, Tiles, allocate_grid, tile_count
-from mpmcol.kernels.order import BAND, scratch, sort_points
-from mpmcol.state import COLUMN, ID, ROW, Points
+from mpmcol.mpm.grid import NODE, TILE, Grid, Tiles, allocate_grid, tile_count
+from mpmcol.mpm.kernels.sort import BAND, scratch, sort_points
+from mpmcol.mpm.particles import COLUMN, ID, ROW, Points
+from mpmcol.mpm.shape_functions import BASES
+from mpmcol.mpm.shape_functions.quadratic import base_node
 
 H, ORIGIN = 0.1, (-0.55, -0.2, 0.3)
 CELLS = {2: (45, 30), 3: (33, 25, 27)}

@@ -10,11 +10,7 @@ import numpy as np
 import pytest
 
 import mpmcol
-from mpmcol.measure import FRONTS
-from mpmcol.scene import build_scene, close_walls
-from mpmcol.solver import Solver
-from mpmcol.state import BASE, Points
-from tests.verification.blocks import (
+from mpmcol.failure_modes.toolkit import (
     DENSITY,
     NU,
     WEIGHTLESS,
@@ -28,6 +24,10 @@ from tests.verification.blocks import (
     points_at,
     walled_grid,
 )
+from mpmcol.measure import FRONTS
+from mpmcol.mpm.particles import BASE, Points
+from mpmcol.mpm.solver import Solver
+from mpmcol.setup.model import build_scene, close_walls
 from tests.verification.test_axisymmetry import bessel, breathing_root
 
 COARSE = ("grid.spacing=0.0194", "stages.equilibrate.law=mohr-coulomb")

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 import mpmcol
-from mpmcol.basis import BASES
-from mpmcol.basis.quadratic import base_node
 from mpmcol.errors import CaseError
-from mpmcol.grid import ASLEEP, NODE, TILE, Grid, set_fixed
-from mpmcol.solver import Solver
-from mpmcol.state import COLUMN, PAPER, Scheme
-from tests.verification.blocks import advance_steps, advance_to, by_id
+from mpmcol.failure_modes.toolkit import advance_steps, advance_to, by_id
+from mpmcol.mpm.grid import ASLEEP, NODE, TILE, Grid, set_fixed
+from mpmcol.mpm.particles import COLUMN, PAPER, Scheme
+from mpmcol.mpm.shape_functions import BASES
+from mpmcol.mpm.shape_functions.quadratic import base_node
+from mpmcol.mpm.solver import Solver
 from tests.verification.test_energy import DAMPED, collapse, ledger_of
 
 DIMENSIONS = pytest.mark.parametrize("d", [2, 3])

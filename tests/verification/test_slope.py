@@ -12,10 +12,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mpmcol.grid import TILE, Grid, allocate_grid, node_coordinates, node_records, set_fixed, tile_count
-from mpmcol.solver import Solver
-from mpmcol.state import COLUMN
-from tests.verification.blocks import (
+from mpmcol.failure_modes.toolkit import (
     DENSITY,
     PHI,
     PLAIN,
@@ -28,6 +25,9 @@ from tests.verification.blocks import (
     points_at,
     sand_body,
 )
+from mpmcol.mpm.grid import TILE, Grid, allocate_grid, node_coordinates, node_records, set_fixed, tile_count
+from mpmcol.mpm.particles import COLUMN
+from mpmcol.mpm.solver import Solver
 
 PERIOD, LAYER, H = 8, 8, 0.05
 DEPTH = LAYER * H

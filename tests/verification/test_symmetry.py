@@ -13,9 +13,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from mpmcol.grid import node_coordinates, set_fixed
-from mpmcol.state import COLUMN, Points
-from tests.verification.blocks import (
+from mpmcol.failure_modes.toolkit import (
     DENSITY,
     K_ACTIVE,
     PLAIN,
@@ -31,6 +29,8 @@ from tests.verification.blocks import (
     sand_body,
     walled_grid,
 )
+from mpmcol.mpm.grid import node_coordinates, set_fixed
+from mpmcol.mpm.particles import COLUMN, Points
 
 H, YOUNG = 0.01, 1e6
 DAMPED = PLAIN._replace(alpha_d=0.05)

@@ -7,11 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from mpmcol.grid import node_coordinates, node_records
-from mpmcol.kernels.transfer import WALL_GAP
-from mpmcol.solver import Solver
-from mpmcol.state import PAPER, Points, Scheme
-from tests.verification.blocks import (
+from mpmcol.failure_modes.toolkit import (
     WEIGHTLESS,
     advance_steps,
     by_id,
@@ -20,6 +16,10 @@ from tests.verification.blocks import (
     points_at,
     walled_grid,
 )
+from mpmcol.mpm.grid import node_coordinates, node_records
+from mpmcol.mpm.kernels.transfer_common import WALL_GAP
+from mpmcol.mpm.particles import PAPER, Points, Scheme
+from mpmcol.mpm.solver import Solver
 
 CELLS = 8
 V0, L = np.array([0.4, -0.3, 0.6]), np.array([[0.5, -1.1, 0.3], [0.8, 0.2, -0.7], [-0.4, 0.9, 0.6]])

@@ -1,0 +1,19 @@
+"""What Coetzee & Purvance 2026 score their plane columns against: their Eq. 37."""
+
+from __future__ import annotations
+
+from mpmcol.experiments.base import Experiment
+from mpmcol.experiments.records import lube_2005, lube_2007
+
+EXPERIMENT = Experiment(
+    name="paper-plane",
+    title="Coetzee & Purvance 2026, Eq. 37: the channel experiments of Lube et al.",
+    doi="10.20944/preprints202605.0398.v1",
+    model="plane",
+    release="one-sided",
+    kind="laboratory",
+    material="sand",
+    laws=lube_2007.EXPERIMENT.laws,
+    profiles=lube_2005.EXPERIMENT.profiles,
+    note="The paper gives no height in plane strain. " + lube_2007.EXPERIMENT.note,
+)

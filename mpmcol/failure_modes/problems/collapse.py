@@ -1,0 +1,38 @@
+"""Whole collapses of a shipped case on a coarse grid, run in a folder that does not outlive them."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import NamedTuple
+
+import numpy as np
+
+from mpmcol.case import load_case
+from mpmcol.simulation.run import run
+
+FEW_FILES = ("output.snapshots=1",)
+
+
+class Collapse(NamedTuple):
+    front_max: float  # m
+    front_height: float  # m
+    zeta: float  # runout by the front of the height
+    largest_J: float
+    history: dict[str, np.ndarray]
+
+
+@cache
+def collapsed(case: str, *overrides: str) -> Collapse:
+    """A case with some values replaced, from rest to rest; raises NumericalFailure if it goes wrong."""
+    with TemporaryDirectory() as folder:
+        results = run(load_case(case, [*overrides, *FEW_FILES]), Path(folder) / "run", threads=1)
+        measured = results.measure()
+        return Collapse(
+            measured.front["front_max"],
+            measured.front["front_height"],
+            measured.zeta["front_height"],
+            results.summary["worst_J"][1],
+            results.history,
+        )

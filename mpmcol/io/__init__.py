@@ -1,0 +1,1 @@
+"""Files of a run: case, snapshots, history, checkpoints, checksums and results."""

@@ -1,0 +1,69 @@
+"""Isotropic linear elasticity (hypoelastic: Jaumann rate, Eq. 33). It never yields and never opens."""
+
+from __future__ import annotations
+
+from typing import Literal, NamedTuple
+
+from mpmcol.mpm.jit import device
+from mpmcol.units import Keys, choice, quantity
+
+STATE: tuple[str, ...] = ()
+
+
+class Elasticity(Keys):
+    """Keys that every material has."""
+
+    density: float = quantity("density of the material", "kg/m3", gt=0.0)
+    youngs_modulus: float = quantity("Young's modulus E", "Pa", gt=0.0)
+    poissons_ratio: float = quantity("Poisson's ratio nu", ge=0.0, lt=0.5)
+
+    @property
+    def bulk_modulus(self) -> float:
+        """K = E / (3 (1 - 2 nu)), Pa."""
+        return self.youngs_modulus / (3.0 * (1.0 - 2.0 * self.poissons_ratio))
+
+    @property
+    def shear_modulus(self) -> float:
+        """G = E / (2 (1 + nu)), Pa."""
+        return self.youngs_modulus / (2.0 * (1.0 + self.poissons_ratio))
+
+    @property
+    def wave_speed(self) -> float:
+        """Speed of compression waves at the initial density, Eq. 36, m/s."""
+        return float(((self.bulk_modulus + 4.0 / 3.0 * self.shear_modulus) / self.density) ** 0.5)
+
+
+class Material(Elasticity):
+    """[material] with law = "elastic"."""
+
+    law: Literal["elastic"] = choice("law of the material", "elastic")
+
+
+class ElasticParams(NamedTuple):
+    """Moduli, Pa."""
+
+    bulk_modulus: float
+    shear_modulus: float
+
+
+def make_params(material: Elasticity) -> ElasticParams:
+    """Moduli of any material's elastic part."""
+    return ElasticParams(material.bulk_modulus, material.shear_modulus)
+
+
+@device
+def may_yield(s1, s3, history, params):
+    """Never."""
+    return 0.0
+
+
+@device
+def return_map(s1, s2, s3, history, params):
+    """Nothing to return: every stress is elastic."""
+    return s1, s2, s3, history, 0.0, 0.0
+
+
+@device
+def apex(history, params):
+    """Never used, since nothing opens."""
+    return 0.0

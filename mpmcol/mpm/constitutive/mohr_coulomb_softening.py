@@ -1,0 +1,100 @@
+"""Mohr-Coulomb whose friction and dilatancy fade from peak to residual values with plastic shear strain.
+
+phi = phi_r + (phi_p - phi_r) exp(-beta eps), psi likewise (Fern & Soga 2016, doi:10.1007/s11440-016-0436-x; Table 1
+of the paper), eps = path integral of sqrt(2/3 de:de) with de the deviatoric plastic strain increment. Other codes
+use other factors than sqrt(2/3); `strain_factor` stands for it.
+"""
+
+from __future__ import annotations
+
+from math import radians, sin, sqrt
+from typing import Literal, NamedTuple
+
+from mpmcol.mpm.constitutive.elastic import Elasticity
+from mpmcol.mpm.constitutive.elementary import cotangent, decay, sine
+from mpmcol.mpm.constitutive.mohr_coulomb import MOST_DEGREES, flow_number, return_to_cone
+from mpmcol.mpm.jit import device
+from mpmcol.mpm.simd import root
+from mpmcol.units import choice, quantity
+
+STATE: tuple[str, ...] = ("plastic_shear_strain",)
+
+
+class Material(Elasticity):
+    """[material] with law = "mohr-coulomb-softening"."""
+
+    law: Literal["mohr-coulomb-softening"] = choice("law of the material", "mohr-coulomb-softening")
+    friction_peak_deg: float = quantity("angle of friction before softening", "deg", gt=0.0, le=MOST_DEGREES)
+    friction_residual_deg: float = quantity("angle of friction after softening", "deg", gt=0.0, le=MOST_DEGREES)
+    dilatancy_peak_deg: float = quantity("angle of dilatancy before softening", "deg", 0.0, ge=0.0, le=MOST_DEGREES)
+    dilatancy_residual_deg: float = quantity("angle of dilatancy after softening", "deg", 0.0, ge=0.0, le=MOST_DEGREES)
+    softening_rate: float = quantity("shape factor beta of the exponential decay (Table 1)", gt=0.0)
+    strain_factor: float = quantity("factor in eps = factor * sqrt(de:de)", default=sqrt(2.0 / 3.0), gt=0.0)
+    cohesion: float = quantity("cohesion c, which does not soften", "Pa", 0.0, ge=0.0)
+
+    @property
+    def active_pressure_ratio(self) -> float:
+        """K_a = 1 / N_phi of the peak state, the ratio of horizontal to vertical stress at active yield."""
+        return 1.0 / flow_number(sin(radians(self.friction_peak_deg)))
+
+
+class SofteningParams(NamedTuple):
+    """Moduli (Pa), residual angles and their peak excess (radians), decay, cohesion (Pa), smaller N_phi."""
+
+    bulk_modulus: float
+    shear_modulus: float
+    phi_residual: float
+    phi_excess: float
+    psi_residual: float
+    psi_excess: float
+    rate: float
+    strain_factor: float
+    cohesion: float
+    weakest_n_phi: float
+
+
+def make_params(material: Material) -> SofteningParams:
+    """Degrees to radians, peak values to their excess over the residual ones."""
+    phi_r, psi_r = radians(material.friction_residual_deg), radians(material.dilatancy_residual_deg)
+    phi_p, psi_p = radians(material.friction_peak_deg), radians(material.dilatancy_peak_deg)
+    return SofteningParams(
+        material.bulk_modulus,
+        material.shear_modulus,
+        phi_r,
+        phi_p - phi_r,
+        psi_r,
+        psi_p - psi_r,
+        material.softening_rate,
+        material.strain_factor,
+        material.cohesion,
+        flow_number(sin(min(phi_r, phi_p))),
+    )
+
+
+@device
+def may_yield(s1, s3, history, params):
+    """The yield function of the weakest friction and no cohesion: above zero wherever the true one is."""
+    return params.weakest_n_phi * s1 - s3
+
+
+@device
+def return_map(s1, s2, s3, history, params):
+    """Return sorted principal stresses to the yield surface of the strain so far, then add to that strain."""
+    eps, other = history
+    left = decay(params.rate * eps)
+    sin_phi = sine(params.phi_residual + params.phi_excess * left)
+    k, a = flow_number(sin_phi), params.cohesion * cotangent(sin_phi)
+    m = flow_number(sine(params.psi_residual + params.psi_excess * left))
+    yields = k * (s1 - a) - (s3 - a)
+    t1, t2, t3, freed = return_to_cone(s1 - a, s2 - a, s3 - a, k, m, params.bulk_modulus, params.shear_modulus)
+    d1, d2, d3 = s1 - a - t1, s2 - a - t2, s3 - a - t3
+    mean = (d1 + d2 + d3) * (1.0 / 3.0)
+    d1, d2, d3 = d1 - mean, d2 - mean, d3 - mean
+    norm = root(d1 * d1 + d2 * d2 + d3 * d3) * (0.5 / params.shear_modulus)
+    return t1 + a, t2 + a, t3 + a, (eps + params.strain_factor * norm, other), freed, yields
+
+
+@device
+def apex(history, params):
+    """Mean stress of an opened point."""
+    return params.cohesion * cotangent(sine(params.phi_residual + params.phi_excess * decay(params.rate * history[0])))

@@ -1,0 +1,122 @@
+"""The background grid: a virtual dense array of nodes in tile-major order, and the points' order on it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from mpmcol.mpm.jit import device
+from mpmcol.mpm.particles import aligned_zeros
+
+NODE = 8  # doubles in a node's record: one cache line
+TILE = 4  # nodes along an edge of a tile: 16 or 64 nodes
+WALLS, ASLEEP = 0b000111, 0b111000  # bits of a node's mask: what walls hold, and what points that sleep hold
+
+
+class Grid(NamedTuple):
+    """Nodes of two or three axes (n_z = 1 in two); only tiles near material are ever touched.
+
+    The first node of an axis stands on one wall, the last on the other. Address of node (i, j, k):
+    ax[i] + ay[j] + az[k].
+    """
+
+    nodes: np.ndarray  # (n_addresses * 8,) node records
+    fixed: np.ndarray  # (n_addresses,) uint8: bits 0, 1, 2 fix v_x, v_y, v_z, as do 3, 4, 5 beside points that sleep
+    ax: np.ndarray  # (n_x,) offset of column i in `nodes`, in doubles
+    ay: np.ndarray  # (n_y,)
+    az: np.ndarray  # (n_z,)
+    origin_x: float  # m
+    origin_y: float  # m
+    origin_z: float  # m
+    h: float  # node spacing, m
+    n_x: int
+    n_y: int
+    n_z: int
+    tile_doubles: int  # size of a tile in `nodes`
+
+
+class Tiles(NamedTuple):
+    """Points in order: tile t holds points start[t] to start[t + 1], the column's before split[t].
+
+    Points from start[n_tiles] on sleep.
+    """
+
+    start: np.ndarray  # (n_tiles + 1,)
+    split: np.ndarray  # (n_tiles,)
+    grouped: np.ndarray  # (n_tiles,) grouped[group_start[g] : group_start[g + 1]] are tiles that share no node
+    group_start: np.ndarray  # (n_groups + 1,)
+    active: np.ndarray  # (n_active,) address in `nodes` of each tile that can be touched
+    cells: np.ndarray  # (n_points,) uint8, equal for points of one cell and kind, which stand in one row
+
+
+@device
+def tile_count(n_nodes: int) -> int:
+    """Tiles along an axis of `n_nodes` nodes."""
+    return (n_nodes + TILE - 1) // TILE
+
+
+@device
+def tile_coordinates(tile: int, tiles: tuple[int, int, int]) -> tuple[int, int, int]:
+    """Position of a tile among the tiles, from its number."""
+    return tile // (tiles[1] * tiles[2]), tile // tiles[2] % tiles[1], tile % tiles[2]
+
+
+def allocate_grid(origin: tuple[float, ...], h: float, cells: tuple[int, ...]) -> Grid:
+    """A grid of `cells` cells of size `h` along two or three axes, its first node at `origin`; nothing is fixed."""
+    n = [count + 1 for count in cells] + [1] * (3 - len(cells))
+    tiles, tile_doubles = [tile_count(count) for count in n], TILE ** len(cells) * NODE
+    across = (tiles[1] * tiles[2], tiles[2], 1)  # tiles from one tile to the next along each axis
+    within = (TILE * TILE, TILE, 1) if len(cells) == 3 else (TILE, 1, 0)  # likewise nodes inside a tile
+    ax, ay, az = (
+        (np.arange(n[k]) // TILE) * (across[k] * tile_doubles) + (np.arange(n[k]) % TILE) * (within[k] * NODE)
+        for k in range(3)
+    )
+    size = tiles[0] * across[0] * tile_doubles
+    fixed = np.zeros(size // NODE, dtype=np.uint8)
+    x, y, z = (*(float(x) for x in origin), 0.0)[:3]
+    return Grid(aligned_zeros(size), fixed, ax, ay, az, x, y, z, float(h), n[0], n[1], n[2], tile_doubles)
+
+
+def node_coordinates(grid: Grid) -> tuple[np.ndarray, ...]:
+    """Coordinates of the nodes along each axis, m, shaped so that they broadcast to (n_x, n_y[, n_z])."""
+    first = (grid.origin_x, grid.origin_y, grid.origin_z)
+    axes = [x + grid.h * np.arange(n) for x, n in zip(first, _shape(grid), strict=False)]
+    return tuple(np.meshgrid(*axes, indexing="ij", sparse=True))
+
+
+def node_records(grid: Grid) -> np.ndarray:
+    """The records of all nodes as a copy (n_x, n_y[, n_z], 8)."""
+    blocks = _blocks(grid, grid.nodes.reshape(-1, NODE))
+    return blocks.reshape(*_padded(grid), NODE)[tuple(slice(n) for n in _shape(grid))]
+
+
+def set_fixed(grid: Grid, *fixed: np.ndarray) -> None:
+    """Fix velocity components by one boolean mask an axis, each broadcastable to (n_x, n_y[, n_z]).
+
+    What points that sleep hold stays held.
+    """
+    bits, shape = np.zeros(_padded(grid), np.uint8), _shape(grid)
+    for bit, mask in enumerate(fixed):
+        bits[tuple(slice(n) for n in shape)] |= np.broadcast_to(mask, shape).astype(np.uint8) << bit
+    blocks = _blocks(grid, grid.fixed)
+    blocks[:] = bits.reshape(blocks.shape) | (blocks & ASLEEP)
+
+
+def _shape(grid: Grid) -> tuple[int, ...]:
+    """Nodes along each axis."""
+    return (grid.n_x, grid.n_y, grid.n_z) if grid.n_z > 1 else (grid.n_x, grid.n_y)
+
+
+def _padded(grid: Grid) -> tuple[int, ...]:
+    """Nodes along each axis, with those that fill the last tiles."""
+    return tuple(tile_count(n) * TILE for n in _shape(grid))
+
+
+def _blocks(grid: Grid, flat: np.ndarray) -> np.ndarray:
+    """A view of an array of addresses as (tiles_x, 4, tiles_y, 4[, tiles_z, 4], ...)."""
+    tiles = [tile_count(n) for n in _shape(grid)]
+    d = len(tiles)
+    axes = [axis for k in range(d) for axis in (k, d + k)]
+    blocks = flat.reshape(*tiles, *d * (TILE,), *flat.shape[1:])
+    return blocks.transpose(*axes, *range(2 * d, blocks.ndim))

@@ -1,0 +1,65 @@
+"""Tiles that sleep: the base far from the column, whose points nothing moves.
+
+Their points keep their state, give nothing to the nodes and take nothing from them. The nodes that they touch are held
+as by a wall, or points beside them would have a free end there; so the energy ledger stays complete.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mpmcol.mpm.grid import ASLEEP, NODE, TILE, WALLS, Grid, tile_coordinates
+from mpmcol.mpm.jit import device
+
+
+@device
+def mark_awake(with_column: np.ndarray, margin: int, tiles: tuple[int, int, int], mark: np.ndarray) -> None:
+    """Mark all tiles at most `margin` tiles from those that hold points of the column.
+
+    A column point travels one cell at most before the next sort: with a margin of one tile it meets no node that is
+    held.
+    """
+    for tile in with_column:
+        x, y, z = tile_coordinates(tile, tiles)
+        for tx in range(max(x - margin, 0), min(x + margin + 1, tiles[0])):
+            for ty in range(max(y - margin, 0), min(y + margin + 1, tiles[1])):
+                for tz in range(max(z - margin, 0), min(z + margin + 1, tiles[2])):
+                    mark[(tx * tiles[1] + ty) * tiles[2] + tz] = 1
+
+
+@device
+def hold_nodes(
+    active: np.ndarray, asleep: np.ndarray, grid: Grid, tiles: tuple[int, int, int], mark: np.ndarray
+) -> None:
+    """Hold the nodes of active tiles that points of the tiles `asleep` touch, and let go of the others.
+
+    Reads: ax, ay, az. Writes: fixed, mark as scratch (zero on entry and on return).
+    """
+    fixed = grid.fixed
+    for tile in asleep:
+        mark[tile] = 1
+    for address in active:
+        x, y, z = tile_coordinates(address // grid.tile_doubles, tiles)
+        for i in range(x * TILE, min((x + 1) * TILE, grid.n_x)):
+            for j in range(y * TILE, min((y + 1) * TILE, grid.n_y)):
+                for k in range(z * TILE, min((z + 1) * TILE, grid.n_z)):
+                    node = (grid.ax[i] + grid.ay[j] + grid.az[k]) // NODE
+                    held = ASLEEP if _is_touched(i, j, k, tiles, mark) else 0
+                    fixed[node] = (fixed[node] & WALLS) | held
+    for tile in asleep:
+        mark[tile] = 0
+
+
+@device
+def _is_touched(i, j, k, tiles, mark):
+    """Whether points of a marked tile touch a node: those of tile t reach from 4 t - 1 to 4 t + 6, whatever the basis.
+
+    These are the tiles up to (i + 1) // 4, and the one before.
+    """
+    x, y, z = (i + 1) // TILE, (j + 1) // TILE, (k + 1) // TILE
+    for tx in range(max(x - 1, 0), min(x + 1, tiles[0])):
+        for ty in range(max(y - 1, 0), min(y + 1, tiles[1])):
+            for tz in range(max(z - 1, 0), min(z + 1, tiles[2])):
+                if mark[(tx * tiles[1] + ty) * tiles[2] + tz] > 0:
+                    return True
+    return False

@@ -1,0 +1,148 @@
+"""Points to grid and grid to points in three dimensions: twenty-seven nodes a point."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from mpmcol.mpm import particles
+from mpmcol.mpm.grid import Grid
+from mpmcol.mpm.jit import device
+from mpmcol.mpm.kernels.transfer_common import WALL_GAP, forces, momenta, move, power, spread, stencil, store_column
+from mpmcol.mpm.particles import V0, J, M, Settings, X, Y, Z
+from mpmcol.mpm.simd import fma, lane, load, splat, store, vector
+
+ROW = particles.ROW[3]
+
+
+@device
+def limits(grid: Grid, settings: Settings) -> tuple[Any, Any]:
+    """Least and largest position of a point: WALL_GAP h inside the grid."""
+    gap, far = WALL_GAP * grid.h, np.inf
+    x, y, z = grid.origin_x, grid.origin_y, grid.origin_z
+    x_end, y_end, z_end = x + (grid.n_x - 1) * grid.h, y + (grid.n_y - 1) * grid.h, z + (grid.n_z - 1) * grid.h
+    return (
+        vector(-far, -far, -far, -far, x + gap, y + gap, z + gap, -far),
+        vector(far, far, far, far, x_end - gap, y_end - gap, z_end - gap, far),
+    )
+
+
+@device
+def scatter(rows: np.ndarray, o: int, nodes: np.ndarray, grid: Grid, settings: Settings) -> None:
+    """Add one point, whose record starts at `o`, to its twenty-seven nodes."""
+    h, inv_h, record = grid.h, 1.0 / grid.h, load(rows, o)
+    s, base, w0, w1, w2, g0, g1, g2 = stencil(record, grid, settings)
+    i, j, k = int(lane(base, X)), int(lane(base, Y)), int(lane(base, Z))
+    d0 = (base - s) * h
+    d1, d2 = d0 + h, d0 + 2.0 * h
+    wd0, wd1, wd2 = w0 * d0, w1 * d1, w2 * d2
+    m, volume = rows[o + M], rows[o + J] * rows[o + V0]
+
+    # Eq. 19, 20, 14: mass, momentum at the point, weight
+    momentum = splat(m) * momenta(3)
+    weight = vector(m, 0.0, 0.0, 0.0, m * settings.gravity_x, m * settings.gravity_y, m * settings.gravity_z, 0.0)
+    at_point = fma(record, momentum, weight)
+    # Eq. 20: m L (x_i - x_p); Eq. 13: -V sigma . grad w
+    taylor, force = settings.taylor * momentum, (-volume * inv_h) * forces(3)
+    row_x, row_y, row_z = load(rows, o + 8), load(rows, o + 16), load(rows, o + 24)
+    a_x, f_x, a_y, f_y, a_z, f_z = (
+        row_x * taylor,
+        row_x * force,
+        row_y * taylor,
+        row_y * force,
+        row_z * taylor,
+        row_z * force,
+    )
+
+    # node (i, j, k) receives w_j w_k P_i + w_i (w_k Q_j + w_j R_k)
+    w = spread(w0, X), spread(w1, X), spread(w2, X)
+    wz = spread(w0, Z), spread(w1, Z), spread(w2, Z)
+    p0 = fma(w[0], fma(spread(d0, X), a_x, at_point), spread(g0, X) * f_x)
+    p1 = fma(w[1], fma(spread(d1, X), a_x, at_point), spread(g1, X) * f_x)
+    p2 = fma(w[2], fma(spread(d2, X), a_x, at_point), spread(g2, X) * f_x)
+    r0 = fma(spread(wd0, Z), a_z, spread(g0, Z) * f_z)
+    r1 = fma(spread(wd1, Z), a_z, spread(g1, Z) * f_z)
+    r2 = fma(spread(wd2, Z), a_z, spread(g2, Z) * f_z)
+    x_lines = grid.ax[i], grid.ax[i + 1], grid.ax[i + 2]
+    z_lines = grid.az[k], grid.az[k + 1], grid.az[k + 2]
+    p, r = (p0, p1, p2), (r0, r1, r2)
+    q0 = fma(spread(wd0, Y), a_y, spread(g0, Y) * f_y)
+    _add_plane(nodes, grid.ay[j], x_lines, z_lines, w, spread(w0, Y), wz, p, q0, r)
+    q1 = fma(spread(wd1, Y), a_y, spread(g1, Y) * f_y)
+    _add_plane(nodes, grid.ay[j + 1], x_lines, z_lines, w, spread(w1, Y), wz, p, q1, r)
+    q2 = fma(spread(wd2, Y), a_y, spread(g2, Y) * f_y)
+    _add_plane(nodes, grid.ay[j + 2], x_lines, z_lines, w, spread(w2, Y), wz, p, q2, r)
+
+
+@device
+def _add_plane(nodes, y, x_lines, z_lines, w, wy, wz, p, q, r):
+    """Add one point to nine nodes of equal y."""
+    _add_line(nodes, y + z_lines[0], x_lines, w, wy * wz[0], p, fma(wz[0], q, wy * r[0]))
+    _add_line(nodes, y + z_lines[1], x_lines, w, wy * wz[1], p, fma(wz[1], q, wy * r[1]))
+    _add_line(nodes, y + z_lines[2], x_lines, w, wy * wz[2], p, fma(wz[2], q, wy * r[2]))
+
+
+@device
+def _add_line(nodes, o, x_lines, w, w_yz, p, t):
+    """Add one point to three nodes of equal y and z."""
+    store(nodes, o + x_lines[0], fma(w_yz, p[0], fma(w[0], t, load(nodes, o + x_lines[0]))))
+    store(nodes, o + x_lines[1], fma(w_yz, p[1], fma(w[1], t, load(nodes, o + x_lines[1]))))
+    store(nodes, o + x_lines[2], fma(w_yz, p[2], fma(w[2], t, load(nodes, o + x_lines[2]))))
+
+
+@device
+def gather(
+    rows: np.ndarray, o: int, nodes: np.ndarray, grid: Grid, settings: Settings, bounds: tuple[Any, Any], dt: float
+) -> tuple[Any, Any]:
+    """Update velocity, position and velocity gradient of one point from its twenty-seven nodes.
+
+    Returns two vectors that count in lanes 4 to 6: its displacement, and the work of its old stress on the motion
+    of the nodes, with gravity's on it where a wall holds it, J. Eq. (26)-(28), with the shares of FLIP and PIC and
+    the position rule that the settings name.
+    """
+    inv_h, old = 1.0 / grid.h, load(rows, o)
+    _, base, w0, w1, w2, g0, g1, g2 = stencil(old, grid, settings)
+    i, j, k = int(lane(base, X)), int(lane(base, Y)), int(lane(base, Z))
+    y_lines, z_lines = (grid.ay[j], grid.ay[j + 1], grid.ay[j + 2]), (grid.az[k], grid.az[k + 1], grid.az[k + 2])
+    wy, gy = (spread(w0, Y), spread(w1, Y), spread(w2, Y)), (spread(g0, Y), spread(g1, Y), spread(g2, Y))
+    wz, gz = (spread(w0, Z), spread(w1, Z), spread(w2, Z)), (spread(g0, Z), spread(g1, Z), spread(g2, Z))
+    sum0, y0, z0 = _across(nodes, grid.ax[i], y_lines, z_lines, wy, gy, wz, gz)
+    sum1, y1, z1 = _across(nodes, grid.ax[i + 1], y_lines, z_lines, wy, gy, wz, gz)
+    sum2, y2, z2 = _across(nodes, grid.ax[i + 2], y_lines, z_lines, wy, gy, wz, gz)
+
+    wx = spread(w0, X), spread(w1, X), spread(w2, X)
+    mean = _along(wx, sum0, sum1, sum2)
+    grad_x = inv_h * _along((spread(g0, X), spread(g1, X), spread(g2, X)), sum0, sum1, sum2)
+    grad_y, grad_z = inv_h * _along(wx, y0, y1, y2), inv_h * _along(wx, z0, z1, z2)
+
+    work = power(load(rows, o + 8), grad_x, dt) + power(load(rows, o + 16), grad_y, dt)
+    work = (dt * rows[o + J] * rows[o + V0]) * (work + power(load(rows, o + 24), grad_z, dt))
+    record, step, lifted = move(old, mean, 3, bounds, settings, dt)
+    store(rows, o, record)
+    store_column(rows, o + 8, 3, grad_x)
+    store_column(rows, o + 16, 3, grad_y)
+    store_column(rows, o + 24, 3, grad_z)
+    return step, work + lifted
+
+
+@device
+def _along(w, a, b, c):
+    """Weighted sum of three nodes, or lines, or planes."""
+    return fma(w[2], c, fma(w[1], b, w[0] * a))
+
+
+@device
+def _across(nodes, x, y_lines, z_lines, wy, gy, wz, gz):
+    """Weighted sum of nine nodes of equal x, and its slopes along y and z."""
+    sum0, slope0 = _along_z(nodes, x + y_lines[0], z_lines, wz, gz)
+    sum1, slope1 = _along_z(nodes, x + y_lines[1], z_lines, wz, gz)
+    sum2, slope2 = _along_z(nodes, x + y_lines[2], z_lines, wz, gz)
+    return _along(wy, sum0, sum1, sum2), _along(gy, sum0, sum1, sum2), _along(wy, slope0, slope1, slope2)
+
+
+@device
+def _along_z(nodes, o, z_lines, wz, gz):
+    """Weighted sum and slope of three nodes of equal x and y."""
+    n0, n1, n2 = load(nodes, o + z_lines[0]), load(nodes, o + z_lines[1]), load(nodes, o + z_lines[2])
+    return _along(wz, n0, n1, n2), _along(gz, n0, n1, n2)

@@ -1,0 +1,298 @@
+"""The same operations compiled: a Numba type for LLVM's `<8 x double>`, intrinsics, and what replaces what."""
+
+# Numba adds the first argument of an intrinsic by itself.
+# mypy: disable-error-code="call-arg"
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable
+from functools import wraps
+from typing import Any
+
+import numpy as np
+from llvmlite import ir
+from numba.core import cgutils, types
+from numba.extending import intrinsic, models, overload, register_model
+
+from mpmcol.mpm.jit import variant
+from mpmcol.mpm.simd.vectors import (
+    LANES,
+    SWAPPED,
+    any_positive,
+    fma,
+    lane,
+    larger,
+    largest_lane,
+    load,
+    prefetch,
+    root,
+    round_down,
+    splat,
+    store,
+    sum_lanes,
+    swap_halves,
+    transpose,
+    vector,
+    where_positive,
+)
+
+_DOUBLE = ir.DoubleType()
+_INT = ir.IntType(32)
+_BYTE = ir.IntType(8)
+_VECTOR = ir.VectorType(_DOUBLE, LANES)
+_ZERO = ir.Constant(_VECTOR, [0.0] * LANES)
+
+
+class Vec8Type(types.Type):
+    """Numba type of `<8 x double>`."""
+
+    def __init__(self) -> None:
+        super().__init__(name="Vec8")
+
+
+vec8 = Vec8Type()
+_EIGHT = types.UniTuple(vec8, LANES)
+
+
+@register_model(Vec8Type)
+class _Vec8Model(models.PrimitiveModel):
+    def __init__(self, manager, numba_type):
+        super().__init__(manager, numba_type, _VECTOR)
+
+
+def _pointer(context, builder, array_type, array, index, kind=_VECTOR):
+    """Address of `array[index]` as a pointer to eight doubles; no bounds check, no wrap-around."""
+    data = context.make_array(array_type)(context, builder, array).data
+    return builder.bitcast(builder.gep(data, [index]), kind.as_pointer())
+
+
+@intrinsic
+def _load(typingctx, array, index):
+    def codegen(context, builder, signature, args):
+        position = context.cast(builder, args[1], signature.args[1], types.intp)
+        return builder.load(_pointer(context, builder, signature.args[0], args[0], position), align=8)
+
+    return vec8(array, index), codegen
+
+
+@intrinsic
+def _store(typingctx, array, index, value):
+    def codegen(context, builder, signature, args):
+        position = context.cast(builder, args[1], signature.args[1], types.intp)
+        builder.store(args[2], _pointer(context, builder, signature.args[0], args[0], position), align=8)
+        return context.get_dummy_value()
+
+    return types.void(array, index, value), codegen
+
+
+@intrinsic
+def _prefetch(typingctx, array, index):
+    def codegen(context, builder, signature, args):
+        position = context.cast(builder, args[1], signature.args[1], types.intp)
+        address = _pointer(context, builder, signature.args[0], args[0], position, _BYTE)
+        kind = ir.FunctionType(ir.VoidType(), [address.type, _INT, _INT, _INT])
+        function = cgutils.get_or_insert_function(builder.module, kind, "llvm.prefetch.p0i8")
+        builder.call(function, [address, _INT(0), _INT(3), _INT(1)])  # to read, into all caches, data
+        return context.get_dummy_value()
+
+    return types.void(array, index), codegen
+
+
+@intrinsic
+def _vector(typingctx, x0, x1, x2, x3, x4, x5, x6, x7):
+    def codegen(context, builder, signature, args):
+        value = _ZERO
+        for place, number in enumerate(args):
+            value = builder.insert_element(value, number, _INT(place))
+        return value
+
+    return vec8(*[types.float64] * LANES), codegen
+
+
+@intrinsic
+def _lane(typingctx, value, index):
+    def codegen(context, builder, signature, args):
+        return builder.extract_element(args[0], context.cast(builder, args[1], signature.args[1], types.int32))
+
+    return types.float64(vec8, index), codegen
+
+
+@intrinsic
+def _transpose(typingctx, r0, r1, r2, r3, r4, r5, r6, r7):
+    def codegen(context, builder, signature, args):
+        rows = list(args)
+        for step in (1, 2, 4):  # exchange blocks of 1, 2, 4 lanes between rows that far apart
+            low = [k if not k & step else LANES + k - step for k in range(LANES)]
+            high = [k + step if not k & step else LANES + k for k in range(LANES)]
+            for r in range(LANES):
+                if not r & step:
+                    pair = rows[r], rows[r + step]
+                    rows[r], rows[r + step] = _shuffle(builder, *pair, low), _shuffle(builder, *pair, high)
+        return context.make_tuple(builder, _EIGHT, rows)
+
+    return _EIGHT(*[vec8] * LANES), codegen
+
+
+def _shuffle(builder, a, b, order):
+    return builder.shuffle_vector(a, b, ir.Constant(ir.VectorType(_INT, LANES), order))
+
+
+def _call(builder, name, *args):
+    function = ir.FunctionType(_VECTOR, [_VECTOR] * len(args))
+    return builder.call(cgutils.get_or_insert_function(builder.module, function, name), args)
+
+
+def _is_positive(builder, a):
+    return builder.fcmp_ordered(">", a, _ZERO)
+
+
+def _emit_splat(builder, x):
+    return _shuffle(builder, builder.insert_element(_ZERO, x, _INT(0)), _ZERO, [0] * LANES)
+
+
+def _emit_any(builder, a):
+    mask = ir.IntType(LANES)
+    return builder.icmp_unsigned("!=", builder.bitcast(_is_positive(builder, a), mask), mask(0))
+
+
+def _emit_larger(builder, a, b):
+    return builder.select(builder.fcmp_ordered(">", a, b), a, b)
+
+
+def _emit_largest(builder, a):
+    for width in (4, 2, 1):
+        a = _emit_larger(builder, a, _shuffle(builder, a, a, [(k + width) % LANES for k in range(LANES)]))
+    return builder.extract_element(a, _INT(0))
+
+
+def _emit_sum(builder, a):
+    for width in (4, 2, 1):
+        a = builder.fadd(a, _shuffle(builder, a, a, [(k + width) % LANES for k in range(LANES)]))
+    return builder.extract_element(a, _INT(0))
+
+
+def _unary(emit: Callable[..., Any], result: Any = vec8, argument: Any = vec8) -> Any:
+    """An intrinsic of one vector (or number), from what it emits."""
+
+    @intrinsic
+    def operation(typingctx, a):
+        return result(argument), lambda context, builder, signature, args: emit(builder, *args)
+
+    return operation
+
+
+def _binary(emit: Callable[..., Any]) -> Any:
+    """An intrinsic of two vectors."""
+
+    @intrinsic
+    def operation(typingctx, a, b):
+        return vec8(vec8, vec8), lambda context, builder, signature, args: emit(builder, *args)
+
+    return operation
+
+
+def _ternary(emit: Callable[..., Any]) -> Any:
+    """An intrinsic of three vectors."""
+
+    @intrinsic
+    def operation(typingctx, a, b, c):
+        return vec8(vec8, vec8, vec8), lambda context, builder, signature, args: emit(builder, *args)
+
+    return operation
+
+
+_splat = _unary(_emit_splat, argument=types.float64)
+_swap_halves = _unary(lambda builder, a: _shuffle(builder, a, a, SWAPPED))
+_root = _unary(lambda builder, a: _call(builder, "llvm.sqrt.v8f64", a))
+_round_down = _unary(lambda builder, a: _call(builder, "llvm.floor.v8f64", a))
+_magnitude = _unary(lambda builder, a: _call(builder, "llvm.fabs.v8f64", a))
+_negative = _unary(lambda builder, a: builder.fneg(a))
+_any_positive = _unary(_emit_any, result=types.boolean)
+_larger = _binary(_emit_larger)
+_largest_lane = _unary(_emit_largest, result=types.float64)
+_sum_lanes = _unary(_emit_sum, result=types.float64)
+_fma = _ternary(lambda builder, a, b, c: _call(builder, "llvm.fma.v8f64", a, b, c))
+_select = _ternary(lambda builder, c, a, b: builder.select(_is_positive(builder, c), a, b))
+_ARITHMETIC = {
+    operator.add: _binary(lambda builder, a, b: builder.fadd(a, b)),
+    operator.sub: _binary(lambda builder, a, b: builder.fsub(a, b)),
+    operator.mul: _binary(lambda builder, a, b: builder.fmul(a, b)),
+    operator.truediv: _binary(lambda builder, a, b: builder.fdiv(a, b)),
+}
+
+
+def _wide(x: Any) -> Any:
+    """A vector as it is, a number in all lanes."""
+    raise NotImplementedError
+
+
+@overload(_wide)
+def _wide_overload(x):
+    return (lambda x: x) if x == vec8 else (lambda x: _splat(float(x)))
+
+
+def _declare(function: Callable[..., Any], implementation: Any) -> None:
+    """Let compiled code use what `implementation`, a factory like those that `overload` takes, gives for `function`."""
+
+    @wraps(implementation)
+    def named(*arguments):
+        compiled = implementation(*arguments)
+        return compiled and variant(function)(compiled)
+
+    overload(function)(named)
+
+
+def _declare_arithmetic(operation: Callable[..., Any], operation8: Any) -> None:
+    """An operator of two vectors, or of a vector and a number."""
+
+    def typed(a, b):
+        return (lambda a, b: operation8(_wide(a), _wide(b))) if vec8 in (a, b) else None
+
+    _declare(operation, typed)
+
+
+for _operation, _operation8 in _ARITHMETIC.items():
+    _declare_arithmetic(_operation, _operation8)
+_declare(operator.neg, lambda a: (lambda a: _negative(a)) if a == vec8 else None)
+_declare(abs, lambda a: (lambda a: _magnitude(a)) if a == vec8 else None)
+_declare(load, lambda array, index: lambda array, index: _load(array, index))
+_declare(prefetch, lambda array, index: lambda array, index: _prefetch(array, index))
+_declare(store, lambda array, index, value: lambda array, index, value: _store(array, index, value))
+_declare(splat, lambda x: lambda x: _splat(float(x)))
+_declare(lane, lambda value, index: lambda value, index: _lane(value, index))
+_declare(swap_halves, lambda value: lambda value: _swap_halves(value))
+_declare(fma, lambda a, b, c: lambda a, b, c: _fma(a, b, c))
+_declare(round_down, lambda a: lambda a: _round_down(a))
+_declare(larger, lambda a, b: lambda a, b: _larger(a, b))
+_declare(largest_lane, lambda a: lambda a: _largest_lane(a))
+_declare(sum_lanes, lambda a: lambda a: _sum_lanes(a))
+
+
+@overload(vector)
+def _vector_overload(x0, x1, x2, x3, x4, x5, x6, x7):
+    return lambda x0, x1, x2, x3, x4, x5, x6, x7: _vector(
+        float(x0), float(x1), float(x2), float(x3), float(x4), float(x5), float(x6), float(x7)
+    )
+
+
+@overload(transpose)
+def _transpose_overload(r0, r1, r2, r3, r4, r5, r6, r7):
+    return lambda r0, r1, r2, r3, r4, r5, r6, r7: _transpose(r0, r1, r2, r3, r4, r5, r6, r7)
+
+
+@overload(root)
+def _root_overload(a):
+    return (lambda a: _root(a)) if a == vec8 else (lambda a: np.sqrt(a))
+
+
+@overload(where_positive)
+def _where_overload(condition, a, b):
+    if condition == vec8:
+        return lambda condition, a, b: _select(condition, _wide(a), _wide(b))
+    return lambda condition, a, b: a if condition > 0.0 else b
+
+
+@overload(any_positive)
+def _any_overload(condition):
+    return (lambda condition: _any_positive(condition)) if condition == vec8 else (lambda condition: condition > 0.0)

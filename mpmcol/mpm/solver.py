@@ -1,0 +1,124 @@
+"""Time stepping: owns the arrays of one simulation and advances them, sorting points when they have travelled."""
+
+from __future__ import annotations
+
+import time
+from types import ModuleType
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from mpmcol.mpm.grid import Grid, Tiles
+from mpmcol.mpm.kernels import loop
+from mpmcol.mpm.kernels.grid_update import NODE_REPORT
+from mpmcol.mpm.kernels.particle_update import TILE_REPORT
+from mpmcol.mpm.kernels.sort import scratch, sort_points
+from mpmcol.mpm.particles import BASE, COLUMN, PAPER, ROW, Points, Scheme, Settings
+from mpmcol.mpm.shape_functions import BASES
+
+CALL_SECONDS = 0.2  # Python handles signals only between calls
+_FIRST_CALL_STEPS = 4
+
+
+class Body(NamedTuple):
+    """A law with its parameters and the square of its wave speed at the initial density (m2/s2), Eq. 36."""
+
+    law: ModuleType
+    params: Any
+    wave_speed2: float
+
+
+class Solver:
+    """One simulation: points, grid, laws of column and base, clock and ledger."""
+
+    def __init__(
+        self, points: Points, grid: Grid, settings: Settings, column: Body, base: Body, scheme: Scheme = PAPER
+    ) -> None:
+        self.points = points
+        self.grid = grid
+        self.settings = settings
+        self.scheme = scheme
+        self.bodies = (column, base)
+        self.clock = np.zeros(loop.CLOCK)
+        self.ledger = np.zeros(loop.LEDGER)
+        self.tiles: Tiles | None = None
+        self.margin = 0  # tiles around the column beyond which the base sleeps; 0: nothing does
+        self.smallest_mass = float(points.m.min())
+        self._scratch = scratch(grid)
+        self._steps_per_call = _FIRST_CALL_STEPS
+        self.reset_time_step()
+
+    @property
+    def time(self) -> float:
+        """Time on the clock, s."""
+        return float(self.clock[loop.TIME])
+
+    @property
+    def dt(self) -> float:
+        """Next time step, s."""
+        return float(self.clock[loop.DT])
+
+    @property
+    def steps(self) -> int:
+        """Steps since the start."""
+        return int(self.clock[loop.STEPS])
+
+    def reset_time_step(self) -> None:
+        """Time step of Eq. 35-36 from the present state."""
+        c2 = np.where(self.points.kind == BASE, self.bodies[BASE].wave_speed2, self.bodies[COLUMN].wave_speed2)
+        speed = np.sqrt(c2 * self.points.J) + np.linalg.norm(self.points.v, axis=1)
+        self.clock[loop.DT] = self.settings.cfl * self.grid.h / speed.max()
+
+    def prepare(self) -> None:
+        """Compile or load the kernels of the present laws, and sort the points unless they are, without a step."""
+        if self.tiles is None:
+            self.sort()
+        self._call(self.time, 0)
+
+    def sort(self) -> None:
+        """Put the points in order of tiles, those that sleep last, and list the tiles that the others can touch."""
+        row = ROW[self.points.dimension]
+        self.list_tiles(Tiles(*sort_points(self.points.rows.reshape(-1), row, self.grid, *self._scratch, self.margin)))
+        self.clock[loop.TRAVELLED] = 0.0
+
+    def list_tiles(self, tiles: Tiles) -> None:
+        """Take the points to be in the order that `tiles` lists."""
+        self.tiles = tiles
+        self._reports = (
+            np.zeros((len(tiles.active), NODE_REPORT)),
+            np.zeros((len(tiles.split), TILE_REPORT)),
+        )
+
+    def advance(self, end: float, max_steps: int = 2**62) -> int:
+        """Step until the clock reaches `end` or `max_steps` are done, for at most about CALL_SECONDS.
+
+        Returns the row of the first point that went wrong, or -1.
+        """
+        started, first = time.perf_counter(), self.steps
+        fault = -1
+        while fault < 0 and self.time < end and self.steps - first < max_steps:
+            if self.tiles is None or not loop.is_ordered(self.clock, BASES[self.scheme.basis].TRAVEL):
+                self.sort()
+            fault = self._call(end, min(self._steps_per_call, max_steps - (self.steps - first)))
+            if time.perf_counter() - started > CALL_SECONDS:
+                break
+        self._learn_pace(self.steps - first, time.perf_counter() - started)
+        return fault
+
+    def _call(self, end: float, steps: int) -> int:
+        """One call of the compiled loop."""
+        column, base = self.bodies
+        run = loop.make_cycle(self.points.dimension, column.law, base.law, self.scheme)
+        return int(
+            run(
+                self.points.rows.reshape(-1), self.grid, self.tiles, self.settings, column.params, base.params,
+                column.wave_speed2, base.wave_speed2, self.smallest_mass, self._reports, self.clock, self.ledger,
+                end, steps,
+            )
+        )  # fmt: skip
+
+    def _learn_pace(self, steps: int, seconds: float) -> None:
+        """Choose how many steps one call may take, from the pace of the last."""
+        if steps and seconds > 0.0:
+            wanted = int(steps * CALL_SECONDS / seconds)
+            self._steps_per_call = min(max(wanted, 1), 4 * self._steps_per_call)

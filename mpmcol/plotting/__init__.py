@@ -1,0 +1,1 @@
+"""Charts of results and renderings of the material points."""

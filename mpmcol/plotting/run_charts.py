@@ -1,0 +1,83 @@
+"""The charts of a run, from its folder: profile.png, front.png and energy.png."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from mpmcol.errors import OutputError, UsageError
+from mpmcol.experiments import find_experiment
+from mpmcol.io.atomic import make_folder
+from mpmcol.io.results import Results
+from mpmcol.plotting.charts import FRONT_STYLES, energy_chart, front_chart, profile_chart
+
+
+def chart_run(
+    results: Results,
+    times: Sequence[float] | None = None,
+    svg: bool = False,
+    out: Path | None = None,
+    say: Callable[[str], None] = lambda note: None,
+) -> list[Path]:
+    """Draw profile.png, front.png and energy.png; returns the paths written.
+
+    Args:
+        results: of the run.
+        times: s since release; choose the profiles, each by the nearest snapshot (default: five, even). The last state
+            is always drawn too.
+        svg: also write each chart as SVG.
+        out: folder of the charts, made where it is missing (default: that of the run).
+        say: is given a note for each snapshot that cannot be read, which is then left out.
+
+    Raises:
+        UsageError: the run ended before the release, or it has no snapshot near one of the times.
+        OutputError: no snapshot can be read, or a chart cannot be written.
+    """
+    shape = results.shape
+    released = results.history["stage"] != "equilibrate"
+    if not (released.any() and results.snapshots):
+        raise UsageError(f"{results.folder}: the run ended before the column was released; there is nothing to chart")
+    history = {name: column[released] for name, column in results.history.items()}
+    gravity: float = results.case.geometry.gravity
+    experiment = find_experiment(results.case.score.experiment, shape.model, shape.section)
+    time, height, fronts = history["time"], history["height"], {name: history[name] for name in FRONT_STYLES}
+    taken = _readable(results, say)
+    deposits = [(taken[i], results.measure(i)) for i in _chosen(taken, times)]
+    at_rest = max(taken) == len(results.snapshots) - 1 and results.came_to_rest
+    folder = make_folder(out or Path(results.folder))
+    return [
+        *profile_chart(folder / "profile.png", shape, deposits, experiment, gravity, svg, at_rest),
+        *front_chart(folder / "front.png", shape, time, fronts, height, experiment, gravity, svg),
+        *energy_chart(folder / "energy.png", shape, time, history, gravity, svg),
+    ]
+
+
+def _readable(results: Results, say: Callable[[str], None]) -> dict[int, float]:
+    """Times (s) of the snapshots by their number; those that cannot be read are left out and told."""
+    times: dict[int, float] = {}
+    paths = results.snapshots
+    for i, path in enumerate(paths):
+        try:
+            times[i] = results.snapshot(i).time
+        except OutputError:
+            say(f"note: {path} is damaged and left out; the case run again with --fresh makes it anew")
+    if not times:
+        raise OutputError(f"{results.folder}: all {len(paths)} snapshots are damaged; run the case again")
+    return times
+
+
+def _chosen(taken: dict[int, float], times: Sequence[float] | None) -> list[int]:
+    """Numbers of the snapshots nearest to the times, and of the last."""
+    index, moments = list(taken), np.array(list(taken.values()))
+    spacing = np.diff(moments).max(initial=0.0)
+    wanted = np.linspace(max(moments[0], 0.0), moments[-1], 5) if times is None else np.asarray(times)
+    for time in wanted:
+        if not np.abs(moments - time).min() <= spacing:
+            raise UsageError(
+                f"no snapshot near t = {time:g} s: there are {len(index)} "
+                f"from {moments[0]:.4g} s to {moments[-1]:.4g} s, at most {spacing:.4g} s apart; ask for one of these"
+            )
+    nearest = {index[np.argmin(np.abs(moments - time))] for time in wanted}
+    return sorted(nearest | {index[-1]})

@@ -1,0 +1,1 @@
+"""From a case to the initial model: discretization, boundaries, stages and time step."""

@@ -1,0 +1,176 @@
+"""From a case to arrays: points, grid, walls of each stage, laws and numbers of each stage."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from mpmcol.case import Case
+from mpmcol.mpm.constitutive import LAWS, elastic
+from mpmcol.mpm.grid import TILE, Grid, allocate_grid, node_coordinates, set_fixed
+from mpmcol.mpm.particles import BASE, Points, Scheme, Settings
+from mpmcol.mpm.solver import Body
+from mpmcol.setup.discretization import END_CELLS, Layout, make_layout, refuse_if_too_large
+from mpmcol.setup.geometries import GEOMETRIES
+from mpmcol.setup.stability_limit import TRANSFERS
+from mpmcol.setup.time_step import axis_gap
+
+POSITION_FACTORS = {"trapezoid": 0.5, "paper": 1.0, "end": 0.0}
+FALL_MARGIN = 2.0  # grains that others throw ahead are faster than a free fall
+ON_NODE = 1e-6  # in h: how far a node may be from an edge and still stand on it
+
+
+@dataclass(frozen=True)
+class Stage:
+    """What differs from stage to stage: the column's law, the damping, and where the base sleeps."""
+
+    column: Body
+    settings: Settings
+    margin: int = 0  # tiles around the column beyond which the base sleeps; 0: nothing does
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Everything a run starts from."""
+
+    layout: Layout
+    points: Points
+    grid: Grid
+    scheme: Scheme
+    base: Body
+    equilibrate: Stage
+    collapse: Stage
+
+    @property
+    def column_points(self) -> int:
+        """Number of material points of the column."""
+        return int(np.sum(self.points.kind != BASE))
+
+    @property
+    def column_mass(self) -> float:
+        """Mass of the column, kg (per metre or radian in two dimensions)."""
+        return float(self.points.m[self.points.kind != BASE].sum())
+
+
+def build_scene(case: Case) -> Scene:
+    """Allocate and fill all arrays of a case; the gate is closed. Raises UsageError if they cannot fit."""
+    layout = make_layout(case)
+    refuse_if_too_large(layout)
+    grid = allocate_grid(layout.origin, layout.h, layout.cells)
+    close_walls(grid, layout, gate_opening=0.0)
+    points = fill(case, layout)
+    if case.stages.initial_stress == "k0":
+        assign_k0(case, layout, points)
+    own_law, stages = case.material.law, case.stages
+    first_law = elastic if stages.equilibrate.law == "elastic" else LAWS[own_law]
+    return Scene(
+        layout=layout,
+        points=points,
+        grid=grid,
+        scheme=Scheme(
+            case.method.stress_order,
+            case.method.transfer == "apic",
+            case.method.basis,
+            case.method.volumetric_strain,
+        ),
+        base=make_body(elastic, case.base_material),
+        equilibrate=Stage(make_body(first_law, case.material), make_settings(case, layout, stages.equilibrate.damping)),
+        collapse=Stage(
+            make_body(LAWS[own_law], case.material),
+            make_settings(case, layout, stages.collapse.damping),
+            awake_margin(layout) if case.method.sleeping_base else 0,
+        ),
+    )
+
+
+def awake_margin(layout: Layout) -> int:
+    """Tiles around the column under which a base stays awake: as wide as it is thick, for so far it bends."""
+    return math.ceil(layout.base / layout.h / TILE - ON_NODE)
+
+
+def make_body(law: Any, material: Any) -> Body:
+    """A law with the parameters of a material."""
+    return Body(law, law.make_params(material), material.wave_speed**2)
+
+
+def make_settings(case: Case, layout: Layout, damping: float) -> Settings:
+    """The numbers of the method from the words of [method]."""
+    method = case.method
+    taylor, flip = TRANSFERS[method.transfer]
+    return Settings(
+        gravity_x=0.0,
+        gravity_y=-case.geometry.gravity,
+        alpha_d=damping,
+        cfl=case.time.cfl,
+        taylor=taylor,
+        flip_fraction=flip * method.flip_fraction,
+        position_factor=POSITION_FACTORS[method.position_update],
+        wall_impulse=method.wall_impulse,
+        opening_strain=method.opening_strain,
+        kernel_correction=method.kernel_correction,
+        axisymmetric=GEOMETRIES[layout.shape].AXISYMMETRIC,
+        axis_gap=axis_gap(case),
+        open_low_sides=layout.is_full,
+        free_speed=free_speed(case.geometry.gravity, layout.h_i + layout.base),
+        exponential_volume=method.volume_update == "exponential",
+    )
+
+
+def free_speed(gravity: float, height: float) -> float:
+    """Speed that gravity can give to material that was at rest at most `height` above all else, m/s."""
+    return FALL_MARGIN * math.sqrt(2.0 * gravity * height)
+
+
+def fill(case: Case, layout: Layout) -> Points:
+    """Points of the column, then of the base, on even lattices."""
+    size, base, dy = layout.point_size, case.base_material, layout.h_i / layout.rows
+    column = _stack(layout.column_section(), dy * (np.arange(layout.rows) + 0.5))
+    below = _stack(layout.section(layout.length), size * (np.arange(round(layout.base / size)) + 0.5) - layout.base)
+    points = Points(len(column) + len(below), layout.dimension)
+    points.x[:] = np.concatenate([column, below])
+    points.kind[len(column) :] = BASE
+    area = size ** (layout.dimension - 1)
+    sizes = np.where(points.kind == BASE, area * size, area * dy)
+    points.V0[:] = GEOMETRIES[layout.shape].volumes(sizes, points.x)
+    points.m[:] = points.V0 * np.where(points.kind == BASE, base.density, case.material.density)
+    return points
+
+
+def _stack(places: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Points (n, d) at all heights `y` over all horizontal places (n, d - 1)."""
+    x = np.repeat(places, len(y), axis=0)
+    return np.insert(x, 1, np.tile(y, len(places)), axis=1)
+
+
+def assign_k0(case: Case, layout: Layout, points: Points) -> None:
+    """Geostatic stress: vertical from the weight above, horizontal K0 times it; the base carries the column, too."""
+    gravity, ratio = case.geometry.gravity, case.stages.k0
+    nu = case.base_material.poissons_ratio
+    x, y, *z = points.x.T
+    beyond = np.logical_or.reduce(GEOMETRIES[layout.shape].gate((x, *z), layout.r_i, layout.depth))
+    is_base = points.kind == BASE
+    load = np.where(beyond, 0.0, case.material.density * (layout.h_i - np.maximum(y, 0.0)))
+    vertical = -gravity * (load + np.where(is_base, case.base_material.density * -y, 0.0))
+    horizontal = np.where(is_base, nu / (1.0 - nu), ratio) * vertical
+    points.sigma = np.stack([horizontal, vertical, horizontal, *3 * [np.zeros_like(vertical)]], axis=1)
+
+
+def close_walls(grid: Grid, layout: Layout, gate_opening: float) -> None:
+    """Fix velocities: v = 0 at the floor, v normal to walls, axis, planes of symmetry and ends, and at the gate.
+
+    Above the base the ends hold END_CELLS wide, so that grains that run ahead come to rest there. The gate holds all
+    nodes at and beyond the column's surface above the base and above `gate_opening` (m, inf: none).
+    """
+    x, y, *z = node_coordinates(grid)
+    slack = ON_NODE * layout.h
+    floor = y < -layout.base + slack
+    horizontal = (x, *z)
+    sides = [(c < c.min() + slack) | (c > c.max() - slack) for c in horizontal]
+    ends = [(abs(c) > layout.length - END_CELLS * layout.h - slack) & (y > slack) for c in horizontal]
+    gate = GEOMETRIES[layout.shape].gate(horizontal, layout.r_i - slack, layout.depth - slack)
+    closed = (y > slack) & (y > gate_opening - slack)
+    held = [floor | side | end | (surface & closed) for side, end, surface in zip(sides, ends, gate, strict=True)]
+    set_fixed(grid, held[0], floor, *held[1:])

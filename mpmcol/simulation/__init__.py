@@ -1,0 +1,1 @@
+"""The life cycle of a run: stages, monitoring, checkpoints, restart and result."""

@@ -1,0 +1,39 @@
+"""`python -m mpmcol.sweep.compile_cache CASE...`: compile the kernels of cases once before many runs start."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from mpmcol.sweep.runs import Point
+
+
+def kernels_of(point: Point) -> tuple[object, ...]:
+    """What decides which kernels a run needs: points of equal value share them."""
+    case, method = point.case, point.case.method
+    scheme = method.basis, method.stress_order, method.transfer == "apic"
+    return case.geometry.dimension, case.material.law, case.stages.equilibrate.law, *scheme
+
+
+def smallest_of_each(points: Sequence[Point]) -> list[Point]:
+    """The least point for each set of kernels."""
+    by_kernels = {kernels_of(point): point for point in sorted(points, key=lambda point: point.work, reverse=True)}
+    return list(by_kernels.values())
+
+
+def warm(source: str) -> None:
+    """Compile, or load if they are kept, the kernels of both stages of a case."""
+    from mpmcol.case import load_case
+    from mpmcol.mpm.solver import Solver
+    from mpmcol.setup.model import build_scene
+
+    scene = build_scene(load_case(source))
+    for stage in (scene.equilibrate, scene.collapse):
+        Solver(scene.points, scene.grid, stage.settings, stage.column, scene.base, scene.scheme).prepare()
+
+
+if __name__ == "__main__":
+    for name in sys.argv[1:]:
+        warm(name)

@@ -1,0 +1,192 @@
+"""Bad input of every kind ends in a message with its place: small draws of the soak, and what its large ones found."""
+
+from __future__ import annotations
+
+import time
+from functools import partial
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+from mpmcol.case import load_case
+from mpmcol.case.schema import leaf_values
+from mpmcol.cli import main
+from mpmcol.errors import CaseError
+from mpmcol.studies.pareto.study import load_study
+from mpmcol.units import LARGEST, SMALLEST, to_unit
+from tests.soak import case_values, command_lines, toml_bytes
+from tests.support.bad_input import judge, wrong_with_reading
+
+DEEP, LONG = 30_000, 30_000
+TIMES_AND_SHARES = ("--checkpoint", "--max-wall", "--accuracy")
+
+
+@pytest.fixture(autouse=True)
+def in_empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def invoke(*arguments: str) -> Result:
+    return CliRunner().invoke(main, list(arguments))
+
+
+def refusal(text: str) -> str:
+    """What `load_case` says of a file, which it must do soon and without much memory."""
+    path = Path("my.toml")
+    path.write_text(text)
+    assert judge(lambda: wrong_with_reading(path)) is None
+    with pytest.raises(CaseError) as refused:
+        load_case(path)
+    return str(refused.value)
+
+
+# --- small draws
+
+
+@pytest.mark.parametrize(("figure", "count"), [(toml_bytes, 600), (case_values, 500), (command_lines, 60)])
+def test_a_small_draw(figure, count: int, tmp_path: Path) -> None:
+    wrong = {}
+    for seed in range(count):
+        folder = tmp_path / str(seed)
+        folder.mkdir()
+        if found := figure.trial(seed, folder):
+            wrong[seed] = found
+    assert wrong == {}
+
+
+def test_the_draws_reach_far() -> None:
+    """A judge that sees nothing, or cases that are all refused at once, would prove nothing."""
+    assert judge(lambda: f"{1 / 0}").splitlines()[-1] == "ZeroDivisionError: division by zero"
+    assert "MemoryError" in judge(lambda: str(len(bytearray(2**31))))
+    assert "takes" in judge(_slowly)
+
+
+def _slowly() -> None:
+    end = time.process_time() + 1.1
+    while time.process_time() < end:
+        pass
+
+
+# --- what was found
+
+
+@pytest.mark.parametrize("name", ["a", '"a"', "'a'", r'"\""'])
+@pytest.mark.parametrize("shape", ["[{}]", "{} = 1", "q = {{ {} = 1 }}"])
+def test_keys_of_very_many_parts_take_no_memory(name: str, shape: str) -> None:
+    assert "my.toml:2: keys have too many parts" in refusal("\n" + shape.format(".".join([name] * DEEP)))
+
+
+@pytest.mark.parametrize("depth", [21, 100, 330, DEEP])
+@pytest.mark.parametrize("ends", [("[", "]"), ("{a=", "}")])
+def test_deep_nesting_has_its_line(depth: int, ends: tuple[str, str]) -> None:
+    text = f"a = 1\nb = {ends[0] * depth}1{ends[1] * depth}\n"
+    assert "my.toml:2: arrays or tables are nested too deeply" in refusal(text)
+
+
+def test_a_long_integer_has_its_line() -> None:
+    for digits in ("9" * 20, "9" * 5000, "0x" + "f" * 20):
+        assert "my.toml:3: an integer of more than 64 bits" in refusal(f"a = 1\n[q]\nb = {digits}\n")
+
+
+@pytest.mark.parametrize("item", ["k{} = 1\n", "[t{}]\n", "[grid.t{}]\n"])
+def test_floods_of_problems_take_no_time(item: str) -> None:
+    assert "1000 problems or more" in refusal("".join(map(item.format, range(10_000))))
+
+
+def test_a_flood_hides_no_value_from_the_rules() -> None:
+    keys = "".join(f"k{k} = 1\n" for k in range(2000))
+    assert "1000 problems or more" in refusal(f"[grid]\n{keys}[[stages.collapse.damping]]\n")
+
+
+def test_a_flood_of_wrong_items_takes_no_time() -> None:
+    assert "1000 problems or more" in refusal(f"[output]\ntimes = [{'[],' * LONG}]")
+
+
+@pytest.mark.parametrize("text", ["1" * LONG + " m m", "1" + " " * LONG + "m m", "." * LONG, " " * LONG + "x"])
+def test_long_texts_are_no_numbers(text: str) -> None:
+    def convert() -> None:
+        with pytest.raises(ValueError, match="not a number with a unit"):
+            to_unit(text, "m")
+
+    assert judge(convert) is None
+    given = (["sweep", "--aspect", f"{text}:2"], *(["run", "quickstart", option, text] for option in TIMES_AND_SHARES))
+    for arguments in given:
+        codes: list[int] = []
+        assert judge(partial(_note_code, codes, arguments)) is None
+        assert codes == [2], arguments[:-1]
+
+
+def _note_code(codes: list[int], arguments: list[str]) -> None:
+    codes.append(invoke(*arguments).exit_code)
+
+
+def test_numbers_beyond_any_quantity_are_refused() -> None:
+    """Their products would overflow: E = 1e308 gave a time step of zero, and a run without an end."""
+    for value in ("1e308", "1e31", "1e-31", "5e-324"):
+        assert "for any quantity; expected a number > 0, in Pa" in only_problem(f"material.youngs_modulus={value}")
+    for value in (LARGEST, SMALLEST):
+        assert leaf_values(load_case("quickstart", [f"material.density={value}"]))["material.density"] == value
+    assert load_case("quickstart", ["stages.gate_speed=inf"]).stages.gate_speed == float("inf")
+
+
+def test_friction_ends_where_its_sine_is_one() -> None:
+    for angle in ("89.9999999999", "89.1"):
+        assert "and <= 89, in deg" in only_problem(f"material.friction_deg={angle}")
+
+
+def only_problem(override: str) -> str:
+    with pytest.raises(CaseError) as refused:
+        load_case("quickstart", [override])
+    (problem,) = refused.value.problems
+    return str(problem)
+
+
+@pytest.mark.parametrize("text", ["a = " + "[" * DEEP, "a = " + "9" * 5000, "a = \0", ".".join(["a"] * DEEP) + " = 1"])
+def test_studies_are_read_as_cases_are(text: str) -> None:
+    Path("my.toml").write_text(text)
+
+    def load() -> None:
+        with pytest.raises(CaseError, match="my.toml:1: "):
+            load_study("my.toml")
+
+    assert judge(load) is None
+
+
+def test_a_study_that_never_ends_is_refused() -> None:
+    assert "larger than" in invoke("pareto", "/dev/zero").stderr
+    assert "no such study" in invoke("pareto", "x" * 5000).stderr
+
+
+@pytest.mark.parametrize("command", ["status", "measure", "plot", "render", "run", "sweep"])
+def test_a_path_that_the_system_refuses_is_told(command: str) -> None:
+    path = "x" * 5000
+    if command in ("run", "sweep"):
+        result = invoke(command, "quickstart", "--out", path, *(("--aspect", "1") if command == "sweep" else ()))
+    else:
+        result = invoke(command, path)
+    assert result.exit_code == 5 and "File name too long" in result.stderr and len(result.stderr) < 6000
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("render", "run", "--size", "9" * 5000 + "x300"),
+        ("bench", "--points", "9" * 5000),
+        ("bench", "--threads", "1," + "9" * 5000),
+        ("bench", "--points", "9" * 12),  # more than the memory
+        ("run", "quickstart", "--threads", "100000"),
+        ("sweep", "--aspect", "1,2", "--threads", "100000"),
+        ("sweep", "--aspect", "1,2", "--jobs", "9" * 30),
+        ("check", "quickstart", "--set", "title=\udcff"),
+    ],
+)
+def test_counts_beyond_all_bounds(arguments: tuple[str, ...]) -> None:
+    result = invoke(*arguments)
+    assert result.exit_code == 2 and len(result.stderr) < 1000, result.output
+
+
+def test_names_of_files_may_be_in_any_encoding() -> None:
+    Path("\udcff.toml").write_text('extends = "quickstart"\n')
+    result = invoke("check", "\udcff.toml")
+    assert result.exit_code == 0 and result.stdout.startswith(r"\udcff.toml: no problems")

@@ -1,0 +1,233 @@
+"""`mpmcol sweep` and `mpmcol status` with real runs, tiny and cut short: killed, run again, interrupted."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import shlex
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+from mpmcol.cli import main
+from mpmcol.io.atomic import is_locked
+from mpmcol.io.results import Results
+from mpmcol.io.run_status import read_state
+
+TINY = ("--set", "grid.spacing=0.0194", "--set", "stages.collapse.max_time_factor=0.5", "--set", "output.snapshots=2")
+ENDLESS = (
+    *("--set", "grid.spacing=0.0194", "--set", "stages.collapse.max_time_factor=10000"),
+    *("--set", "stages.collapse.end=time", "--set", "output.snapshots=20000"),
+)
+SWEEP = ("sweep", "--aspect", "1,2", *TINY)
+
+
+@pytest.fixture(autouse=True)
+def in_empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def invoke(*words: str | Path) -> Result:
+    return CliRunner().invoke(main, [str(word) for word in words])
+
+
+def start(*words: str) -> subprocess.Popen[str]:
+    command = [sys.executable, "-m", "mpmcol", *words]
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+def children(parent: int) -> list[int]:
+    """Processes of a parent, from /proc."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            if int(path.read_text().rpartition(")")[2].split()[1]) == parent:
+                found.append(int(path.parent.name))
+        except OSError:
+            continue
+    return found
+
+
+def await_(condition: Callable[[], object], seconds: float = 120.0) -> None:
+    deadline = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+
+
+def measured(folder: Path) -> list[dict[str, str]]:
+    """The table without what may differ from one time to the next: names of folders, and cost."""
+    with (folder / "table.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    cost = ("second", "ns_", "memory")
+    return [{name: value for name, value in row.items() if not any(word in name for word in cost)} for row in rows]
+
+
+def last_positions(folder: Path) -> list[np.ndarray]:
+    return [Results(path.parent).snapshot(-1).arrays["position"] for path in sorted(folder.glob("*/result.json"))]
+
+
+def modified(folder: Path) -> dict[str, int]:
+    return {str(path): path.stat().st_mtime_ns for path in folder.rglob("*") if path.is_file()}
+
+
+def test_a_sweep_its_files_and_its_rerun() -> None:
+    out = Path("sweeps/x")
+    first = invoke(*SWEEP, "--out", out, "--jobs", "2")
+    assert first.exit_code == 0, first.output
+    assert "2 points: 2 points at a time, 1 thread each" in first.stderr
+    assert "a1 done" in first.stderr and "a2 done" in first.stderr
+    assert first.stdout.splitlines()[1].split()[0] == "a1" and "not at rest" in first.stdout
+    assert f"in {out}: table.csv, table.h5, zeta.png, beta.png" in first.stdout
+    (one, two) = measured(out)
+    assert (one["geometry.aspect"], two["a"], one["status"]) == ("1.0", "2.0", "done")
+    run = Results(out / one["folder"])
+    assert float(one["zeta.front_max"]) == run.summary["zeta"]["front_max"]
+    assert one["version.mpmcol"] == run.summary["versions"]["mpmcol"]
+    with h5py.File(out / "table.h5") as file:
+        assert file["beta"][0] == run.summary["beta"]
+    before = modified(out)
+    again = invoke(*SWEEP, "--out", out, "--jobs", "2", "--json")
+    assert again.exit_code == 0 and modified(out) == before
+    assert "2 of them ended before: nothing to run" in again.stderr
+    record = json.loads(again.stdout)
+    assert [point["zeta.front_max"] for point in record["points"]] == [
+        float(row["zeta.front_max"]) for row in (one, two)
+    ]
+    more = invoke("sweep", "--aspect", "1,2,1.5", *TINY, "--out", out, "--quiet")
+    assert (more.exit_code, more.output) == (0, "")
+    assert {path: time for path, time in modified(out).items() if path in before and "/a" in path} == {
+        path: time for path, time in before.items() if "/a" in path
+    }
+    state = invoke("status", out)
+    assert state.exit_code == 0 and "3 done" in state.stdout and "left" not in state.stdout
+
+
+@pytest.mark.skipif(not Path("/proc").is_dir(), reason="finds the runs through /proc")
+def test_killed_with_all_its_runs_it_completes_with_equal_results() -> None:
+    words = ("sweep", "--aspect", "2,3", *TINY[:-1], "output.snapshots=40", "--jobs", "2")
+    killed, whole = Path("killed"), Path("whole")
+    with start(*words, "--out", str(killed)) as sweep:
+        await_(lambda: list(killed.glob("*/run.vtkhdf")))
+        runs = children(sweep.pid)
+        os.kill(sweep.pid, signal.SIGKILL)
+        for run in runs:
+            os.kill(run, signal.SIGKILL)
+    await_(lambda: not any(map(is_locked, killed.glob("a*"))))
+    states = [read_state(path).name for path in killed.glob("a*")]
+    assert runs and "unfinished" in states, states
+    told = invoke("status", killed)
+    assert told.exit_code == 0 and "nothing is running; the same command again completes it" in told.stdout
+    for out in (killed, whole):
+        done = invoke(*words, "--out", out)
+        assert done.exit_code == 0, done.output
+    assert measured(killed) == measured(whole)
+    for mine, other in zip(last_positions(killed), last_positions(whole), strict=True):
+        assert np.array_equal(mine, other)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGUSR1])
+def test_interrupted_it_ends_its_runs(number: signal.Signals) -> None:
+    out = Path("out")
+    with start("sweep", "--aspect", "3,4", *ENDLESS, "--jobs", "2", "--out", str(out)) as sweep:
+        await_(lambda: len(list(out.glob("*/run.vtkhdf"))) == 2)
+        state = json.loads(invoke("status", out, "--json").stdout)
+        assert state["counts"] == {"running": 2} and all(point["share"] < 0.5 for point in state["points"])
+        (run,) = {path.parent for path in out.glob("a3-*/run.vtkhdf")}
+        assert "running" in invoke("status", run).stdout
+        sweep.send_signal(number)
+        _, err = sweep.communicate(timeout=60)
+    assert sweep.returncode == 75 and "Traceback" not in err
+    assert "ending the runs" in err and "the same command again completes the sweep" in err
+    assert [read_state(path).name for path in out.glob("a*")] == ["stopped", "stopped"]
+    assert Results(run).snapshot(-1).stage == "stopped"
+
+
+def test_two_sweeps_in_one_folder_at_once() -> None:
+    sweeps = [start(*SWEEP, "--out", "out", "--jobs", "2") for _ in range(2)]
+    outputs = [sweep.communicate(timeout=300) for sweep in sweeps]
+    assert [sweep.returncode for sweep in sweeps] == [0, 0], outputs
+    assert len(measured(Path("out"))) == 2
+
+
+def test_a_point_that_diverges_does_not_stop_the_others() -> None:
+    words = ("sweep", "--aspect", "2", *TINY, "--set", "time.cfl=0.5,1.9", "--out", "out")
+    for attempt in range(2):
+        done = invoke(*words)
+        assert done.exit_code == 3, done.output
+        assert "cfl1.9-" in done.stdout and " failed: " in done.stdout and "lower time.cfl" in done.stdout
+        assert ("2 of them ended before" in done.stderr) == (attempt == 1)
+    quiet = invoke(*words, "--quiet")
+    assert (quiet.exit_code, quiet.stdout) == (3, "") and " failed: " in quiet.stderr
+    good, bad = measured(Path("out"))
+    assert (good["status"], bad["status"], bad["zeta.front_max"]) == ("done", "failed", "")
+    assert "1 done, 1 failed" in invoke("status", "out").stdout
+
+
+def test_commands_are_frozen_and_can_be_run_by_a_shell() -> None:
+    Path("mine.toml").write_text('extends = "lube-cylinder"\n')
+    words = ("sweep", "mine.toml", "--aspect", "1,2", *TINY, "--out", "out")
+    printed = invoke(*words, "--engine", "commands", "--threads", "1")
+    assert printed.exit_code == 0, printed.output
+    lines = printed.stdout.splitlines()
+    assert Path("out/commands.sh").read_text().splitlines() == lines
+    slurm = Path("out/slurm.sh").read_text()
+    assert "#SBATCH --array=1-2\n" in slurm and "#SBATCH --cpus-per-task=1\n" in slurm
+    Path("mine.toml").write_text("changed = true\n")
+    done = subprocess.run(["bash", "-c", slurm], env={**os.environ, "SLURM_ARRAY_TASK_ID": "2"}, capture_output=True)
+    assert done.returncode == 0, done.stderr
+    assert subprocess.run(shlex.split(lines[0]), capture_output=True).returncode == 0
+    Path("mine.toml").write_text('extends = "lube-cylinder"\n')
+    done = invoke(*words)
+    assert done.exit_code == 0 and "2 of them ended before" in done.stderr
+    assert "all points have ended" in invoke(*words, "--engine", "commands").stderr
+
+
+def test_a_dry_run_writes_nothing() -> None:
+    told = invoke(*SWEEP, "--dry-run", "--out", "out")
+    assert told.exit_code == 0, told.output
+    assert "a1 " in told.stdout and "at a time, 1 thread each" in told.stdout and "nothing was run" in told.stdout
+    record = json.loads(invoke(*SWEEP, "--dry-run", "--json").stdout)
+    assert record["threads"] == 1 and [point["points"] for point in record["points"]] == [188, 304]
+    assert list(Path().iterdir()) == []
+
+
+def test_json_is_json_for_infinite_values_too() -> None:
+    told = invoke("sweep", "--aspect", "1", *TINY, "--set", "stages.gate_speed=inf,2", "--dry-run", "--json")
+    record = json.loads(told.stdout, parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))
+    assert [point["inputs"]["stages.gate_speed"] for point in record["points"]] == ["inf", 2.0]
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "told"),
+    [
+        (("sweep",), 2, "there is nothing to vary"),
+        (("sweep", "--aspect", "7:1"), 2, "--aspect 7:1: 7:1: a range must rise"),
+        (("sweep", "--aspect", "1", "--engine", "dask"), 2, "--engine dask and --scheduler ADDRESS go together"),
+        (
+            ("sweep", "--aspect", "1", "--scheduler", "tcp://x:1"),
+            2,
+            "--engine dask and --scheduler ADDRESS go together",
+        ),
+        (("sweep", "--aspect", "1", "--engine", "commands", "--jobs", "2"), 2, "--jobs is for --engine local"),
+        (("sweep", "--aspect", "1", "--engine", "commands", "--json"), 2, "--engine commands runs none"),
+        (("sweep", "quikstart", "--aspect", "1"), 2, 'did you mean the shipped case "quickstart"?'),
+        (("sweep", "--aspect", "1", "--out", "full"), 2, "full is not empty and holds no sweep"),
+        (("status", "full"), 5, "full: neither the folder of a sweep (sweep.json) nor of a run"),
+    ],
+)
+def test_what_cannot_be_done_is_told(words: tuple[str, ...], code: int, told: str) -> None:
+    Path("full").mkdir()
+    Path("full/other").touch()
+    result = invoke(*words)
+    assert (result.exit_code, result.stdout) == (code, "") and told in result.stderr
+    assert {path.name for path in Path().iterdir()} == {"full"}

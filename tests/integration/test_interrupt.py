@@ -1,0 +1,42 @@
+"""Ctrl-C in the middle of a run: told at once, the last state kept."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+from mpmcol.io.results import Results
+
+
+def test_interrupt_keeps_the_last_state(tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    command = [sys.executable, "-m", "mpmcol", "run", "lube-channel", "--out", str(folder), "--threads", "1"]
+    with subprocess.Popen(
+        command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=dict(os.environ), cwd=Path.cwd()
+    ) as run:
+        deadline = time.monotonic() + 60.0
+        while not (folder / "case.resolved.toml").exists() and time.monotonic() < deadline:
+            time.sleep(0.1)
+        time.sleep(2.0)
+        run.send_signal(signal.SIGINT)
+        sent = time.monotonic()
+        _, err = run.communicate(timeout=60)
+    assert run.returncode == 75, err
+    assert time.monotonic() - sent < 20.0
+    assert "stopped by SIGINT at step" in err and "Traceback" not in err
+    results = Results(folder)
+    assert results.summary["status"] == "stopped"
+    assert results.snapshot(-1).stage == "stopped"
+
+
+def test_a_full_disk_behind_the_output_is_no_bug(tmp_path: Path) -> None:
+    command = [sys.executable, "-u", "-m", "mpmcol", "check", "quickstart"]
+    with Path("/dev/full").open("w") as full:
+        environment = {**os.environ, "PYTHONPATH": str(Path.cwd())}
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, cwd=tmp_path, env=environment)
+    assert done.returncode == 5 and "the output cannot be written: No space left" in done.stderr
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,144 @@
+"""What charts, `measure` and the closing table say of a 3D deposit: means, and what lies around the axis."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+
+from mpmcol.cli.measure import measure as measure_command
+from mpmcol.cli.report import closing_table
+from mpmcol.experiments import EXPERIMENTS, score
+from mpmcol.io import results
+from mpmcol.measure import FRONTS, ColumnShape, Measurement, measure
+from mpmcol.plotting import charts
+from mpmcol.plotting.run_charts import chart_run
+
+QUARTER = ColumnShape("quarter", "one-sided", r_i=0.1, h_i=0.09, spacing=0.005, density=2650.0, point_size=0.0025)
+BOX = replace(QUARTER, section="box")
+
+
+def deposit(shape: ColumnShape, spread: float = 0.9) -> Measurement:
+    """A cone whose base is an ellipse, by a fifth longer along x than along z, or a wedge of a box."""
+    size, length = shape.point_size, shape.r_i * (1.0 + spread)
+    x, y, z = np.meshgrid(*(np.arange(size / 2, end, size) for end in (1.2 * length, 0.06, length)), indexing="ij")
+    slope = np.hypot(x / 1.2, z) if shape.has_sectors else x
+    points = np.column_stack([values[y < 0.06 * (1.0 - slope / length)] for values in (x, y, z)])
+    return measure(points, np.full(len(points), shape.density * size**3), np.zeros_like(points), shape)
+
+
+def run_of(shape: ColumnShape, folder: Path) -> SimpleNamespace:
+    """A run at rest that was never simulated; `summary` holds what its result.json would."""
+    measured, ones = deposit(shape), np.ones(3)
+    summary = measured.scalars() | {
+        "errors": [entry.as_dict() for entry in score(measured, shape.a, shape.model, shape.section)],
+        "wall_s": {"collapse": 1.0}, "ledger": {"residual": 0.0}, "at_rest": True, "ns_per_point_step": 100.0,
+        "points": 1, "steps": 1, "dt": 1e-5, "threads": 1, "time_over_tau": 3.0, "worst_J": [1.0, 1.0],
+    }  # fmt: skip
+    history = dict.fromkeys([*FRONTS, *charts.SINK_STYLES, "height", "potential", "residual"], ones)
+    return SimpleNamespace(
+        folder=folder, shape=shape, snapshots=[folder], status="done", came_to_rest=True,
+        history=history | {"stage": np.array(["collapse"] * 3), "time": np.arange(3.0)},
+        case=SimpleNamespace(geometry=SimpleNamespace(gravity=9.81), score=SimpleNamespace(experiment="paper")),
+        summary=json.loads(json.dumps(summary)), measure=lambda number: measured,
+        snapshot=lambda number: SimpleNamespace(stage="rest", time=0.3),
+    )  # fmt: skip
+
+
+@pytest.fixture
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
+    """Of a quarter, that the commands find in every folder."""
+    synthetic = run_of(QUARTER, tmp_path)
+    monkeypatch.setattr(results, "Results", lambda folder: synthetic)
+    return synthetic
+
+
+@pytest.fixture
+def figures(monkeypatch: pytest.MonkeyPatch) -> list[Figure]:
+    drawn: list[Figure] = []
+    save = charts.save_figure
+    monkeypatch.setattr(charts, "save_figure", lambda figure, *rest: drawn.append(figure) or save(figure, *rest))
+    return drawn
+
+
+def invoke(run: SimpleNamespace, *options: str) -> str:
+    outcome = CliRunner().invoke(measure_command, [str(run.folder), *options], catch_exceptions=False)
+    assert outcome.exit_code == 0
+    return outcome.output
+
+
+def test_measure_says_the_mean_and_what_lies_around_the_axis(run: SimpleNamespace) -> None:
+    measured, lines = run.measure(-1), invoke(run).splitlines()
+    low, high = measured.zeta_range["front_height"]
+    assert low < measured.zeta["front_height"] - 0.05 and high > measured.zeta["front_height"] + 0.05
+    line = next(text for text in lines if text.startswith("front_height"))
+    assert line.endswith(f"zeta {measured.zeta['front_height']:7.3f}   {low:.3f} to {high:.3f} around the axis")
+    assert any(text.startswith("quarter, cylinder, a = 0.9") for text in lines)
+    assert any(text.startswith("paper-axisymmetric") and "1.116" in text for text in lines)
+
+
+def test_json_and_csv_have_mean_and_ends(run: SimpleNamespace) -> None:
+    record = json.loads(invoke(run, "--json"))
+    (row,) = csv.DictReader(io.StringIO(invoke(run, "--csv")))
+    for name in FRONTS:
+        for end in ("mean", "min", "max"):
+            assert float(row[f"zeta.{name}.{end}"]) == pytest.approx(record["zeta"][name][end], rel=1e-5)
+            assert record["front"][name] == run.summary["front"][name]
+    assert float(row["beta"]) == pytest.approx(record["beta"], rel=1e-5)
+
+
+def test_closing_table_says_the_mean_and_what_lies_around_the_axis(run: SimpleNamespace) -> None:
+    table = closing_table(run).splitlines()  # type: ignore[arg-type]
+    number = next(i for i, text in enumerate(table) if text.startswith("zeta, front_max"))
+    zeta, front = (run.summary[name]["front_max"] for name in ("zeta", "front"))
+    assert f"{front['mean']:.4f}" in table[number] and f"{zeta['mean']:8.3f}   1.116 (" in table[number]
+    assert table[number + 1].strip() == f"{zeta['min']:.3f} to {zeta['max']:.3f} around the axis"
+    assert sum(text.startswith("zeta, ") for text in table) == 3
+
+
+def test_profile_chart_shows_where_the_front_is_around_the_axis(tmp_path: Path, figures: list[Figure]) -> None:
+    final = deposit(QUARTER, 1.3)
+    charts.profile_chart(tmp_path / "p.png", QUARTER, [(0.3, final)], EXPERIMENTS["paper-axisymmetric"])
+    axes = figures[0].axes[0]
+    assert axes.get_xlabel() == "radius (mm)" and axes.get_ylabel() == "mean height around the axis (mm)"
+    (band,) = (patch for patch in axes.patches if isinstance(patch, Rectangle))
+    assert final.front_range is not None
+    low, high = (1e3 * end for end in final.front_range["front_height"])
+    assert (band.get_x(), band.get_x() + band.get_width()) == pytest.approx((low, high))
+    assert axes.get_xlim()[1] > 1e3 * final.reach > 1.05e3 * final.front["front_max"]
+    column = next(line for line in axes.lines if line.get_label() == "column at release")
+    assert np.asarray(column.get_xydata()).tolist() == [[0.0, 90.0], [100.0, 90.0], [100.0, 0.0]]
+    marks = [str(line.get_label()) for line in axes.lines if str(line.get_label()).startswith("front_height")]
+    assert marks == [f"front_height: {1e3 * final.front['front_height']:.1f} mm ({low:.1f} to {high:.1f})"]
+
+
+def test_a_box_is_drawn_along_x_and_without_an_experiment(tmp_path: Path, figures: list[Figure]) -> None:
+    paths = chart_run(run_of(BOX, tmp_path))  # type: ignore[arg-type]
+    assert [path.stat().st_size > 1000 for path in paths] == [True] * 3
+    axes = figures[0].axes[0]
+    assert axes.get_title().endswith("experiment: none") and not axes.containers
+    assert axes.get_xlabel() == "distance from the axis along x (mm)" and axes.get_ylabel() == "height (mm)"
+
+
+def test_closing_table_of_a_box_speaks_of_x_and_of_no_law(tmp_path: Path) -> None:
+    box = run_of(BOX, tmp_path)
+    table = closing_table(box)  # type: ignore[arg-type]
+    assert "against none" in table and table.count("no law for this") == 4
+    zeta = box.summary["zeta"]["front_height"]
+    assert f"{zeta['mean']:8.3f}   no law" in table and f"{zeta['min']:.3f} to {zeta['max']:.3f} along x" in table
+
+
+def test_measure_scores_a_box_against_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    box = run_of(BOX, tmp_path)
+    monkeypatch.setattr(results, "Results", lambda folder: box)
+    assert json.loads(invoke(box, "--json"))["scores"] == []
+    assert invoke(box).splitlines()[2].startswith("quarter, box, a = 0.9")

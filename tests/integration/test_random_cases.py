@@ -1,0 +1,69 @@
+"""The draw of random cases, and that its judge sees results that cannot be."""
+
+from __future__ import annotations
+
+import random
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from mpmcol.case import load_case
+from mpmcol.sweep.runs import Point
+from tests.soak.random_cases import PACE, SECONDS, draw_case, unsound
+
+
+def test_draws_are_cheap_equal_and_of_all_kinds() -> None:
+    cases = [draw_case(random.Random(seed))[0] for seed in range(60)]
+    assert [draw_case(random.Random(seed))[0] for seed in range(3)] == cases[:3]
+    assert {case.geometry.model for case in cases} == {"plane", "axisymmetric", "quarter", "full"}
+    assert len({case.material.law for case in cases}) == 3
+    assert max(case.geometry.a for case in cases) > 5.0
+    for case in cases:
+        assert Point({}, case, Path()).work * PACE[case.geometry.dimension] < SECONDS
+
+
+def result(**changes: Any) -> SimpleNamespace:
+    """What the judge reads of a run; sound but for the changes."""
+    zeta = {"front_max": 1.1, "front_connected": 1.0, "front_height": 0.9} | changes.get("zeta", {})
+    ledger = {"potential": [1.0, 0.5], "elastic": [0.1, 0.0], "kinetic": [0.0, 0.2], "residual": [0.0, 1e-12]}
+    history = {name: np.array(changes.get(name, values)) for name, values in ledger.items()}
+    history |= {"stage": np.array(["collapse"] * 2), "height": np.array(changes.get("height", [0.09, 0.05]))}
+    arrays = {"mass": np.ones(3), "id": np.arange(3), "stress": np.zeros((3, 6))}
+    last = arrays | {name: np.array(changes[name]) for name in arrays if name in changes}
+    return SimpleNamespace(
+        measure=lambda: SimpleNamespace(zeta=zeta, beta=changes.get("beta", 0.5)),
+        history=history,
+        summary={"warnings": changes.get("warnings", [])},
+        snapshot=lambda index: SimpleNamespace(arrays=last if index else arrays),
+    )
+
+
+def test_a_sound_result_passes() -> None:
+    assert list(unsound(load_case("quickstart"), result())) == []
+    told = {"zeta": {"front_max": 3.5}, "warnings": ["grains ran far ahead of the flow: ..."]}
+    assert list(unsound(load_case("quickstart"), result(**told))) == []
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"zeta": {"front_height": np.nan}}, "are no numbers"),
+        ({"beta": np.inf}, "are no numbers"),
+        ({"zeta": {"front_connected": 30.0}}, "it ran 30 r_i far"),
+        ({"zeta": {"front_max": 3.5}}, "grains are 3.5 r_i ahead"),
+        ({"beta": 1.2}, "its height is 1.2 h_i"),
+        ({"beta": 0.0}, "its height is 0 h_i"),
+        ({"height": [0.09, 0.11]}, "at most 1.22"),
+        ({"residual": [0.0, 1e-3]}, "of the energy is unaccounted for"),
+        ({"residual": [0.0, np.nan]}, "of the energy is unaccounted for"),
+        ({"kinetic": [0.0, 0.7]}, "moves with more energy than it has lost"),
+        ({"mass": [1.0, 1.0, 2.0]}, "the points' mass is not what it was"),
+        ({"id": [0, 1, 1]}, "the points' id is not what it was"),
+        ({"stress": [[np.nan] * 6] * 3}, "the points' stress are no numbers"),
+    ],
+)
+def test_what_cannot_be_is_seen(changes: dict[str, Any], told: str) -> None:
+    assert told in "; ".join(unsound(load_case("quickstart"), result(**changes)))

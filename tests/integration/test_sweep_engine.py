@@ -1,0 +1,380 @@
+"""The engine with runs that only pretend: order, retries, failures, locks, halting. Real ones: test_cli_sweep.py."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable
+from contextlib import closing
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from mpmcol.errors import OutputError
+from mpmcol.io.atomic import GIVEN_CASE_FILE, is_locked, locked
+from mpmcol.io.run_status import reached, read_state
+from mpmcol.provenance import code_version
+from mpmcol.sweep import engine, task
+from mpmcol.sweep.axes import parse_axes
+from mpmcol.sweep.compile_cache import smallest_of_each
+from mpmcol.sweep.engine import Outcome, exit_code, local_pool, run_points
+from mpmcol.sweep.plan import Plan, Planned, read_plan
+from mpmcol.sweep.progress import Progress, counts, plan_of, share_done, time_left
+from mpmcol.sweep.runner import conduct, introduce
+from mpmcol.sweep.runs import Point, freeze, plan_points
+from mpmcol.sweep.scheduling import Shares
+from mpmcol.sweep.task import Ending, Task, carry_out, run_command
+
+# What a run does, as far as the engine sees it: argv is the folder, then what is to happen
+RUN = """
+import fcntl, json, os, signal, sys, time
+from pathlib import Path
+folder, what = Path(sys.argv[1]), sys.argv[2]
+lock = (folder / ".lock").open("w")
+try:
+    fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+except BlockingIOError:
+    sys.exit("another run is writing here")
+def end(status, code, **more):
+    (folder / "result.json").write_text(json.dumps({"status": status, "wall_s": {"collapse": 1.0}, **more}))
+    sys.exit(code)
+tries = folder / "tries"
+tries.write_text(str(int(tries.read_text()) + 1 if tries.exists() else 1))
+if what == "killed" or (what == "killed once" and tries.read_text() == "1"):
+    os.kill(os.getpid(), signal.SIGKILL)
+if what == "diverges":
+    end("failed", 3, failure={"cause": "a point is too fast", "remedy": "lower time.cfl"})
+if what == "disk":
+    print("note: ...", "result.json: cannot be written: No space left", sep="\\n")
+    sys.exit(5)
+if what == "refuses":
+    print("it does not fit")
+    sys.exit(2)
+if what == "waits":
+    signal.signal(signal.SIGTERM, lambda *_: end("stopped", 75))
+    (folder / "begun").touch()
+    time.sleep(60)
+if what == "deaf":
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    (folder / "begun").touch()
+    time.sleep(60)
+time.sleep(0.2)
+end("done", 0)
+"""
+DONE = json.dumps({"status": "done", "wall_s": {"compile": 9.0, "collapse": 2.0}})
+
+Acts = Callable[..., None]
+
+
+@pytest.fixture
+def acts(monkeypatch: pytest.MonkeyPatch) -> Acts:
+    """Says what the runs of the points of these aspect ratios do; the others are done at once."""
+    chosen: dict[str, str] = {}
+
+    def command(folder: Path, threads: int, fresh: bool = False) -> list[str]:
+        what = next((what for name, what in chosen.items() if folder.name.startswith(f"{name}-")), "is done")
+        return [sys.executable, "-c", RUN, str(folder), what]
+
+    monkeypatch.setattr(task, "run_command", command)
+    monkeypatch.setattr(engine, "_compile", lambda points: None)
+    return lambda **what: chosen.update(what)
+
+
+def make_points(out: Path, aspect: str = "1,2,3") -> list[Point]:
+    return plan_points("lube-cylinder", parse_axes(aspect, ["grid.spacing=0.02"])[0], out)
+
+
+def endings(outcomes: list[Outcome]) -> dict[str, tuple[str, int]]:
+    return {outcome.point.name: (outcome.status, outcome.ending.attempts) for outcome in outcomes}
+
+
+def tries(point: Point) -> int:
+    path = point.folder / "tries"
+    return int(path.read_text()) if path.exists() else 0
+
+
+def await_(condition: Callable[[], bool]) -> None:
+    deadline = time.monotonic() + 30.0
+    while not condition():
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
+
+
+def test_largest_first_one_at_a_time(tmp_path: Path, acts: Acts) -> None:
+    outcomes = list(run_points(make_points(tmp_path), Shares(1, 1)))
+    assert [outcome.point.name for outcome in outcomes] == ["a3", "a2", "a1"]
+    assert exit_code(outcomes) == 0
+
+
+def test_as_many_at_a_time_as_were_asked_for(tmp_path: Path, acts: Acts) -> None:
+    acts(a1="waits", a2="waits", a3="waits")
+    points = make_points(tmp_path)
+    begun: list[int] = []
+
+    def look() -> None:
+        begun.append(sum((point.folder / "begun").exists() for point in points))
+        if begun[-1] == 2 and begun[-5:] == [2] * 5:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        list(run_points(points, Shares(2, 1), tick=look))
+    assert max(begun) == 2
+
+
+def test_what_is_done_is_not_done_again(tmp_path: Path, acts: Acts) -> None:
+    points = make_points(tmp_path)
+    first = list(run_points(points, Shares(2, 1)))
+    said: list[str] = []
+    second = list(run_points(points, Shares(2, 1), say=said.append))
+    assert [tries(point) for point in points] == [1, 1, 1]
+    assert set(endings(first).values()) == {("done", 1)} and set(endings(second).values()) == {("done", 0)}
+    assert said == []
+
+
+def test_no_point_that_goes_wrong_stops_the_others(tmp_path: Path, acts: Acts) -> None:
+    acts(a1="killed", a2="diverges", a3="disk", a4="killed once")
+    points = make_points(tmp_path, "1,2,3,4,5")
+    outcomes = list(run_points(points, Shares(2, 1)))
+    assert endings(outcomes) == {
+        "a1": ("broken", 3), "a2": ("failed", 1), "a3": ("broken", 3), "a4": ("done", 2), "a5": ("done", 1),
+    }  # fmt: skip
+    messages = {outcome.point.name: outcome.ending.message for outcome in outcomes}
+    assert messages["a1"].startswith("killed by SIGKILL, 3 times (")
+    assert messages["a2"] == "a point is too fast; lower time.cfl"
+    assert messages["a3"].startswith("exit code 5, 3 times: result.json: cannot be written: No space left (")
+    assert exit_code(outcomes) == 5
+
+
+def test_a_divergence_is_told_again_but_not_run_again(tmp_path: Path, acts: Acts) -> None:
+    acts(a2="diverges")
+    points = make_points(tmp_path)
+    for attempts in (1, 0):
+        outcomes = list(run_points(points, Shares(1, 1)))
+        assert endings(outcomes)["a2"] == ("failed", attempts)
+        assert exit_code(outcomes) == 3
+    assert tries(points[1]) == 1
+
+
+def test_a_refusal_is_not_retried(tmp_path: Path, acts: Acts) -> None:
+    acts(a1="refuses")
+    (outcome,) = run_points(make_points(tmp_path, "1"))
+    assert (outcome.status, outcome.ending.attempts) == ("broken", 1)
+    assert "it does not fit" in outcome.ending.message and exit_code([outcome]) == 2
+
+
+@pytest.mark.parametrize(
+    ("codes", "expected"), [([0], 0), ([0, 1], 1), ([-9], 1), ([1, 3], 3), ([3, 5], 5), ([5, 75], 75)]
+)
+def test_exit_codes(tmp_path: Path, codes: list[int], expected: int) -> None:
+    (point,) = make_points(tmp_path, "1")
+    assert exit_code([Outcome(point, Ending("broken" if code else "done", 1, code)) for code in codes]) == expected
+
+
+def test_a_damaged_result_is_replaced(tmp_path: Path) -> None:
+    (point,) = make_points(tmp_path, "1")
+    point.folder.mkdir()
+    (point.folder / "result.json").write_text("{")
+    assert read_state(point.folder).name == "damaged"
+    assert run_command(point.folder, 2, fresh=True)[-3:] == ["--threads", "2", "--fresh"]
+
+
+def test_interrupting_ends_the_runs_in_good_order(tmp_path: Path, acts: Acts) -> None:
+    acts(a1="waits", a2="waits")
+    points = make_points(tmp_path, "1,2,3")
+    said: list[str] = []
+
+    def interrupt() -> None:
+        if all((point.folder / "begun").exists() for point in points[:2]) and read_state(points[2].folder).has_ended:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        list(run_points(points, Shares(3, 1), say=said.append, tick=interrupt))
+    assert [read_state(point.folder).name for point in points] == ["stopped", "stopped", "done"]
+    assert said[-1] == "ending the runs (Ctrl-C again: at once) ..."
+
+
+def test_a_run_that_does_not_end_is_killed(tmp_path: Path, acts: Acts, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(task, "GRACE", 0.5)
+    acts(a1="deaf")
+    (point,) = make_points(tmp_path, "1")
+    runs = run_points([point], Shares(1, 1), tick=lambda: None)
+    with closing(runs):
+        threading.Timer(1.0, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+        with pytest.raises(KeyboardInterrupt):
+            next(runs)
+    assert read_state(point.folder).name == "missing" and not is_locked(point.folder)
+
+
+def test_leaving_the_loop_ends_the_runs(tmp_path: Path, acts: Acts) -> None:
+    acts(a1="waits")
+    points = make_points(tmp_path)
+    with closing(run_points(points, Shares(3, 1))) as runs:
+        next(runs)
+        await_(lambda: (points[0].folder / "begun").exists())
+    assert read_state(points[0].folder).name == "stopped"
+
+
+def test_a_run_in_other_hands_is_waited_for(tmp_path: Path, acts: Acts) -> None:
+    (point,) = make_points(tmp_path, "1")
+    held = threading.Event()
+
+    def other() -> None:
+        with locked(point.folder):
+            held.set()
+            time.sleep(0.6)
+            (point.folder / "result.json").write_text(DONE)
+
+    thread = threading.Thread(target=other)
+    thread.start()
+    held.wait()
+    assert read_state(point.folder).name == "running"
+    (outcome,) = run_points([point])
+    thread.join()
+    assert (outcome.status, outcome.ending.attempts, tries(point)) == ("done", 0, 0)
+
+
+def test_two_sweeps_in_one_folder_run_every_point_once(tmp_path: Path, acts: Acts) -> None:
+    points, found = make_points(tmp_path, "1,2,3,4,5,6"), []
+    for point in points:
+        freeze(point)
+    sweeps = [threading.Thread(target=lambda: found.extend(run_points(points, Shares(2, 1)))) for _ in range(2)]
+    for sweep in sweeps:
+        sweep.start()
+    for sweep in sweeps:
+        sweep.join()
+    assert [outcome.status for outcome in found] == ["done"] * 12
+    assert [tries(point) for point in points] == [1] * 6
+
+
+def test_a_worker_with_other_code_runs_nothing(tmp_path: Path, acts: Acts) -> None:
+    (point,) = make_points(tmp_path, "1")
+    ending = carry_out(Task(point.folder, 1, "0.0.0+12345678"))
+    assert (ending.status, ending.exit_code) == ("broken", 2)
+    assert f"this worker has mpmcol {code_version()}, not 0.0.0+12345678" in ending.message
+
+
+def test_an_executor_that_loses_a_task(tmp_path: Path, acts: Acts) -> None:
+    points = make_points(tmp_path)
+    with local_pool(1) as pool:
+
+        class Losing(type(pool.executor)):
+            def submit(self, function, given, *rest):
+                if given.folder == points[1].folder.resolve():
+                    return super().submit(lambda: 1 / 0)
+                return super().submit(function, given, *rest)
+
+        with Losing(1) as executor:
+            outcomes = list(run_points(points, Shares(1, 1), pool=replace(pool, executor=executor)))
+    assert {name: status for name, (status, _) in endings(outcomes).items()} == {
+        "a1": "done",
+        "a2": "broken",
+        "a3": "done",
+    }
+    assert (
+        "ZeroDivisionError: division by zero"
+        in next(outcome for outcome in outcomes if outcome.status == "broken").ending.message
+    )
+
+
+def test_a_folder_that_cannot_be_written(tmp_path: Path, acts: Acts) -> None:
+    (point,) = make_points(tmp_path, "1")
+    point.folder.write_text("a file is in the way")
+    with pytest.raises(OutputError, match="file of that name is in the way"):
+        list(run_points([point]))
+
+
+def test_the_folder_says_what_it_is_doing(tmp_path: Path, acts: Acts) -> None:
+    acts(a2="diverges")
+    points = make_points(tmp_path / "out")
+    assert introduce(points, points, Shares(2, 1)).startswith("3 points: 2 points at a time, 1 thread each, on ")
+    outcomes = conduct(points, tmp_path / "out", jobs=2)
+    assert [outcome.point.name for outcome in outcomes] == ["a1", "a2", "a3"]
+    plan = read_plan(tmp_path / "out")
+    assert (plan.version, plan.jobs, plan.points[2].inputs["geometry.aspect"]) == (code_version(), 2, 3.0)
+    parts = Progress(tmp_path / "out", plan).parts()
+    assert counts(parts) == {"done": 2, "failed": 1} and share_done(parts) == 1.0
+    assert introduce(points, [], Shares(2, 1)) == "3 points, 3 of them ended before: nothing to run"
+
+
+def test_frozen_cases_are_what_runs(tmp_path: Path) -> None:
+    (point,) = make_points(tmp_path, "1")
+    assert run_command(point.folder, 3)[3:] == [
+        "run", str(point.folder / GIVEN_CASE_FILE), "--out", str(point.folder), "--threads", "3",
+    ]  # fmt: skip
+
+
+def write_run(folder: Path, time_reached: float | None, result: str | None = None) -> None:
+    folder.mkdir(parents=True)
+    (folder / "case.resolved.toml").touch()
+    if time_reached is not None:
+        (folder / "history.csv").write_text(f"stage,step,time,dt\nrelease,9,0.0,1\ncollapse,10,{time_reached},1\n")
+    if result:
+        (folder / "result.json").write_text(result)
+
+
+def test_time_left_is_told_by_the_pace_so_far(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    names = ("done", "half", "cut", "stopped", "none")
+    write_run(tmp_path / "done", 1.0, DONE)
+    write_run(tmp_path / "half", 0.5)
+    write_run(tmp_path / "cut", None)
+    write_run(tmp_path / "stopped", 0.7, '{"status": "stopped"}')
+    plan = Plan("", code_version(), 2, 1, tuple(Planned(name, {}, 100.0, 1.0) for name in names))
+    monkeypatch.setattr("mpmcol.sweep.progress.running_for", lambda folder: 4.0)
+    with locked(tmp_path / "half"):
+        parts = Progress(tmp_path, plan).parts()
+    assert [part.state.name for part in parts] == ["done", "running", "unfinished", "stopped", "missing"]
+    assert [part.share for part in parts] == [1.0, 0.5, 0.0, 0.0, 0.0]
+    assert share_done(parts) == pytest.approx(1.5 / 5)
+    assert time_left(parts, 2) == pytest.approx((2.0 + 4.0) / 150.0 * 350.0 / 2)  # compilation does not count
+    assert time_left(parts, 8) == pytest.approx((2.0 + 4.0) / 150.0 * 100.0)  # no point is shared
+    assert time_left(parts[2:], 2) is None
+
+
+def test_a_folder_that_is_none(tmp_path: Path) -> None:
+    with pytest.raises(OutputError, match="neither the folder of a sweep"):
+        plan_of(tmp_path)
+    (tmp_path / "sweep.json").write_text('{"schema": 99}')
+    with pytest.raises(OutputError, match="it is of another version of mpmcol"):
+        plan_of(tmp_path)
+
+
+def test_compiling_comes_before_the_first_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    commands: list[list[str]] = []
+    monkeypatch.setattr(subprocess, "run", lambda command, **_: commands.append(command))
+    monkeypatch.setattr(task, "run_command", lambda *_: [sys.executable, "-c", ""])
+    monkeypatch.setattr(task, "RETRIES", 0)
+    points = plan_points(
+        "lube-cylinder", parse_axes("1,2", ["grid.spacing=0.02", "geometry.model=axisymmetric,plane"])[0], tmp_path
+    )
+    list(run_points(points, Shares(2, 1)))
+    list(run_points(points, Shares(1, 1)))
+    assert [command[1:3] for command in commands] == [["-m", "mpmcol.sweep.compile_cache"]]
+    assert len(commands[0]) == 4 and "/a1-" in commands[0][3]  # both models share their kernels
+
+
+@pytest.mark.parametrize(
+    ("axis", "sets"),
+    [
+        ("method.transfer=flip,pic,tpic,taylor-flip", 1),
+        ("method.transfer=tpic,apic", 2),
+        ("method.stress_order=usl,usf,musl", 3),
+        ("method.basis=linear,quadratic,cubic", 3),
+    ],
+)
+def test_schemes_have_kernels_of_their_own(axis: str, sets: int, tmp_path: Path) -> None:
+    points = plan_points("lube-cylinder", parse_axes("1", ["grid.spacing=0.02", axis])[0], tmp_path)
+    assert len(smallest_of_each(points)) == sets
+
+
+@pytest.mark.parametrize(("stage", "time", "share"), [("equilibrate", 0.3, None), ("collapse", 0.3, 0.3)])
+def test_time_under_gravity_is_no_time_of_the_collapse(
+    stage: str, time: float, share: float | None, tmp_path: Path
+) -> None:
+    (tmp_path / "history.csv").write_text(f"stage,step,time\nequilibrate,1,0.1\n{stage},9,{time}\n")
+    assert reached(tmp_path) == share

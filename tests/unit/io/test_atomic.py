@@ -1,0 +1,129 @@
+from __future__ import annotations
+
+import errno
+import os
+import stat
+from pathlib import Path
+
+import pytest
+
+from mpmcol.errors import OutputError
+from mpmcol.io.atomic import LOCK, atomic_write, locked, make_folder
+
+
+def failing(code: int):
+    def fail(*args, **kwargs):
+        raise OSError(code, os.strerror(code))
+
+    return fail
+
+
+def test_content_is_replaced_and_nothing_else_is_left(tmp_path: Path):
+    atomic_write(tmp_path / "a.txt", b"old, and longer")
+    atomic_write(tmp_path / "a.txt", b"new")
+    assert (tmp_path / "a.txt").read_bytes() == b"new"
+    assert os.listdir(tmp_path) == ["a.txt"]
+
+
+def test_empty_content(tmp_path: Path):
+    atomic_write(tmp_path / "a.txt", b"")
+    assert (tmp_path / "a.txt").read_bytes() == b""
+
+
+def test_permissions_are_those_of_any_new_file(tmp_path: Path):
+    (tmp_path / "plain").write_bytes(b"")
+    atomic_write(tmp_path / "atomic", b"")
+    plain, atomic = (stat.S_IMODE((tmp_path / name).stat().st_mode) for name in ("plain", "atomic"))
+    assert atomic == plain
+
+
+def test_short_writes_are_continued(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    write = os.write
+    monkeypatch.setattr(os, "write", lambda descriptor, data: write(descriptor, data[:3]))
+    atomic_write(tmp_path / "a.txt", b"0123456789")
+    assert (tmp_path / "a.txt").read_bytes() == b"0123456789"
+
+
+@pytest.mark.parametrize("call", ["open", "write", "fsync", "replace"])
+def test_failure_leaves_the_old_file_and_no_temporary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, call: str):
+    target = tmp_path / "a.txt"
+    atomic_write(target, b"old")
+    monkeypatch.setattr(os, call, failing(errno.EIO))
+    with pytest.raises(OutputError, match="a.txt: cannot be written: Input/output error; check the disk"):
+        atomic_write(target, b"new")
+    monkeypatch.undo()
+    assert target.read_bytes() == b"old"
+    assert os.listdir(tmp_path) == ["a.txt"]
+
+
+def test_disk_full_half_way(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    target = tmp_path / "a.txt"
+    atomic_write(target, b"old")
+    write, room = os.write, [4]
+
+    def limited(descriptor: int, data: bytes) -> int:
+        if not room[0]:
+            failing(errno.ENOSPC)()
+        written = write(descriptor, data[: room[0]])
+        room[0] -= written
+        return written
+
+    monkeypatch.setattr(os, "write", limited)
+    with pytest.raises(OutputError, match="No space left on device; free some space") as caught:
+        atomic_write(target, b"0123456789")
+    assert caught.value.exit_code == 5
+    assert target.read_bytes() == b"old"
+    assert os.listdir(tmp_path) == ["a.txt"]
+
+
+def test_interrupt_leaves_no_temporary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    def interrupt(*args):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(os, "replace", interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        atomic_write(tmp_path / "a.txt", b"new")
+    assert os.listdir(tmp_path) == []
+
+
+def test_data_is_synced_before_the_rename_and_the_folder_after(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    calls: list[str] = []
+    fsync, replace = os.fsync, os.replace
+
+    def logged_fsync(descriptor: int) -> None:
+        calls.append("folder" if stat.S_ISDIR(os.fstat(descriptor).st_mode) else "file")
+        fsync(descriptor)
+
+    def logged_replace(source: Path, target: Path) -> None:
+        calls.append("replace")
+        replace(source, target)
+
+    monkeypatch.setattr(os, "fsync", logged_fsync)
+    monkeypatch.setattr(os, "replace", logged_replace)
+    atomic_write(tmp_path / "a.txt", b"new")
+    assert calls == ["file", "replace", "folder"]
+
+
+def test_missing_folder_is_named(tmp_path: Path):
+    with pytest.raises(OutputError, match="gone/a.txt: cannot be written: No such file.*the folder is gone"):
+        atomic_write(tmp_path / "gone" / "a.txt", b"")
+
+
+def test_make_folder(tmp_path: Path):
+    assert make_folder(tmp_path / "a" / "b").is_dir()
+    assert make_folder(tmp_path / "a" / "b").is_dir()
+    (tmp_path / "file").touch()
+    with pytest.raises(OutputError, match="file/b: cannot be written"):
+        make_folder(tmp_path / "file" / "b")
+
+
+def test_what_a_killed_run_was_writing_is_cleared_away(tmp_path: Path):
+    names = (".checkpoint-1.npz.77.tmp", ".result.json.77.tmp", ".run.vtkhdf.77.tmp", "snapshots/.000003.vtkhdf.77.tmp")
+    others = (".case.toml.77.tmp", "snapshots/000002.vtkhdf", "checkpoint-0.npz")  # a sweep may be writing the first
+    (tmp_path / "snapshots").mkdir()
+    for name in (*names, *others):
+        (tmp_path / name).touch()
+    with locked(tmp_path), pytest.raises(OutputError, match="another run is writing here"), locked(tmp_path):
+        pass
+    left = {path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*") if path.is_file()}
+    assert left == {*others, LOCK}

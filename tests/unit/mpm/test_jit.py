@@ -1,0 +1,276 @@
+"""Rules of the compiled code that a compiler does not check."""
+
+from __future__ import annotations
+
+import ast
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from mpmcol.mpm import jit
+
+PACKAGE = Path(jit.__file__).parents[1]
+KERNELS = sorted((PACKAGE / "mpm/kernels").glob("*.py"))
+DECORATORS = {"device", "phase", "kernel", "driver"}
+
+
+# -------------------------------------------------------------------------------------------- cache folder
+
+
+@pytest.fixture
+def copied_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    package = tmp_path / "mpmcol"
+    shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__"))
+    monkeypatch.setattr(jit, "__file__", str(package / "mpm/jit.py"))
+    return package
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "shape_functions/quadratic.py",
+        "simd/compiled.py",
+        "constitutive/mohr_coulomb.py",
+        "kernels/stress_2d.py",
+        "jit.py",
+    ],
+)
+def test_an_edited_helper_gets_a_cache_folder_of_its_own(copied_package: Path, name: str) -> None:
+    before = jit.source_digest()
+    assert before == jit.source_digest()
+    with (copied_package / "mpm" / name).open("a") as source:
+        source.write("\n# edited\n")
+    assert jit.source_digest() != before
+
+
+def test_a_new_law_does_so_too(copied_package: Path) -> None:
+    before = jit.source_digest()
+    (copied_package / "mpm/constitutive/another.py").write_text("STATE = ()\n")
+    assert jit.source_digest() != before
+
+
+def test_other_files_keep_the_compiled_code(copied_package: Path) -> None:
+    before = jit.source_digest()
+    (copied_package / "plotting/charts.py").write_text("")
+    assert jit.source_digest() == before
+
+
+def test_every_file_with_compiled_code_is_hashed() -> None:
+    for path, tree in parsed(PACKAGE.rglob("*.py")):
+        if path.name != "jit.py" and decorated(tree, DECORATORS):
+            assert path.relative_to(PACKAGE).parts[0] in jit.COMPILED_SOURCES, path
+
+
+# ------------------------------------------------------------------------------------- code kept on the disk
+
+FACTORY = """
+import sys
+from mpmcol.mpm.jit import driver, phase, prange, variant
+
+def make(number):
+    @phase
+    @variant(number)
+    def fill(out):
+        for k in prange(len(out)):
+            out[k] = number
+
+    @driver
+    @variant(number)
+    def run(out):
+        fill(out)
+        return out.sum()
+
+    return run
+
+import numpy as np
+print([make(int(number))(np.zeros(10)) for number in sys.argv[1:]])
+"""
+
+
+def test_products_of_one_factory_are_not_taken_for_one_another(tmp_path: Path) -> None:
+    """Each is the first that its process compiles; then a third process loads both."""
+    (tmp_path / "factory.py").write_text(FACTORY)
+    environment = os.environ | {"MPMCOL_CACHE_DIR": str(tmp_path), "PYTHONPATH": str(PACKAGE.parent)}
+
+    def printed(*numbers: str) -> str:
+        command = [sys.executable, "factory.py", *numbers]
+        child = subprocess.run(command, env=environment, cwd=tmp_path, capture_output=True, text=True, check=True)
+        return child.stdout.strip()
+
+    assert [printed("1"), printed("2"), printed("1", "2")] == ["[10.0]", "[20.0]", "[10.0, 20.0]"]
+
+
+HELPED = """
+import sys
+from mpmcol.mpm.jit import CACHE_FOLDER, driver
+from mpmcol.mpm.constitutive.elementary import decay
+
+@driver
+def run(x):
+    return 100.0 * decay(x)
+
+exec(sys.argv[1])
+print(round(run(0.0)), len(list(CACHE_FOLDER.rglob("*.nbc"))))
+"""
+
+
+@pytest.fixture
+def helped(tmp_path: Path) -> Callable[..., list[str]]:
+    """Runs a kernel with a helper of a copy of the package, after `line`; gives its value and the files kept."""
+    shutil.copytree(PACKAGE, tmp_path / "mpmcol", ignore=shutil.ignore_patterns("__pycache__"))
+    (tmp_path / "helped.py").write_text(HELPED)
+
+    def printed(line: str = "", cache: Path = tmp_path / "cache") -> list[str]:
+        environment = os.environ | {"MPMCOL_CACHE_DIR": str(cache), "PYTHONPATH": str(tmp_path)}
+        command = [sys.executable, str(tmp_path / "helped.py"), line]
+        child = subprocess.run(command, env=environment, capture_output=True, text=True)
+        assert child.returncode == 0, child.stderr
+        return child.stdout.split()
+
+    return printed
+
+
+def test_a_kernel_is_compiled_again_when_its_helper_in_another_file_is_edited(
+    helped: Callable[..., list[str]], tmp_path: Path
+) -> None:
+    assert helped() == helped() == ["100", "1"]
+    source = tmp_path / "mpmcol/mpm/constitutive/elementary.py"
+    source.write_text(
+        source.read_text().replace("        value = value * value", "        value = value * value * 2.0 ** 0.0625")
+    )
+    assert helped() == ["1532", "1"]  # in a folder of its own
+
+
+def test_damaged_code_on_the_disk_is_compiled_again(helped: Callable[..., list[str]], tmp_path: Path) -> None:
+    helped()
+    for kind, left in (("*.nbc", -100), ("*.nbi", 0), ("*.nbi", -10)):
+        (kept,) = (tmp_path / "cache").rglob(kind)
+        kept.write_bytes(kept.read_bytes()[:left])
+        assert helped() == ["100", "1"]
+
+
+FULL = """
+import os, errno, numba.core.caching as caching
+def full(*arguments):
+    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+caching.IndexDataCacheFile.save = full
+"""
+GONE = "import shutil; shutil.rmtree(CACHE_FOLDER.parent)"
+
+
+def test_without_a_place_for_its_code_a_kernel_is_compiled_all_the_same(
+    helped: Callable[..., list[str]], tmp_path: Path
+) -> None:
+    (tmp_path / "file").touch()
+    assert helped(FULL) == ["100", "0"]
+    assert helped(GONE) == ["100", "1"]
+    assert helped(cache=tmp_path / "file") == ["100", "1"]  # elsewhere
+    assert not list(tmp_path.glob("mpmcol/**/*.nbi"))
+
+
+def test_everything_that_a_factory_compiles_has_a_name_of_its_own() -> None:
+    found = 0
+    for path, tree in parsed([*KERNELS, *(PACKAGE / "bench").rglob("*.py")]):
+        inner = {
+            function
+            for outer in ast.walk(tree)
+            if isinstance(outer, ast.FunctionDef)
+            for function in decorated(ast.Module(outer.body, []), DECORATORS)
+        }
+        for function in inner:
+            names = {decorator.func.id for decorator in function.decorator_list if isinstance(decorator, ast.Call)}
+            assert "variant" in names, f"{path.name}: {function.name} needs @variant(...)"
+        found += len(inner)
+    assert found >= 12
+
+
+# ------------------------------------------------------------------------------------------------- sources
+
+
+def parsed(paths: Iterator[Path] | list[Path]) -> Iterator[tuple[Path, ast.Module]]:
+    for path in paths:
+        yield path, ast.parse(path.read_text(), str(path))
+
+
+def decorated(tree: ast.AST, names: set[str]) -> list[ast.FunctionDef]:
+    """Functions, nested ones too, with one of these decorators."""
+    return [
+        node
+        for node in ast.walk(tree)
+        if isinstance(node, ast.FunctionDef)
+        and any(isinstance(d, ast.Name) and d.id in names for d in node.decorator_list)
+    ]
+
+
+def attribute_stores(tree: ast.AST) -> list[str]:
+    """Stores through an attribute, `name.attr[...] = value` or `name.attr = value`, as text.
+
+    A store through a NamedTuple inside a parallel loop is silently lost: the array needs a name of its own.
+    """
+    found = []
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Assign):
+            targets = node.targets
+        elif isinstance(node, ast.AugAssign | ast.AnnAssign):
+            targets = [node.target]
+        else:
+            continue
+        for target in (part for each in targets for part in ast.walk(each)):
+            stored = target.value if isinstance(target, ast.Subscript) else target
+            writes = isinstance(target, ast.Subscript | ast.Attribute) and isinstance(target.ctx, ast.Store)
+            if writes and isinstance(stored, ast.Attribute):
+                found.append(ast.unparse(target))
+    return found
+
+
+def imports_numba(tree: ast.Module) -> bool:
+    """Whether a module needs Numba to be imported; functions may ask for its version."""
+    names = [alias.name for node in tree.body if isinstance(node, ast.Import) for alias in node.names]
+    names += [node.module or "" for node in tree.body if isinstance(node, ast.ImportFrom)]
+    return any(name.split(".")[0] == "numba" for name in names)
+
+
+def test_kernels_never_store_through_an_attribute() -> None:
+    assert len(KERNELS) > 4
+    for path, tree in parsed(KERNELS):
+        assert attribute_stores(tree) == [], path
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "grid.nodes[o] = 1.0",
+        "grid.nodes[o : o + 8] += 1.0",
+        "a, grid.nodes[o] = 1.0, 2.0",
+        "tiles.start[0]: int = 3",
+    ],
+)
+def test_a_planted_store_is_found(line: str) -> None:
+    assert attribute_stores(ast.parse(f"def f(grid, tiles, o):\n    {line}\n")) != []
+
+
+def test_a_store_to_a_plain_name_is_allowed() -> None:
+    source = "def f(grid, o):\n    nodes = grid.nodes\n    nodes[o + grid.n_x] = grid.h\n    nodes[o] += 1.0\n"
+    assert attribute_stores(ast.parse(source)) == []
+
+
+def test_numba_is_known_to_jit_simd_and_the_clock_only() -> None:
+    assert imports_numba(ast.parse("from numba.core import types")) and imports_numba(ast.parse("import numba"))
+    users = {path.relative_to(PACKAGE) for path, tree in parsed(PACKAGE.rglob("*.py")) if imports_numba(tree)}
+    assert {user.as_posix() for user in users} == {"mpm/jit.py", "mpm/simd/compiled.py", "bench/clock.py"}
+
+
+def test_kernels_say_what_they_read_write_and_which_equations_they_are() -> None:
+    functions = [
+        (path, function) for path, tree in parsed(KERNELS) for function in decorated(tree, DECORATORS - {"device"})
+    ]
+    assert len(functions) >= 5
+    for path, function in functions:
+        doc = ast.get_docstring(function) or ""
+        for word in ("Reads:", "Writes:", "Eq."):
+            assert word in doc, f"{path.name}: {function.name} lacks {word}"

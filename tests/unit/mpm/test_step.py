@@ -1,0 +1,168 @@
+"""Whole steps of the compiled solver against the literal NumPy reference, for every switch of the method."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import radians
+
+import numpy as np
+import pytest
+
+from mpmcol.failure_modes.toolkit import by_id
+from mpmcol.mpm.constitutive import LAWS
+from mpmcol.mpm.grid import allocate_grid, node_coordinates, set_fixed
+from mpmcol.mpm.kernels.transfer_common import WALL_GAP
+from mpmcol.mpm.particles import Points, Scheme, Settings
+from mpmcol.mpm.solver import Body, Solver
+from tests.support import reference
+
+ELASTIC = {"density": 2000.0, "youngs_modulus": 1e6, "poissons_ratio": 0.25}
+PLASTIC = {
+    "elastic": {},
+    "mohr-coulomb": {"friction_deg": 33.0, "dilatancy_deg": 5.0, "cohesion": 20.0},
+    "mohr-coulomb-softening": {
+        "friction_peak_deg": 45.0, "friction_residual_deg": 30.0, "dilatancy_peak_deg": 15.0,
+        "dilatancy_residual_deg": 1.0, "softening_rate": 5.0, "cohesion": 10.0,
+    },
+}  # fmt: skip
+PLAIN = Settings(0.0, -9.81, 0.1, 0.3, 1.0, 1.0, 0.5, True, True, True, False)
+H, CELLS, ORIGIN = 0.1, (13, 10, 8), (0.0, -0.2, 0.0)
+
+
+def body(law: str) -> Body:
+    module = LAWS[law]
+    material = module.Material(**ELASTIC, **PLASTIC[law])
+    return Body(module, module.make_params(material), material.wave_speed**2)
+
+
+def reference_material(law: str) -> reference.ReferenceMaterial:
+    keys = PLASTIC[law]
+    if law == "elastic":
+        return reference.ReferenceMaterial(1e6, 0.25)
+    if law == "mohr-coulomb":
+        return reference.ReferenceMaterial(1e6, 0.25, radians(33.0), radians(5.0), 20.0)
+    return reference.ReferenceMaterial(
+        1e6, 0.25, radians(45.0), radians(15.0), keys["cohesion"], radians(30.0), radians(1.0), 5.0
+    )
+
+
+def random_points(seed: int, opens: bool, d: int) -> Points:
+    """Points all over the grid, some next to walls, moving, stressed, deformed, a few of them open."""
+    rng = np.random.default_rng(seed)
+    points = Points(300, d)
+    points.x[:] = rng.uniform((0.006, -0.194, 0.006)[:d], (0.99, 0.49, 0.49)[:d], (300, d))
+    points.x[:20, 0] = rng.uniform(0.006, 0.02, 20)
+    points.v[:] = rng.normal(0.0, 0.3, (300, d))
+    points.m[:] = rng.uniform(1.0, 3.0, 300)
+    points.V0[:] = points.m / 2000.0
+    points.J[:] = rng.uniform(0.9, 1.1, 300)
+    points.kind[:] = points.x[:, 1] < 0.0
+    points.opening[:] = np.where(
+        opens & (points.kind == 0) & (rng.uniform(size=300) < 0.2), rng.uniform(0.0, 1e-3, 300), 0.0
+    )
+    points.history[:, 0] = rng.uniform(0.0, 0.3, 300)
+    grad_v = np.zeros((300, 3, 3))
+    grad_v[:, :d, :d] = rng.normal(0.0, 1.0, (300, d, d))
+    points.grad_v = grad_v
+    sigma = rng.normal(0.0, 300.0, (300, 6)) - np.array([400.0, 400.0, 400.0, 0.0, 0.0, 0.0])
+    sigma[:30, 3:] = 0.0  # principal axes along those of the grid
+    sigma[:15, 0] = sigma[:15, 1]  # and two or three equal principal stresses
+    sigma[:5, 2] = sigma[:5, 1]
+    points.sigma = np.where((points.opening > 0.0)[:, None], 0.0, sigma)
+    return points
+
+
+def as_reference(points: Points) -> reference.ReferencePoints:
+    return reference.ReferencePoints(
+        points.x.copy(), points.v.copy(), points.grad_v, points.sigma[:, [[0, 3, 5], [3, 1, 4], [5, 4, 2]]],
+        points.J.copy(), points.opening.copy(), points.m.copy(), points.V0.copy(), points.history.copy(),
+        points.kind.astype(int),
+    )  # fmt: skip
+
+
+SWITCHES: list[dict] = [
+    {},
+    {"axisymmetric": True},
+    {"taylor": 0.0},
+    {"flip_fraction": 0.0},
+    {"flip_fraction": 0.95, "position_factor": 1.0},
+    {"wall_impulse": False, "position_factor": 0.0},
+    {"opening_strain": False},
+    {"kernel_correction": False},
+    {"alpha_d": 0.7, "gravity_x": 2.0},
+    {"exponential_volume": True},
+]
+SOFTENING = "mohr-coulomb-softening"
+COMBINATIONS = [(2, law, change) for law in LAWS if law != SOFTENING for change in SWITCHES]
+COMBINATIONS += [(2, SOFTENING, {}), (2, SOFTENING, {"axisymmetric": True})]
+COMBINATIONS += [(3, law, {}) for law in LAWS]
+COMBINATIONS += [(3, "mohr-coulomb", change | {"gravity_z": 1.0}) for change in SWITCHES[2:]]
+AXISYMMETRIC, PIC = {"axisymmetric": True}, {"flip_fraction": 0.0}
+SCHEMES = [(Scheme(affine=True), d) for d in (2, 3)] + [(Scheme(order), d) for order in ("usf", "musl") for d in (2, 3)]
+SCHEMES += [(Scheme("musl", affine=True), 2)]
+SCHEMES += [(Scheme(basis=basis), d) for basis in ("linear", "cubic") for d in (2, 3)]
+SCHEMES += [(Scheme("usf", affine=True, basis="cubic"), 2)]
+SCHEME_COMBINATIONS = [(scheme, d, change) for scheme, d in SCHEMES for change in ([PIC, AXISYMMETRIC][: 4 - d])]
+SCHEME_COMBINATIONS += [(Scheme(basis="cubic"), d, {"kernel_correction": False}) for d in (2, 3)]
+CELL = Scheme(volumetric_strain="cell")
+SCHEME_COMBINATIONS += [(CELL, 2, {}), (CELL, 2, AXISYMMETRIC), (CELL, 3, {})]
+SCHEME_COMBINATIONS += [(CELL._replace(stress_order="musl", basis="linear"), 2, {"exponential_volume": True})]
+
+
+@pytest.mark.parametrize(("d", "law", "change"), COMBINATIONS, ids=str)
+def test_steps_equal_the_reference(d: int, law: str, change: dict) -> None:
+    compare_with_reference(d, law, change, Scheme())
+
+
+@pytest.mark.parametrize(("scheme", "d", "change"), SCHEME_COMBINATIONS, ids=str)
+def test_steps_of_every_scheme_equal_the_reference(scheme: Scheme, d: int, change: dict) -> None:
+    compare_with_reference(d, "mohr-coulomb", change, scheme)
+
+
+def compare_with_reference(d: int, law: str, change: dict, scheme: Scheme) -> None:
+    """Three steps of points all over the grid."""
+    settings = PLAIN._replace(**change)
+    points = random_points(seed=1, opens=law != "elastic", d=d)
+    expected = as_reference(points)
+    expected = replace(expected, C=expected.grad_v[:, :d, :d])
+    grid = allocate_grid(ORIGIN[:d], H, CELLS[:d])
+    x, y = node_coordinates(grid)[:2]
+    shape = (grid.n_x, grid.n_y, grid.n_z)[:d]
+    fixed = [np.broadcast_to(mask, shape) for mask in ((x < 1e-9) | (y < -0.199), y < -0.199, y < -0.199)[:d]]
+    set_fixed(grid, *fixed)
+    solver = Solver(points, grid, settings, body(law), body("elastic"), scheme)
+
+    if scheme.volumetric_strain == "cell":  # where the points are sorted
+        first = np.minimum(np.maximum(np.floor((points.x - ORIGIN[:d]) / H - 0.5), 0), np.array(shape) - 3)
+        expected = replace(expected, cell=np.unique(first, axis=0, return_inverse=True)[1].reshape(-1))
+        assert np.bincount(expected.cell).max() > 1
+    reference_grid = reference.ReferenceGrid(np.array(ORIGIN[:d]), H, shape)
+    materials = [reference_material(law), reference_material("elastic")]
+    gravity = np.array([settings.gravity_x, settings.gravity_y, settings.gravity_z])[:d]
+    for _ in range(3):
+        choices = reference.ReferenceScheme(
+            solver.dt, gravity, settings.alpha_d, settings.taylor, settings.flip_fraction, settings.position_factor,
+            settings.wall_impulse, settings.opening_strain, settings.kernel_correction, settings.axisymmetric,
+            m_min=1e-20 * points.m.min(), stress_order=scheme.stress_order, basis=scheme.basis,
+            apic=scheme.affine, exponential_volume=settings.exponential_volume,
+        )  # fmt: skip
+        assert solver.advance(1.0, max_steps=1) == -1
+        expected = reference.step(expected, reference_grid, np.stack(fixed, -1), materials, choices)
+        gap = np.full(d, WALL_GAP)
+        gap[0] = settings.axis_gap if settings.axisymmetric else WALL_GAP
+        expected.x[:] = np.maximum(expected.x, ORIGIN[:d] + gap * H)
+
+    if scheme.affine:  # it stands in the place of the gradient
+        expected.grad_v[:, :d, :d] = expected.C
+    points = by_id(solver)
+    got = as_reference(points)
+    for name, scale in {
+        "x": 1e-13,
+        "v": 1e-12,
+        "grad_v": 1e-9,
+        "sigma": 1e-6,
+        "J": 1e-12,
+        "opening": 1e-12,
+    }.items():
+        np.testing.assert_allclose(getattr(got, name), getattr(expected, name), rtol=1e-10, atol=scale, err_msg=name)
+    np.testing.assert_allclose(got.history[:, 0], expected.history[:, 0], rtol=1e-10, atol=1e-13)

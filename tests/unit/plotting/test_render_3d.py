@@ -1,0 +1,317 @@
+"""Pictures in space and from above, of a heap whose form is known.
+
+The column of radius r and height h slides off a core that stays: a truncated cone of radius CORE at the top and
+2 CORE at the base. A point at a distance d outside it moves outward by d, and at the top as much downward, in STEPS
+steps.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+from PIL import Image
+from PIL.ImageSequence import Iterator
+
+from mpmcol.cli.render import render as command
+from mpmcol.errors import OutputError, UsageError
+from mpmcol.io.results import CASE_FILE, OWN_FILES
+from mpmcol.io.snapshot import Meta, Snapshot, list_snapshots, write_snapshot
+from mpmcol.measure import Measurement
+from mpmcol.plotting import frame, perspective, projection
+from mpmcol.plotting import render as module
+from mpmcol.plotting.frame import canvas_size, read_drawable
+from mpmcol.plotting.projection import TOP
+from mpmcol.plotting.render import render
+from mpmcol.plotting.top_view import MOVED_COLOR, STILL_COLOR, top_view
+
+SIZE = (480, 270)
+STEPS = 3
+POINT = 0.0025
+R, H, CORE = 0.05, 0.04, 0.02
+FRONT = R + (R - CORE)  # of the last step
+META: Meta = {"title": "Heap", "model": "quarter", "spacing": 2 * POINT, "point_size": POINT, "r_i": R, "h_i": H}
+
+needs_egl = pytest.mark.skipif(not module._has_egl(), reason="this machine has no libEGL")
+painters = pytest.mark.parametrize("painter", [pytest.param("pyvista", marks=needs_egl), "matplotlib"], indirect=True)
+
+
+def lattice(left: float, right: float, bottom: float, top: float, flat: bool) -> np.ndarray:
+    x, y = (np.arange(a + POINT / 2, b, POINT) for a, b in ((left, right), (bottom, top)))
+    grids = np.meshgrid(x, y, np.zeros(1) if flat else x, indexing="ij")
+    return np.column_stack([grid.ravel() for grid in grids])
+
+
+def displaced(x: np.ndarray) -> np.ndarray:
+    r, y = np.hypot(x[:, 0], x[:, 2]), x[:, 1]
+    slide = np.maximum(r - CORE * (2 - y / H), 0)
+    return np.column_stack([slide * x[:, 0] / r, -slide * y / H, slide * x[:, 2] / r])
+
+
+def fabricate(folder: Path, model: str = "quarter", has_base: bool = True, square: bool = False) -> Path:
+    """Write STEPS + 1 snapshots; a `square` column is a box as wide as the cylinder."""
+    left, flat = -0.1 if model == "full" else 0.0, model == "axisymmetric"
+    column, base = lattice(left, R, 0, H, flat), lattice(left, 0.1, -4 * POINT, 0, flat)
+    column = column[(np.abs(column) < R).all(axis=1) & (square | (np.hypot(column[:, 0], column[:, 2]) < R))]
+    points = np.vstack([column, base]) if has_base else column
+    meta = {**META, "model": model, "section": "box" if square else "cylinder"}
+    for step in range(STEPS + 1):
+        moved = np.zeros_like(points)
+        moved[: len(column)] = step / STEPS * displaced(column)
+        arrays = {
+            "position": points + moved,
+            "displacement": moved,
+            "material": (np.arange(len(points)) >= len(column)).astype(np.uint8),
+            "id": np.arange(len(points), dtype=np.int32),
+            "mass": np.ones(len(points)),
+        }
+        folder.mkdir(exist_ok=True)
+        write_snapshot(folder, step, Snapshot(0.1 * step, step, "collapse", arrays), meta)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def quarter(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return fabricate(tmp_path_factory.mktemp("quarter"))
+
+
+@pytest.fixture(scope="module")
+def axisymmetric(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """With a case, too, which a measurement needs."""
+    folder = fabricate(tmp_path_factory.mktemp("axisymmetric"), "axisymmetric")
+    text = (Path(__file__).parents[3] / "cases/lube-cylinder.toml").read_text()
+    (folder / CASE_FILE).write_text(
+        text.replace("radius = 0.097", f"radius = {R}").replace("aspect = 0.9", "aspect = 0.8")
+    )
+    return folder
+
+
+@pytest.fixture
+def painter(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
+    name: str = getattr(request, "param", "matplotlib")
+    monkeypatch.setattr(module, "_has_egl", lambda: name == "pyvista")
+    return name
+
+
+def drawn(folder: Path, out: Path, snapshot: int = -1) -> np.ndarray:
+    render(folder, gif=False, snapshot=snapshot, size=SIZE, out=out)
+    with Image.open(out) as image:
+        return np.asarray(image).astype(int)
+
+
+def coloured(image: np.ndarray) -> np.ndarray:
+    """Mask of the pixels of the material's part that are neither white nor grey."""
+    mask = np.ptp(image, axis=2) > 25
+    mask[canvas_size(SIZE)[1] + int(0.1 * SIZE[1]) :] = False
+    return mask
+
+
+def pixel(point: tuple[float, float, float], view: perspective.SolidView) -> tuple[int, int]:
+    """Row and column of a place in space in the frame."""
+    left, right, bottom, top = view.extent
+    width, height = canvas_size(SIZE)
+    x, y, _ = perspective.VIEWER @ point
+    return int(0.1 * SIZE[1]) + round((top - y) / (top - bottom) * height), round((x - left) / (right - left) * width)
+
+
+@painters
+def test_column_has_its_size(quarter: Path, tmp_path: Path, painter: str):
+    """Seen at the elevation e: as wide as it is, and as high as its height times cos e and its top times sin e."""
+    rows, columns = np.nonzero(coloured(drawn(quarter, tmp_path / "a.png", 0)))
+    view = perspective.frame(list_snapshots(quarter)[:1], SIZE)
+    scale = SIZE[0] / (view.extent[1] - view.extent[0])
+    azimuth, elevation = np.radians((35, 28))
+    front = R * np.sin(elevation) * np.cos(azimuth)  # the lower corner of the nearer cut
+    height = H * np.cos(elevation) + R * np.sin(elevation) + front
+    assert np.ptp(columns) == pytest.approx(2 * R * scale, abs=7)
+    assert np.ptp(rows) == pytest.approx(height * scale, abs=7)
+
+
+@painters
+def test_cut_shows_the_core_that_stayed(quarter: Path, tmp_path: Path, painter: str):
+    image = drawn(quarter, tmp_path / "a.png")
+    view = perspective.frame(list_snapshots(quarter)[-1:], SIZE)
+    still = np.array([68, 1, 84])
+    top = image[pixel((-CORE / 3, H, -CORE / 3), view)]
+    assert np.abs(top - still).max() < 40
+    for shade, x, z in zip(perspective.CUT_SHADES, (0, CORE), (CORE, 0), strict=True):
+        assert np.abs(image[pixel((x, H / 3, z), view)] - still).max() < 40
+        row, column = pixel((x, -2 * POINT, z), view)
+        base = image[row - 2 : row + 3, column - 2 : column + 3]
+        assert np.ptp(base, axis=2).max() < 12 and base.mean() == pytest.approx(181 * shade, rel=0.1)
+    edge = np.array([[-0.25 * R, H, 0.7 * R]])
+    assert image[pixel(*(edge + displaced(edge)), view)][1] > 80  # the green of what slid, where the core has 1
+
+
+@needs_egl
+def test_both_painters_agree(quarter: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    ours = drawn(quarter, tmp_path / "pyvista.png")
+    monkeypatch.setattr(module, "_has_egl", lambda: False)
+    theirs = drawn(quarter, tmp_path / "matplotlib.png")
+    both = coloured(ours) & coloured(theirs)
+    assert both.sum() > 0.9 * coloured(theirs).sum()
+    assert np.abs(ours[both] - theirs[both]).mean() < 30
+
+
+@painters
+def test_animation(quarter: Path, tmp_path: Path, painter: str):
+    rendered = render(quarter, gif=True, size=SIZE, out=tmp_path / "a.png")
+    assert (rendered.paths, rendered.backend) == ([tmp_path / "a.png", tmp_path / "a.gif"], painter)
+    with Image.open(tmp_path / "a.gif") as animation:
+        frames = [coloured(np.asarray(page.convert("RGB")).astype(int)) for page in Iterator(animation)]
+    widths = [np.ptp(np.nonzero(mask)[1]) for mask in frames]
+    assert len(widths) == STEPS + 1 and widths == sorted(widths)
+    assert widths[-1] / widths[0] == pytest.approx(FRONT / R, rel=0.05)
+
+
+def test_points_not_drawn_are_not_missed(quarter: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, painter: str):
+    fast = drawn(quarter, tmp_path / "a.png")
+    view = perspective.frame(list_snapshots(quarter)[-1:], SIZE)
+    snapshot, _ = read_drawable(list_snapshots(quarter)[-1])
+    few = len(view.points(snapshot)[0])
+    monkeypatch.setattr(projection, "HIDDEN", np.inf)
+    assert few < 0.5 * len(view.points(snapshot)[0])
+    assert (np.abs(drawn(quarter, tmp_path / "b.png") - fast).max(axis=2) > 8).mean() < 1e-3
+
+
+def test_a_quarter_is_drawn_like_the_whole(quarter: Path, tmp_path: Path, painter: str):
+    full = drawn(fabricate(tmp_path / "run", "full"), tmp_path / "a.png")
+    heading = int(0.1 * SIZE[1])
+    assert np.array_equal(full[heading:], drawn(quarter, tmp_path / "b.png")[heading:])
+
+
+def test_title_says_what_is_shown(quarter: Path):
+    view = perspective.frame(list_snapshots(quarter), SIZE)
+    assert view.note == " (quarter mirrored, cut open)"
+    assert replace(view, meta={**view.meta, "model": "full"}).note == " (cut open)"
+
+
+@pytest.mark.parametrize("square", [False, True])
+def test_outline_of_the_released_column(tmp_path: Path, square: bool):
+    snapshot, meta = read_drawable(list_snapshots(fabricate(tmp_path, square=square))[-1])
+    x, y = frame.released_outline(snapshot, meta, TOP).T
+    assert 0.5 * abs(np.sum(x[:-1] * y[1:] - x[1:] * y[:-1])) == pytest.approx(
+        (4 if square else np.pi) * R**2, rel=1e-3
+    )
+
+
+def test_rigid_floor_is_drawn(tmp_path: Path, painter: str):
+    image = drawn(fabricate(tmp_path, has_base=False), tmp_path / "a.png")
+    view = perspective.frame(list_snapshots(tmp_path)[-1:], SIZE)
+    beside = image[pixel((-0.04, 0, FRONT), view)]
+    assert np.ptp(beside) < 12 and 120 < beside.mean() < 220
+    assert (image[pixel((0.04, 0, FRONT), view)] == 255).all()  # cut away
+
+
+def top_axes(folder: Path, undisturbed: float | None) -> tuple[np.ndarray, Figure]:
+    """The view from above of the last snapshot, as an array and as what it was drawn from."""
+    figures: list[Figure] = []
+    snapshot, meta = read_drawable(list_snapshots(folder)[-1])
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(frame, "Figure", lambda **options: figures.append(Figure(**options)) or figures[0])
+        image = top_view(snapshot, meta, (640, 360), undisturbed)
+    return np.asarray(image).astype(int), figures[0]
+
+
+def is_color(image: np.ndarray, color: str) -> np.ndarray:
+    return np.abs(image - 255 * np.array(to_rgb(color))).max(axis=2) < 20
+
+
+@pytest.mark.parametrize("model", ["quarter", "full", "axisymmetric"])
+def test_top_view_shows_the_whole_circle(tmp_path: Path, model: str):
+    """What moved by 1 mm begins 1 mm / sqrt 2 outside the core, whose side can be seen between drawn-out points."""
+    image, figure = top_axes(fabricate(tmp_path, model), None)
+    box = figure.axes[0].get_window_extent()
+    mm = box.width / np.ptp(figure.axes[0].get_xlim())
+    assert box.width == pytest.approx(box.height)
+    image = image[360 - round(box.y1) : 360 - round(box.y0), round(box.x0) : round(box.x1)]
+    still, moved = is_color(image, STILL_COLOR), is_color(image, MOVED_COLOR)
+    radius = np.sqrt([still.sum() / np.pi, (still.sum() + moved.sum()) / np.pi]) / mm
+    assert radius[0] == pytest.approx(1000 * CORE + np.sqrt(0.5), abs=1500 * POINT)
+    assert radius[1] == pytest.approx(1000 * FRONT, rel=0.06)
+    for turned in (image[::-1], image[:, ::-1], image.transpose(1, 0, 2)):
+        assert (is_color(turned, MOVED_COLOR) != moved).mean() < 0.03
+
+
+@pytest.mark.parametrize(("millimetres", "color"), [(0.9, STILL_COLOR), (1.1, MOVED_COLOR)])
+def test_top_view_tells_what_moved_by_1_mm(tmp_path: Path, millimetres: float, color: str):
+    points = lattice(0, R, 0, H, flat=False)
+    arrays: dict[str, np.ndarray] = {
+        "position": points,
+        "displacement": np.full_like(points, millimetres / 1000 / np.sqrt(3)),
+        "material": np.zeros(len(points), np.uint8),
+        "id": np.arange(len(points)),
+    }
+    write_snapshot(tmp_path, 0, Snapshot(0.0, 0, "collapse", arrays), META)
+    image, _ = top_axes(tmp_path, None)
+    inside = image[100:260, 170:330]
+    assert is_color(inside, color).mean() > 0.9
+
+
+def test_circles_of_the_top_view(quarter: Path):
+    for undisturbed, radii in ((0.0213, [R, 0.0213]), (0.0, [R]), (None, [R])):
+        _, figure = top_axes(quarter, undisturbed)
+        lines = figure.axes[0].lines
+        for line, radius in zip(lines, radii, strict=True):
+            assert np.hypot(*line.get_data()) == pytest.approx(1000 * radius)
+    labels = [text.get_text() for text in top_axes(quarter, 0.0213)[1].legends[0].get_texts()]
+    assert labels[-2:] == ["released, $r_i$ = 50 mm", "undisturbed radius, 21 mm"]
+    assert labels[0] == "moved by 1 mm or more"
+
+
+def test_nothing_of_the_top_view_is_cut_off(quarter: Path):
+    _, figure = top_axes(quarter, 0.0213)
+    page = figure.bbox
+    for part in (figure.axes[0].get_tightbbox(), figure.legends[0].get_window_extent()):
+        assert page.x0 <= part.x0 and part.x1 <= page.x1 and page.y0 <= part.y0 and part.y1 <= page.y1
+    assert figure.axes[0].get_tightbbox().x1 < figure.legends[0].get_window_extent().x0
+
+
+def test_top_view_of_a_run(axisymmetric: Path, monkeypatch: pytest.MonkeyPatch):
+    radii: list[float | None] = []
+    monkeypatch.setattr(module, "top_view", lambda *given: radii.append(given[-1]) or top_view(*given))
+    rendered = render(axisymmetric, gif=False, view="top", size=(300, 500))
+    assert rendered == ([axisymmetric / "topview.png"], "matplotlib", "")
+    assert radii == [pytest.approx(CORE, abs=1.01 * POINT)]
+    with Image.open(axisymmetric / "topview.png") as image:
+        assert image.size == (300, 500)
+    assert "topview.png" in OWN_FILES
+
+
+def test_measured_radius_of_a_3d_run_is_drawn(quarter: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    measured = Measurement({}, {}, 0, 0, 0, 0, 0.0213, np.empty(0), np.empty(0))
+    monkeypatch.setattr(module, "Results", lambda folder: SimpleNamespace(shape=None))
+    monkeypatch.setattr(module, "measure_snapshot", lambda snapshot, shape: measured)
+    images = []
+    for radius in (0.0213, None):
+        measured = replace(measured, undisturbed_radius=radius)
+        render(quarter, gif=False, view="top", size=SIZE, out=tmp_path / "a.png")
+        images.append((tmp_path / "a.png").read_bytes())
+    assert images[0] != images[1]
+
+
+def test_views_that_make_no_sense(quarter: Path, axisymmetric: Path, tmp_path: Path):
+    with pytest.raises(UsageError, match="no side view of a model of kind quarter; choose 3d or top"):
+        render(quarter, gif=False, view="side")
+    with pytest.raises(UsageError, match="no 3d view of a model of kind axisymmetric; choose side or top"):
+        render(axisymmetric, gif=False, view="3d")
+    with pytest.raises(UsageError, match="no top view of a model of kind plane; choose side$"):
+        render(fabricate(tmp_path / "plane", "plane"), gif=False, view="top")
+    with pytest.raises(UsageError, match="the top view is drawn as PNG only"):
+        render(quarter, gif=True, view="top")
+    with pytest.raises(OutputError, match="its model 'sphere' is none of plane, axisymmetric"):
+        render(fabricate(tmp_path / "sphere", "sphere"), gif=False)
+
+
+def test_command(axisymmetric: Path, quarter: Path, tmp_path: Path):
+    target = tmp_path / "a.png"
+    result = CliRunner().invoke(command, [str(axisymmetric), "--view", "top", "--out", str(target)])
+    assert (result.exit_code, result.stdout.split(), result.stderr) == (0, [str(target)], "")
+    result = CliRunner().invoke(command, [str(quarter), "--view", "below"])
+    assert result.exit_code == 2 and "'side', '3d', 'top'" in result.stderr

@@ -1,0 +1,58 @@
+"""The words of [method] reach the solver."""
+
+from __future__ import annotations
+
+import pytest
+
+from mpmcol.case import load_case
+from mpmcol.mpm.particles import PAPER, Scheme
+from mpmcol.setup.discretization import make_layout
+from mpmcol.setup.model import build_scene
+
+
+@pytest.mark.parametrize(
+    ("words", "taylor", "flip_fraction", "scheme"),
+    [
+        ([], 1.0, 1.0, PAPER),
+        (["transfer=flip", "flip_fraction=0.9"], 0.0, 0.9, PAPER),
+        (["transfer=pic"], 0.0, 0.0, PAPER),
+        (["transfer=tpic"], 1.0, 0.0, PAPER),
+        (["transfer=apic"], 1.0, 0.0, Scheme(affine=True)),
+        (["stress_order=usf"], 1.0, 1.0, Scheme("usf")),
+        (["basis=cubic"], 1.0, 1.0, Scheme(basis="cubic")),
+        (["volumetric_strain=cell"], 1.0, 1.0, Scheme(volumetric_strain="cell")),
+        (["basis=linear", "transfer=flip"], 0.0, 1.0, Scheme(basis="linear")),
+        (["stress_order=musl", "transfer=apic"], 1.0, 0.0, Scheme("musl", affine=True)),
+    ],
+    ids=str,
+)
+def test_words_of_the_method(words: list[str], taylor: float, flip_fraction: float, scheme: Scheme) -> None:
+    scene = build_scene(load_case("quickstart", [f"method.{word}" for word in words]))
+    for stage in (scene.equilibrate, scene.collapse):
+        assert (stage.settings.taylor, stage.settings.flip_fraction) == (taylor, flip_fraction)
+    assert scene.scheme == scheme
+
+
+@pytest.mark.parametrize(("update", "exponential"), [("determinant", False), ("exponential", True)])
+def test_volume_update(update: str, exponential: bool) -> None:
+    scene = build_scene(load_case("quickstart", [f"method.volume_update={update}"]))
+    assert {scene.equilibrate.settings.exponential_volume, scene.collapse.settings.exponential_volume} == {exponential}
+
+
+@pytest.mark.parametrize(
+    ("overrides", "told"),
+    [
+        (["time.cfl=0.6"], ""),
+        (["time.cfl=0.62"], "time.cfl = 0.62 exceeds 0.61, up to which a point alone is stable beside a wall"),
+        (["method.transfer=flip"], "time.cfl = 0.5 exceeds 0.45"),
+        (["time.cfl=0.62", "method.basis=cubic"], ""),
+        (["time.cfl=0.64", "method.basis=cubic"], "time.cfl = 0.64 exceeds 0.62"),
+        (["method.basis=linear"], "with time.cfl = 0.5 a point alone is unstable where it is within 0.085 h"),
+    ],
+    ids=str,
+)
+def test_time_steps_that_a_point_alone_does_not_bear_are_told(overrides: list[str], told: str) -> None:
+    """Bounds for nu = 0.2 in plane strain, from the eigenvalues of one point."""
+    warnings = [text for text in make_layout(load_case("quickstart", overrides)).warnings if "cfl" in text]
+    assert len(warnings) == (1 if told else 0)
+    assert all(told in text for text in warnings)
