@@ -13,7 +13,8 @@ import numpy as np
 
 from mpmcol.mpm.grid import NODE
 from mpmcol.mpm.jit import kernel, prange, set_threads
-from mpmcol.mpm.particles import ROW, aligned_zeros
+from mpmcol.mpm.lanes import RECORD_SIZE
+from mpmcol.mpm.particles import aligned_zeros
 from mpmcol.mpm.simd import LANES, fma, load, splat, store, sum_lanes
 
 BYTES = 8
@@ -39,7 +40,7 @@ class Machine(NamedTuple):
 
         Traffic: the record is read by P2G, and read and written by G2P and the stress update.
         """
-        traffic = 3 * ROW[dimension] * BYTES + NODE_LINES * NODE * BYTES * nodes_per_point
+        traffic = 3 * RECORD_SIZE[dimension] * BYTES + NODE_LINES * NODE * BYTES * nodes_per_point
         operations = POINT_OPERATIONS[dimension] + NODE_OPERATIONS * nodes_per_point
         return max(traffic / self.bandwidth, operations / self.vector_rate)
 

@@ -8,7 +8,8 @@ import numpy as np
 
 from mpmcol.mpm.constitutive import elastic, mohr_coulomb
 from mpmcol.mpm.grid import allocate_grid, node_coordinates, set_fixed
-from mpmcol.mpm.particles import BASE, Points, Settings
+from mpmcol.mpm.particles import BASE, Points
+from mpmcol.mpm.settings import Settings
 from mpmcol.mpm.solver import Body, Solver
 
 MODELS = ("plane", "axisymmetric", "quarter")
@@ -31,7 +32,7 @@ def make_solver(model: str, points: int) -> Solver:
     bottom = y == y.min()
     walls = [(x == 0.0) | (x == x.max()) | bottom, bottom, *((c == 0.0) | (c == c.max()) | bottom for c in z)]
     set_fixed(grid, *walls)
-    settings = Settings(0.0, -GRAVITY, 0.05, 0.5, 1.0, 1.0, 0.5, True, True, True, model == "axisymmetric")
+    settings = Settings(gravity_y=-GRAVITY, alpha_d=0.05, axisymmetric=model == "axisymmetric")
     column = Body(mohr_coulomb, mohr_coulomb.make_params(MATERIAL), MATERIAL.wave_speed**2)
     base = Body(elastic, elastic.make_params(MATERIAL), MATERIAL.wave_speed**2)
     return Solver(_make_points(d, h, float(y.min()), settings.axisymmetric), grid, settings, column, base)

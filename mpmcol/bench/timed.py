@@ -97,7 +97,7 @@ def make_plain_steps(dimension: int, column_law: ModuleType, base_law: ModuleTyp
 def make_gather_alone(dimension: int) -> Callable[..., Any]:
     """G2P of all points without their stress."""
     transfer = TRANSFERS[dimension]
-    gather, limits, row = transfer.gather, transfer.limits, transfer.ROW
+    gather, limits, row = transfer.gather, transfer.limits, transfer.RECORD_SIZE
 
     @phase
     @variant(dimension)

@@ -13,13 +13,15 @@ import numpy as np
 from mpmcol.errors import NumericalFailure
 from mpmcol.mpm.constitutive import elastic, mohr_coulomb
 from mpmcol.mpm.grid import Grid, allocate_grid, node_coordinates, set_fixed
-from mpmcol.mpm.particles import BASE, ID, KIND, PAPER, V0, Points, Scheme, Settings
+from mpmcol.mpm.lanes import ID, KIND, V0
+from mpmcol.mpm.particles import BASE, Points
+from mpmcol.mpm.settings import PAPER, Scheme, Settings
 from mpmcol.mpm.solver import Body, Solver
 from mpmcol.simulation.failure import diagnose, message
 
 G = 9.81
 DENSITY, E, NU, PHI = 2650.0, 10e6, 0.2, 33.0
-PLAIN = Settings(0.0, -G, 0.0, 0.5, 1.0, 1.0, 0.5, True, True, True, False)
+PLAIN = Settings(gravity_y=-G)
 WEIGHTLESS = PLAIN._replace(gravity_y=0.0)
 SIDES = (("left", "right"), ("bottom", "top"), ("back", "front"))  # low and high end of x, y, z
 K_ACTIVE = (1.0 - np.sin(np.radians(PHI))) / (1.0 + np.sin(np.radians(PHI)))

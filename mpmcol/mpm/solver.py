@@ -13,7 +13,9 @@ from mpmcol.mpm.kernels import loop
 from mpmcol.mpm.kernels.grid_update import NODE_REPORT
 from mpmcol.mpm.kernels.particle_update import TILE_REPORT
 from mpmcol.mpm.kernels.sort import scratch, sort_points
-from mpmcol.mpm.particles import BASE, COLUMN, PAPER, ROW, Points, Scheme, Settings
+from mpmcol.mpm.lanes import RECORD_SIZE
+from mpmcol.mpm.particles import BASE, COLUMN, Points
+from mpmcol.mpm.settings import PAPER, Scheme, Settings
 from mpmcol.mpm.shape_functions import BASES
 
 CALL_SECONDS = 0.2  # Python handles signals only between calls
@@ -77,7 +79,7 @@ class Solver:
 
     def sort(self) -> None:
         """Put the points in order of tiles, those that sleep last, and list the tiles that the others can touch."""
-        row = ROW[self.points.dimension]
+        row = RECORD_SIZE[self.points.dimension]
         self.list_tiles(Tiles(*sort_points(self.points.rows.reshape(-1), row, self.grid, *self._scratch, self.margin)))
         self.clock[loop.TRAVELLED] = 0.0
 

@@ -11,7 +11,8 @@ import numpy as np
 from mpmcol.case import Case
 from mpmcol.mpm.constitutive import LAWS, elastic
 from mpmcol.mpm.grid import TILE, Grid, allocate_grid, node_coordinates, set_fixed
-from mpmcol.mpm.particles import BASE, Points, Scheme, Settings
+from mpmcol.mpm.particles import BASE, Points
+from mpmcol.mpm.settings import Scheme, Settings
 from mpmcol.mpm.solver import Body
 from mpmcol.setup.discretization import END_CELLS, Layout, make_layout, refuse_if_too_large
 from mpmcol.setup.geometries import GEOMETRIES
@@ -71,10 +72,10 @@ def build_scene(case: Case) -> Scene:
         points=points,
         grid=grid,
         scheme=Scheme(
-            case.method.stress_order,
-            case.method.transfer == "apic",
-            case.method.basis,
-            case.method.volumetric_strain,
+            stress_order=case.method.stress_order,
+            affine=case.method.transfer == "apic",
+            basis=case.method.basis,
+            volumetric_strain=case.method.volumetric_strain,
         ),
         base=make_body(elastic, case.base_material),
         equilibrate=Stage(make_body(first_law, case.material), make_settings(case, layout, stages.equilibrate.damping)),
@@ -101,7 +102,6 @@ def make_settings(case: Case, layout: Layout, damping: float) -> Settings:
     method = case.method
     taylor, flip = TRANSFERS[method.transfer]
     return Settings(
-        gravity_x=0.0,
         gravity_y=-case.geometry.gravity,
         alpha_d=damping,
         cfl=case.time.cfl,

@@ -12,7 +12,8 @@ import numpy as np
 from mpmcol.case import Case
 from mpmcol.errors import NumericalFailure
 from mpmcol.mpm.kernels import loop
-from mpmcol.mpm.particles import BASE, ID, X
+from mpmcol.mpm.lanes import ID, X
+from mpmcol.mpm.particles import BASE
 from mpmcol.setup.model import Scene, Stage, close_walls
 from mpmcol.setup.time_step import time_step_limit
 from mpmcol.simulation.failure import Fault, describe, fault_of, message

@@ -14,7 +14,7 @@ import mpmcol
 from mpmcol.cli import main
 from mpmcol.errors import NumericalFailure
 from mpmcol.io.results import Results
-from mpmcol.mpm.particles import VX
+from mpmcol.mpm.lanes import VX
 from mpmcol.simulation import run, stages
 from mpmcol.simulation.stages import Run
 

@@ -22,7 +22,8 @@ from mpmcol.mpm.grid import node_coordinates, node_records, set_fixed
 from mpmcol.mpm.kernels.grid_update import clear
 from mpmcol.mpm.kernels.transfer import TRANSFERS
 from mpmcol.mpm.kernels.transfer_common import make_p2g
-from mpmcol.mpm.particles import COLUMN, PAPER, Points, Scheme
+from mpmcol.mpm.particles import COLUMN, Points
+from mpmcol.mpm.settings import PAPER, Scheme
 from mpmcol.mpm.solver import Solver
 
 STIFF = elastic_body(youngs_modulus=1e8)

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from mpmcol.failure_modes.toolkit import advance_steps
-from mpmcol.mpm.particles import PAPER, Scheme
+from mpmcol.mpm.settings import PAPER, Scheme
 from tests.verification.test_energy import DAMPED, collapse
 
 ROOT = Path(__file__).absolute().parents[2]
@@ -22,7 +22,7 @@ from tests.verification.test_determinism import OTHER, fingerprint
 for threads in (1, 2, 4):
     print(set_threads(threads), fingerprint(2), fingerprint(3), fingerprint(2, scheme=OTHER), fingerprint(3, margin=1))
 """
-OTHER = Scheme("musl", affine=True, basis="cubic", volumetric_strain="cell")
+OTHER = Scheme(stress_order="musl", affine=True, basis="cubic", volumetric_strain="cell")
 
 
 def fingerprint(d: int, chunk: int = STEPS, scheme: Scheme = PAPER, margin: int = 0) -> str:

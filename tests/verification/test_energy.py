@@ -44,14 +44,21 @@ from mpmcol.failure_modes.toolkit import (
     walled_grid,
 )
 from mpmcol.mpm.kernels.loop import L_DAMPING, L_GRID, L_NODE_WORK, L_WALLS, L_WORK
-from mpmcol.mpm.particles import COLUMN, PAPER, Scheme, Settings
+from mpmcol.mpm.particles import COLUMN
+from mpmcol.mpm.settings import PAPER, Scheme, Settings
 from mpmcol.mpm.solver import Solver
 
 WIDTH, HEIGHT, BASE = 0.08, 0.16, 0.02
 LENGTH, SPACING = {2: 0.5, 3: 0.24}, {2: 0.01, 3: 0.02}
 YOUNG = 1e6
 DAMPED = PLAIN._replace(alpha_d=0.05)
-SCHEMES = [Scheme("usf"), Scheme("musl"), Scheme(affine=True), Scheme(basis="cubic"), Scheme(basis="linear")]
+SCHEMES = [
+    Scheme(stress_order="usf"),
+    Scheme(stress_order="musl"),
+    Scheme(affine=True),
+    Scheme(basis="cubic"),
+    Scheme(basis="linear"),
+]
 SCHEMES.insert(0, Scheme(volumetric_strain="cell"))
 
 

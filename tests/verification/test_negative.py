@@ -17,7 +17,8 @@ from mpmcol.failure_modes.toolkit import (
     points_at,
     walled_grid,
 )
-from mpmcol.mpm.particles import VX, VZ, J, Settings, X, Z
+from mpmcol.mpm.lanes import VX, VZ, J, X, Z
+from mpmcol.mpm.settings import Settings
 from mpmcol.mpm.solver import Solver
 
 H = 0.1

@@ -9,7 +9,8 @@ import pytest
 
 from mpmcol.mpm.grid import NODE, TILE, Grid, Tiles, allocate_grid, tile_count
 from mpmcol.mpm.kernels.sort import BAND, scratch, sort_points
-from mpmcol.mpm.particles import COLUMN, ID, ROW, Points
+from mpmcol.mpm.lanes import ID, RECORD_SIZE
+from mpmcol.mpm.particles import COLUMN, Points
 from mpmcol.mpm.shape_functions import BASES
 from mpmcol.mpm.shape_functions.quadratic import base_node
 
@@ -44,7 +45,7 @@ def sorted_points(d: int) -> tuple[Points, Points, Grid, Tiles]:
     before, grid = mixed_points(d), allocate_grid(ORIGIN[:d], H, CELLS[d])
     after, zeros = Points(len(before), d), scratch(grid)
     after.rows[:] = before.rows
-    tiles = Tiles(*sort_points(after.rows.reshape(-1), ROW[d], grid, *zeros, 0))
+    tiles = Tiles(*sort_points(after.rows.reshape(-1), RECORD_SIZE[d], grid, *zeros, 0))
     assert not any(np.any(each) for each in zeros)
     return before, after, grid, tiles
 
@@ -118,7 +119,7 @@ def test_active_tiles_are_those_around_points_only() -> None:
     for d, expected in ((2, 9), (3, 27)):
         grid, point = allocate_grid((0.0,) * d, H, (40,) * d), Points(1, d)
         point.x[:] = 2.0 * H * TILE + 2.0 * H
-        active = Tiles(*sort_points(point.rows.reshape(-1), ROW[d], grid, *scratch(grid), 0)).active
+        active = Tiles(*sort_points(point.rows.reshape(-1), RECORD_SIZE[d], grid, *scratch(grid), 0)).active
         assert len(active) == expected
         assert grid.ax[8] + grid.ay[8] + (grid.az[8] if d == 3 else 0) in active
 
@@ -165,7 +166,7 @@ def test_many_tiles_are_grouped_in_bands(d: int) -> None:
     centres = np.stack(np.meshgrid(*(axis,) * d, indexing="ij"), axis=-1).reshape(-1, d)
     points = Points(len(centres), d)
     points.x[:] = centres
-    tiles = Tiles(*sort_points(points.rows.reshape(-1), ROW[d], grid, *scratch(grid), 0))
+    tiles = Tiles(*sort_points(points.rows.reshape(-1), RECORD_SIZE[d], grid, *scratch(grid), 0))
     place = (points.x / (H * TILE)).astype(int)
     assert sorted(tiles.grouped) == list(range(len(centres)))
     layers = [place[tiles.grouped[first:stop]] for first, stop in pairwise(tiles.group_start)]

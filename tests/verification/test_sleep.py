@@ -11,7 +11,8 @@ import mpmcol
 from mpmcol.errors import CaseError
 from mpmcol.failure_modes.toolkit import advance_steps, advance_to, by_id
 from mpmcol.mpm.grid import ASLEEP, NODE, TILE, Grid, set_fixed
-from mpmcol.mpm.particles import COLUMN, PAPER, Scheme
+from mpmcol.mpm.particles import COLUMN
+from mpmcol.mpm.settings import PAPER, Scheme
 from mpmcol.mpm.shape_functions import BASES
 from mpmcol.mpm.shape_functions.quadratic import base_node
 from mpmcol.mpm.solver import Solver

@@ -18,12 +18,19 @@ from mpmcol.failure_modes.toolkit import (
 )
 from mpmcol.mpm.grid import node_coordinates, node_records
 from mpmcol.mpm.kernels.transfer_common import WALL_GAP
-from mpmcol.mpm.particles import PAPER, Points, Scheme
+from mpmcol.mpm.particles import Points
+from mpmcol.mpm.settings import PAPER, Scheme
 from mpmcol.mpm.solver import Solver
 
 CELLS = 8
 V0, L = np.array([0.4, -0.3, 0.6]), np.array([[0.5, -1.1, 0.3], [0.8, 0.2, -0.7], [-0.4, 0.9, 0.6]])
-SCHEMES = [PAPER, Scheme(affine=True), Scheme(basis="linear"), Scheme(basis="cubic"), Scheme("musl", True, "cubic")]
+SCHEMES = [
+    PAPER,
+    Scheme(affine=True),
+    Scheme(basis="linear"),
+    Scheme(basis="cubic"),
+    Scheme(stress_order="musl", affine=True, basis="cubic"),
+]
 every_scheme = pytest.mark.parametrize("scheme", SCHEMES, ids=str)
 both_dimensions = pytest.mark.parametrize("d", [2, 3])
 

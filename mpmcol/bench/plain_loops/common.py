@@ -22,7 +22,8 @@ from mpmcol.mpm.grid import TILE, Grid, Tiles, tile_count
 from mpmcol.mpm.jit import device, phase, prange, variant
 from mpmcol.mpm.kernels.grid_update import MASS_FLOOR
 from mpmcol.mpm.kernels.particle_update import STRESSES
-from mpmcol.mpm.particles import Points, Settings
+from mpmcol.mpm.particles import Points
+from mpmcol.mpm.settings import Settings
 
 
 class PlainPoints(NamedTuple):

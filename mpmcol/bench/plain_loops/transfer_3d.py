@@ -10,7 +10,7 @@ from mpmcol.bench.plain_loops.common import PlainGrid, PlainPoints
 from mpmcol.mpm.grid import Tiles
 from mpmcol.mpm.jit import device, phase, prange
 from mpmcol.mpm.kernels.transfer_common import WALL_GAP
-from mpmcol.mpm.particles import Settings
+from mpmcol.mpm.settings import Settings
 from mpmcol.mpm.shape_functions.quadratic import spline
 
 

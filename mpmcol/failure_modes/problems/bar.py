@@ -27,7 +27,7 @@ from mpmcol.failure_modes.toolkit import (
     walled_grid,
 )
 from mpmcol.mpm.kernels.loop import DT
-from mpmcol.mpm.particles import PAPER, Scheme
+from mpmcol.mpm.settings import PAPER, Scheme
 from mpmcol.setup.stability_limit import TRANSFERS
 
 LENGTH, YOUNG, SPEED, PERIOD = 25.0, 100.0, 0.1, 10.0

@@ -19,7 +19,8 @@ from mpmcol.failure_modes.toolkit import (
     walled_grid,
 )
 from mpmcol.mpm.kernels.loop import L_UNBALANCED
-from mpmcol.mpm.particles import PAPER, Points, Scheme, Settings
+from mpmcol.mpm.particles import Points
+from mpmcol.mpm.settings import PAPER, Scheme, Settings
 
 HEIGHT = 1.0
 WEIGHT = DENSITY * G * HEIGHT

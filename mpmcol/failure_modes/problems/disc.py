@@ -21,7 +21,8 @@ from mpmcol.failure_modes.toolkit import (
     points_at,
     walled_grid,
 )
-from mpmcol.mpm.particles import Points, Scheme
+from mpmcol.mpm.particles import Points
+from mpmcol.mpm.settings import Scheme
 from mpmcol.mpm.solver import Solver
 from mpmcol.setup.stability_limit import TRANSFERS
 

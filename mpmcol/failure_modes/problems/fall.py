@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from mpmcol.failure_modes.toolkit import PLAIN, by_id, elastic_body, lattice, make_solver, points_at, walled_grid
-from mpmcol.mpm.particles import Points, Settings
+from mpmcol.mpm.particles import Points
+from mpmcol.mpm.settings import Settings
 from mpmcol.mpm.solver import Solver
 
 H = 0.1

@@ -17,7 +17,7 @@ from mpmcol.failure_modes.toolkit import (
     points_at,
     walled_grid,
 )
-from mpmcol.mpm.particles import Scheme
+from mpmcol.mpm.settings import Scheme
 from mpmcol.setup.stability_limit import NODES, SMOOTH, STICKING, TRANSFERS, LonePoint, one_point_bound
 
 CELLS = NODES - 1

@@ -8,7 +8,8 @@ import numpy as np
 
 from mpmcol.failure_modes.scenario import Reading, Scene, Trial
 from mpmcol.failure_modes.toolkit import PLAIN, advance_to, elastic_body, lattice, make_solver, points_at, walled_grid
-from mpmcol.mpm.particles import PAPER, Points, Scheme
+from mpmcol.mpm.particles import Points
+from mpmcol.mpm.settings import PAPER, Scheme
 
 H, ACROSS, ALONG = 0.1, 4, 16  # m; cells across and along the beam
 DENSITY, YOUNG = 1000.0, 1e6

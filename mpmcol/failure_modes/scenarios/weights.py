@@ -20,7 +20,7 @@ from mpmcol.failure_modes.toolkit import (
     walled_grid,
 )
 from mpmcol.mpm.grid import node_records
-from mpmcol.mpm.particles import PAPER, Scheme, Settings
+from mpmcol.mpm.settings import PAPER, Scheme, Settings
 
 CELLS, SOFT = 10, 3e5  # Pa: the column settles by 4 % of its height, which is 0.4 cells
 FRAME, WAVE = 6.5, 0.5  # m/s: a tenth of the wave speed, and the wave in the block

@@ -6,7 +6,7 @@ import numpy as np
 
 from mpmcol.mpm.grid import NODE, Grid, Tiles
 from mpmcol.mpm.jit import device, phase, prange
-from mpmcol.mpm.particles import Settings
+from mpmcol.mpm.settings import Settings
 from mpmcol.mpm.simd import fma, load, splat, store, sum_lanes, swap_halves, vector, where_positive
 
 # what a tile of nodes reports, summed later in a fixed order

@@ -11,7 +11,8 @@ import numpy as np
 from mpmcol.mpm.grid import Grid
 from mpmcol.mpm.jit import device, variant
 from mpmcol.mpm.kernels.transfer_common import places, spread, store_column
-from mpmcol.mpm.particles import Settings, X, Y, Z
+from mpmcol.mpm.lanes import X, Y, Z
+from mpmcol.mpm.settings import Settings
 from mpmcol.mpm.simd import LANES, fma, lane, load, splat, store, transpose, vector
 
 SLOPE = 4  # lane of the first slope: the weights of an axis stand in lanes 0 to 3 of a vector, its slopes behind them

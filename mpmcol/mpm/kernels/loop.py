@@ -13,7 +13,8 @@ from mpmcol.mpm.jit import device, driver, variant
 from mpmcol.mpm.kernels.grid_update import DAMPING, KINETIC_AFTER, KINETIC_BEFORE, UNBALANCED, WALLS, WEIGHT
 from mpmcol.mpm.kernels.particle_update import FAULT, NO_FAULT, NODE_WORK, SPEED, TRAVEL, WORK
 from mpmcol.mpm.kernels.step import make_step
-from mpmcol.mpm.particles import PAPER, ROW, Scheme
+from mpmcol.mpm.lanes import RECORD_SIZE
+from mpmcol.mpm.settings import PAPER, Scheme
 from mpmcol.mpm.shape_functions import BASES
 from mpmcol.mpm.simd import LANES
 
@@ -70,7 +71,7 @@ def make_cycle(
     dimension: int, column_law: ModuleType, base_law: ModuleType, scheme: Scheme = PAPER
 ) -> Callable[..., Any]:
     """The compiled loop over steps for this dimension, these two laws and this scheme."""
-    step, row = make_step(dimension, column_law, base_law, scheme), ROW[dimension]
+    step, row = make_step(dimension, column_law, base_law, scheme), RECORD_SIZE[dimension]
     reach = BASES[scheme.basis].TRAVEL
     lanes_moved = LANES if scheme.stress_order == "musl" else 0
 

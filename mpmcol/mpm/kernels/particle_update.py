@@ -15,7 +15,8 @@ from mpmcol.mpm.kernels.interpolation import keep_columns, make_sums, restore_co
 from mpmcol.mpm.kernels.transfer import make_transfer
 from mpmcol.mpm.kernels.transfer_common import AHEAD, prefetch_record
 from mpmcol.mpm.kernels.volumetric_averaging import make_excess
-from mpmcol.mpm.particles import PAPER, ROW, Scheme, Settings
+from mpmcol.mpm.lanes import RECORD_SIZE
+from mpmcol.mpm.settings import PAPER, Scheme, Settings
 from mpmcol.mpm.shape_functions import BASES
 from mpmcol.mpm.simd import (
     LANES,
@@ -66,7 +67,7 @@ def make_update_points(
 ) -> Callable[..., None]:
     """G2P and stress, tile by tile, with the dimension, the laws of column and base and the scheme frozen in."""
     transfer = make_transfer(dimension, scheme.basis)
-    gather, limits, row = transfer.gather, transfer.limits, transfer.ROW
+    gather, limits, row = transfer.gather, transfer.limits, transfer.RECORD_SIZE
     column_stress = make_update_stresses(dimension, column_law, scheme.volumetric_strain)
     base_stress = make_update_stresses(dimension, base_law, scheme.volumetric_strain)
     affine, kept = scheme.affine, dimension * LANES
@@ -110,7 +111,7 @@ def make_update_points(
 
 def make_update_stresses(dimension: int, law: ModuleType, volumetric_strain: str) -> Callable[..., Any]:
     """The stress update of a range of points, eight at a time."""
-    update_stress, row = STRESSES[dimension].make_update_stress(law), ROW[dimension]
+    update_stress, row = STRESSES[dimension].make_update_stress(law), RECORD_SIZE[dimension]
     find_excess, averaged = make_excess(dimension), volumetric_strain == "cell"
 
     @device

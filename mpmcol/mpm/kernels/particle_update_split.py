@@ -26,7 +26,8 @@ from mpmcol.mpm.kernels.particle_update import (
 )
 from mpmcol.mpm.kernels.transfer import make_transfer
 from mpmcol.mpm.kernels.transfer_common import AHEAD, forces, prefetch_record
-from mpmcol.mpm.particles import L_ZZ, ROW, Scheme, X
+from mpmcol.mpm.lanes import L_ZZ, RECORD_SIZE, X
+from mpmcol.mpm.settings import Scheme
 from mpmcol.mpm.shape_functions import BASES
 from mpmcol.mpm.simd import LANES, lane, larger, load, splat, store, where_positive
 
@@ -34,7 +35,7 @@ from mpmcol.mpm.simd import LANES, lane, larger, load, splat, store, where_posit
 def make_move(dimension: int, scheme: Scheme) -> Callable[..., None]:
     """G2P without stress."""
     transfer = make_transfer(dimension, scheme.basis)
-    gather, limits, row = transfer.gather, transfer.limits, transfer.ROW
+    gather, limits, row = transfer.gather, transfer.limits, transfer.RECORD_SIZE
     affine, waits = scheme.affine, scheme.stress_order == "musl"
     sums = make_sums(dimension, BASES[scheme.basis], affine)
 
@@ -71,7 +72,7 @@ def make_strain(dimension: int, column_law: ModuleType, base_law: ModuleType, sc
     """The stress update with the gradient of the present nodal velocities."""
     column_stress = make_update_stresses(dimension, column_law, scheme.volumetric_strain)
     base_stress = make_update_stresses(dimension, base_law, scheme.volumetric_strain)
-    sums, row, kept = make_sums(dimension, BASES[scheme.basis], False), ROW[dimension], dimension * LANES
+    sums, row, kept = make_sums(dimension, BASES[scheme.basis], False), RECORD_SIZE[dimension], dimension * LANES
     waits, flat = scheme.stress_order == "musl", dimension == 2
 
     @phase

@@ -12,7 +12,7 @@ import numpy as np
 from mpmcol.mpm.grid import TILE, Grid, tile_coordinates, tile_count
 from mpmcol.mpm.jit import device, kernel, prange
 from mpmcol.mpm.kernels.deactivation import hold_nodes, mark_awake
-from mpmcol.mpm.particles import KIND, X, Y, Z
+from mpmcol.mpm.lanes import KIND, X, Y, Z
 from mpmcol.mpm.shape_functions.quadratic import base_node
 from mpmcol.mpm.simd import LANES, load, store
 

@@ -17,7 +17,7 @@ from mpmcol.mpm.kernels.particle_update import make_update_points
 from mpmcol.mpm.kernels.particle_update_split import make_move, make_strain
 from mpmcol.mpm.kernels.transfer import make_transfer
 from mpmcol.mpm.kernels.transfer_common import make_p2g
-from mpmcol.mpm.particles import Scheme
+from mpmcol.mpm.settings import Scheme
 
 
 def make_step(dimension: int, column_law: ModuleType, base_law: ModuleType, scheme: Scheme) -> Callable[..., Any]:

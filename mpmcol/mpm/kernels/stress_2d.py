@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmcol.mpm import particles
+from mpmcol.mpm import lanes
 from mpmcol.mpm.jit import device, variant
 from mpmcol.mpm.kernels.stress_common import (
     exponential,
@@ -20,10 +20,10 @@ from mpmcol.mpm.kernels.stress_common import (
     settle,
     store_eight,
 )
-from mpmcol.mpm.particles import Settings
+from mpmcol.mpm.settings import Settings
 from mpmcol.mpm.simd import any_positive, root, where_positive
 
-ROW = particles.ROW[2]
+RECORD_SIZE = lanes.RECORD_SIZE[2]
 
 
 def make_formula(law: ModuleType) -> Callable[..., Any]:
@@ -95,13 +95,13 @@ def make_update_stress(law: ModuleType) -> Callable[..., Any]:
         work (J), wave speed plus speed (m/s), and one for every point that is sound and inside the box. excess: what
         the strain rate has too much of in every direction.
         """
-        _, v_x, v_y, _, x, y, _, V0 = load_eight(rows, o, ROW)
-        J, l_xx, l_yx, l_zz, s_xx, s_xy, s_zz, opening = load_eight(rows, o + 8, ROW)
-        number, l_xy, l_yy, q_0, _, s_yy, q_1, kind = load_eight(rows, o + 16, ROW)
+        _, v_x, v_y, _, x, y, _, V0 = load_eight(rows, o, RECORD_SIZE)
+        J, l_xx, l_yx, l_zz, s_xx, s_xy, s_zz, opening = load_eight(rows, o + 8, RECORD_SIZE)
+        number, l_xy, l_yy, q_0, _, s_yy, q_1, kind = load_eight(rows, o + 16, RECORD_SIZE)
         s, L = (s_xx, s_yy, s_zz, s_xy), (l_xx - excess, l_xy, l_yx, l_yy - excess, l_zz - excess)
         t, J, opening, q, work = formula(s, L, V0, J, opening, (q_0, q_1), params, settings, dt)
-        store_eight(rows, o + 8, ROW, count, (J, l_xx, l_yx, l_zz, t[0], t[3], t[2], opening))
-        store_eight(rows, o + 16, ROW, count, (number, l_xy, l_yy, q[0], t[3], t[1], q[1], kind))
+        store_eight(rows, o + 8, RECORD_SIZE, count, (J, l_xx, l_yx, l_zz, t[0], t[3], t[2], opening))
+        store_eight(rows, o + 16, RECORD_SIZE, count, (number, l_xy, l_yy, q[0], t[3], t[1], q[1], kind))
         speed, sound = inspect(J, v_x * v_x + v_y * v_y, c2, settings)
         sound = where_positive(box.x_high - x, where_positive(box.y_high - y, sound, 0.0), 0.0)
         return work, speed, where_positive(x - box.x_low, sound, 0.0)

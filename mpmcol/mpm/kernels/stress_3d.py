@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmcol.mpm import particles
+from mpmcol.mpm import lanes
 from mpmcol.mpm.jit import device, variant
 from mpmcol.mpm.kernels.principal_stress import determinant, direction, lone_value, second_invariant
 from mpmcol.mpm.kernels.stress_common import (
@@ -24,10 +24,10 @@ from mpmcol.mpm.kernels.stress_common import (
     settle,
     store_eight,
 )
-from mpmcol.mpm.particles import Settings
+from mpmcol.mpm.settings import Settings
 from mpmcol.mpm.simd import any_positive, root, where_positive
 
-ROW = particles.ROW[3]
+RECORD_SIZE = lanes.RECORD_SIZE[3]
 
 
 def make_formula(law: ModuleType) -> Callable[..., Any]:
@@ -95,16 +95,16 @@ def make_update_stress(law: ModuleType) -> Callable[..., Any]:
         work (J), wave speed plus speed (m/s), and one for every point that is sound and inside the box. excess: what
         the strain rate has too much of in every direction.
         """
-        _, v_x, v_y, v_z, x, y, z, V0 = load_eight(rows, o, ROW)
-        J, l_xx, l_yx, l_zx, s_xx, s_xy, s_xz, opening = load_eight(rows, o + 8, ROW)
-        number, l_xy, l_yy, l_zy, _, s_yy, s_yz, kind = load_eight(rows, o + 16, ROW)
-        q_0, l_xz, l_yz, l_zz, _, _, s_zz, q_1 = load_eight(rows, o + 24, ROW)
+        _, v_x, v_y, v_z, x, y, z, V0 = load_eight(rows, o, RECORD_SIZE)
+        J, l_xx, l_yx, l_zx, s_xx, s_xy, s_xz, opening = load_eight(rows, o + 8, RECORD_SIZE)
+        number, l_xy, l_yy, l_zy, _, s_yy, s_yz, kind = load_eight(rows, o + 16, RECORD_SIZE)
+        q_0, l_xz, l_yz, l_zz, _, _, s_zz, q_1 = load_eight(rows, o + 24, RECORD_SIZE)
         s, rate_x, rate_y = (s_xx, s_yy, s_zz, s_xy, s_yz, s_xz), l_xx - excess, l_yy - excess
         L = (rate_x, l_xy, l_xz, l_yx, rate_y, l_yz, l_zx, l_zy, l_zz - excess)
         t, J, opening, q, work = formula(s, L, V0, J, opening, (q_0, q_1), params, settings, dt)
-        store_eight(rows, o + 8, ROW, count, (J, l_xx, l_yx, l_zx, t[0], t[3], t[5], opening))
-        store_eight(rows, o + 16, ROW, count, (number, l_xy, l_yy, l_zy, t[3], t[1], t[4], kind))
-        store_eight(rows, o + 24, ROW, count, (q[0], l_xz, l_yz, l_zz, t[5], t[4], t[2], q[1]))
+        store_eight(rows, o + 8, RECORD_SIZE, count, (J, l_xx, l_yx, l_zx, t[0], t[3], t[5], opening))
+        store_eight(rows, o + 16, RECORD_SIZE, count, (number, l_xy, l_yy, l_zy, t[3], t[1], t[4], kind))
+        store_eight(rows, o + 24, RECORD_SIZE, count, (q[0], l_xz, l_yz, l_zz, t[5], t[4], t[2], q[1]))
         speed, sound = inspect(J, v_x * v_x + v_y * v_y + v_z * v_z, c2, settings)
         sound = where_positive(box.x_high - x, where_positive(box.y_high - y, sound, 0.0), 0.0)
         sound = where_positive(box.z_high - z, where_positive(x - box.x_low, sound, 0.0), 0.0)

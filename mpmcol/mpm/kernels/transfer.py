@@ -15,7 +15,7 @@ from mpmcol.mpm.jit import device, variant
 from mpmcol.mpm.kernels import transfer_quadratic_2d, transfer_quadratic_3d
 from mpmcol.mpm.kernels.interpolation import SLOPE, make_lines, make_sums, set_columns
 from mpmcol.mpm.kernels.transfer_common import forces, momenta, move, power, spread
-from mpmcol.mpm.particles import HOOP, L_ZZ, V0, J, M, X, Y, Z
+from mpmcol.mpm.lanes import L_ZZ, S_ZZ, V0, J, M, X, Y, Z
 from mpmcol.mpm.shape_functions import BASES
 from mpmcol.mpm.simd import fma, lane, load, splat, store, vector
 
@@ -24,13 +24,13 @@ TRANSFERS: dict[int, Any] = {2: transfer_quadratic_2d, 3: transfer_quadratic_3d}
 
 @cache
 def make_transfer(dimension: int, basis: str) -> Any:
-    """What a dimension and a basis need of the transfers: `scatter`, `gather`, `limits` and `ROW`."""
+    """What a dimension and a basis need of the transfers: `scatter`, `gather`, `limits` and `RECORD_SIZE`."""
     own = TRANSFERS[dimension]
     if basis == "quadratic":
         return own
     return SimpleNamespace(
         __name__=f"{basis}_{dimension}",
-        ROW=own.ROW,
+        RECORD_SIZE=own.RECORD_SIZE,
         limits=own.limits,
         scatter=_make_scatter(dimension, BASES[basis]),
         gather=_make_gather(dimension, BASES[basis]),
@@ -50,7 +50,7 @@ def _make_scatter(dimension: int, basis: ModuleType) -> Callable[..., Any]:
         i, j, k = int(lane(base, X)), int(lane(base, Y)), 0 if flat else int(lane(base, Z))
         d_x, d_y, d_z = lane(d, X), lane(d, Y), lane(d, Z)
         m, volume = rows[o + M], rows[o + J] * rows[o + V0]
-        hoop = volume * rows[o + HOOP] / rows[o + X] if flat and settings.axisymmetric else 0.0
+        hoop = volume * rows[o + S_ZZ] / rows[o + X] if flat and settings.axisymmetric else 0.0
 
         # Eq. 19, 20, 14: mass, momentum at the point, weight (and the hoop stress of axisymmetry)
         momentum = splat(m) * momenta(dimension)
@@ -99,7 +99,7 @@ def _make_gather(dimension: int, basis: ModuleType) -> Callable[..., Any]:
             l_zz = 0.0
             if settings.axisymmetric:  # v_r / r belongs to the old position
                 l_zz = lane(mean, 1) / rows[o + X]
-                hoop = (l_zz - 0.5 * dt * lane(mean, 4) / rows[o + X]) * rows[o + HOOP]
+                hoop = (l_zz - 0.5 * dt * lane(mean, 4) / rows[o + X]) * rows[o + S_ZZ]
                 work = work + vector(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, hoop, 0.0)
             rows[o + L_ZZ] = l_zz
         else:

@@ -9,7 +9,7 @@ import numpy as np
 
 from mpmcol.mpm.grid import Grid, Tiles
 from mpmcol.mpm.jit import device, phase, prange, variant
-from mpmcol.mpm.particles import Settings
+from mpmcol.mpm.settings import Settings
 from mpmcol.mpm.shape_functions.quadratic import splines
 from mpmcol.mpm.simd import LANES, fma, lane, load, prefetch, splat, store, swap_halves, vector, where_positive
 
@@ -19,7 +19,7 @@ WALL_GAP = 0.1  # in h: a point closer to one wall would be stiffer than the def
 
 def make_p2g(transfer: Any) -> Callable[..., None]:
     """P2G over all points, with a stencil (`transfer_any.make_transfer`) frozen in."""
-    scatter, row = transfer.scatter, transfer.ROW
+    scatter, row = transfer.scatter, transfer.RECORD_SIZE
 
     @phase
     @variant(transfer)

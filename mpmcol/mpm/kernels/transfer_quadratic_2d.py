@@ -6,14 +6,15 @@ from typing import Any
 
 import numpy as np
 
-from mpmcol.mpm import particles
+from mpmcol.mpm import lanes
 from mpmcol.mpm.grid import Grid
 from mpmcol.mpm.jit import device
 from mpmcol.mpm.kernels.transfer_common import WALL_GAP, forces, momenta, move, power, spread, stencil, store_column
-from mpmcol.mpm.particles import HOOP, V0, J, M, Settings, X, Y
+from mpmcol.mpm.lanes import S_ZZ, V0, J, M, X, Y
+from mpmcol.mpm.settings import Settings
 from mpmcol.mpm.simd import fma, lane, load, splat, store, vector
 
-ROW = particles.ROW[2]
+RECORD_SIZE = lanes.RECORD_SIZE[2]
 
 
 @device
@@ -41,7 +42,7 @@ def scatter(rows: np.ndarray, o: int, nodes: np.ndarray, grid: Grid, settings: S
     wx0, wx1, wx2 = spread(w0, X), spread(w1, X), spread(w2, X)
     wy0, wy1, wy2 = spread(w0, Y), spread(w1, Y), spread(w2, Y)
     m, volume = rows[o + M], rows[o + J] * rows[o + V0]
-    hoop = volume * rows[o + HOOP] / rows[o + X] if settings.axisymmetric else 0.0
+    hoop = volume * rows[o + S_ZZ] / rows[o + X] if settings.axisymmetric else 0.0
 
     # Eq. 19, 20, 14: mass, momentum at the point, weight (and the hoop stress of axisymmetry)
     momentum = splat(m) * momenta(2)
@@ -104,7 +105,7 @@ def gather(
     l_zz = 0.0
     if settings.axisymmetric:  # v_r / r belongs to the old position
         l_zz = lane(mean, 1) / rows[o + X]
-        hoop = (l_zz - 0.5 * dt * lane(mean, 4) / rows[o + X]) * rows[o + HOOP]
+        hoop = (l_zz - 0.5 * dt * lane(mean, 4) / rows[o + X]) * rows[o + S_ZZ]
         work = work + vector(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, hoop, 0.0)
     work = (dt * rows[o + J] * rows[o + V0]) * work
     record, step, lifted = move(old, mean, 2, bounds, settings, dt)

@@ -6,14 +6,15 @@ from typing import Any
 
 import numpy as np
 
-from mpmcol.mpm import particles
+from mpmcol.mpm import lanes
 from mpmcol.mpm.grid import Grid
 from mpmcol.mpm.jit import device
 from mpmcol.mpm.kernels.transfer_common import WALL_GAP, forces, momenta, move, power, spread, stencil, store_column
-from mpmcol.mpm.particles import V0, J, M, Settings, X, Y, Z
+from mpmcol.mpm.lanes import V0, J, M, X, Y, Z
+from mpmcol.mpm.settings import Settings
 from mpmcol.mpm.simd import fma, lane, load, splat, store, vector
 
-ROW = particles.ROW[3]
+RECORD_SIZE = lanes.RECORD_SIZE[3]
 
 
 @device

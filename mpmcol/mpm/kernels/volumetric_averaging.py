@@ -15,12 +15,12 @@ from typing import Any
 import numpy as np
 
 from mpmcol.mpm.jit import device, variant
-from mpmcol.mpm.particles import DIAGONAL, OPENING, ROW, V0, J
+from mpmcol.mpm.lanes import L_DIAGONAL, OPENING, RECORD_SIZE, V0, J
 
 
 def make_excess(dimension: int) -> Callable[..., Any]:
     """What points swell by beyond the mean of their cell."""
-    row, (xx, yy, zz) = ROW[dimension], DIAGONAL[dimension]
+    row, (xx, yy, zz) = RECORD_SIZE[dimension], L_DIAGONAL[dimension]
 
     @device
     @variant(dimension)

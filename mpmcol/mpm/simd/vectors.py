@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-LANES = 8
+from mpmcol.mpm.lanes import LANES
+
 SWAPPED = [0, 4, 5, 6, 1, 2, 3, 7]
 
 

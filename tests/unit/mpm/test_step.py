@@ -12,7 +12,8 @@ from mpmcol.failure_modes.toolkit import by_id
 from mpmcol.mpm.constitutive import LAWS
 from mpmcol.mpm.grid import allocate_grid, node_coordinates, set_fixed
 from mpmcol.mpm.kernels.transfer_common import WALL_GAP
-from mpmcol.mpm.particles import Points, Scheme, Settings
+from mpmcol.mpm.particles import Points
+from mpmcol.mpm.settings import Scheme, Settings
 from mpmcol.mpm.solver import Body, Solver
 from tests.support import reference
 
@@ -25,7 +26,7 @@ PLASTIC = {
         "dilatancy_residual_deg": 1.0, "softening_rate": 5.0, "cohesion": 10.0,
     },
 }  # fmt: skip
-PLAIN = Settings(0.0, -9.81, 0.1, 0.3, 1.0, 1.0, 0.5, True, True, True, False)
+PLAIN = Settings(alpha_d=0.1, cfl=0.3)
 H, CELLS, ORIGIN = 0.1, (13, 10, 8), (0.0, -0.2, 0.0)
 
 
@@ -98,10 +99,12 @@ COMBINATIONS += [(2, SOFTENING, {}), (2, SOFTENING, {"axisymmetric": True})]
 COMBINATIONS += [(3, law, {}) for law in LAWS]
 COMBINATIONS += [(3, "mohr-coulomb", change | {"gravity_z": 1.0}) for change in SWITCHES[2:]]
 AXISYMMETRIC, PIC = {"axisymmetric": True}, {"flip_fraction": 0.0}
-SCHEMES = [(Scheme(affine=True), d) for d in (2, 3)] + [(Scheme(order), d) for order in ("usf", "musl") for d in (2, 3)]
-SCHEMES += [(Scheme("musl", affine=True), 2)]
+SCHEMES = [(Scheme(affine=True), d) for d in (2, 3)] + [
+    (Scheme(stress_order=order), d) for order in ("usf", "musl") for d in (2, 3)
+]
+SCHEMES += [(Scheme(stress_order="musl", affine=True), 2)]
 SCHEMES += [(Scheme(basis=basis), d) for basis in ("linear", "cubic") for d in (2, 3)]
-SCHEMES += [(Scheme("usf", affine=True, basis="cubic"), 2)]
+SCHEMES += [(Scheme(stress_order="usf", affine=True, basis="cubic"), 2)]
 SCHEME_COMBINATIONS = [(scheme, d, change) for scheme, d in SCHEMES for change in ([PIC, AXISYMMETRIC][: 4 - d])]
 SCHEME_COMBINATIONS += [(Scheme(basis="cubic"), d, {"kernel_correction": False}) for d in (2, 3)]
 CELL = Scheme(volumetric_strain="cell")

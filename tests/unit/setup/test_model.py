@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from mpmcol.case import load_case
-from mpmcol.mpm.particles import PAPER, Scheme
+from mpmcol.mpm.settings import PAPER, Scheme
 from mpmcol.setup.discretization import make_layout
 from mpmcol.setup.model import build_scene
 
@@ -18,11 +18,11 @@ from mpmcol.setup.model import build_scene
         (["transfer=pic"], 0.0, 0.0, PAPER),
         (["transfer=tpic"], 1.0, 0.0, PAPER),
         (["transfer=apic"], 1.0, 0.0, Scheme(affine=True)),
-        (["stress_order=usf"], 1.0, 1.0, Scheme("usf")),
+        (["stress_order=usf"], 1.0, 1.0, Scheme(stress_order="usf")),
         (["basis=cubic"], 1.0, 1.0, Scheme(basis="cubic")),
         (["volumetric_strain=cell"], 1.0, 1.0, Scheme(volumetric_strain="cell")),
         (["basis=linear", "transfer=flip"], 0.0, 1.0, Scheme(basis="linear")),
-        (["stress_order=musl", "transfer=apic"], 1.0, 0.0, Scheme("musl", affine=True)),
+        (["stress_order=musl", "transfer=apic"], 1.0, 0.0, Scheme(stress_order="musl", affine=True)),
     ],
     ids=str,
 )

@@ -17,7 +17,8 @@ from mpmcol.errors import NumericalFailure
 from mpmcol.io.results import Results
 from mpmcol.mpm.grid import node_coordinates
 from mpmcol.mpm.kernels import loop
-from mpmcol.mpm.particles import BASE, HOOP, OPENING, VX, J, M, X, Y
+from mpmcol.mpm.lanes import OPENING, S_ZZ, VX, J, M, X, Y
+from mpmcol.mpm.particles import BASE
 from mpmcol.setup.model import build_scene
 from mpmcol.simulation.failure import fault_of
 from mpmcol.simulation.monitor import node_position, principal
@@ -149,7 +150,7 @@ DAMAGE = (
     Case("velocity inf", partial(put, VX, np.inf), "finite", "velocity"),
     Case("position NaN", partial(put, X, NAN), "finite", "position", of_point=False, models=SOLID),
     Case("height NaN", partial(put, Y, NAN), "finite", "position", of_point=False, models=("axisymmetric", "full")),
-    Case("stress NaN", partial(put, HOOP, NAN), "finite", "velocity", models=("axisymmetric", "quarter")),
+    Case("stress NaN", partial(put, S_ZZ, NAN), "finite", "velocity", models=("axisymmetric", "quarter")),
     Case("J NaN", partial(put, J, NAN), "finite", "volume ratio", models=SOLID),
     Case("mass NaN", partial(put, M, NAN), "finite", "mass", models=SOLID),
     Case("opening NaN", partial(put, OPENING, NAN), "finite", "not finite", of_point=False, models=SOLID),
