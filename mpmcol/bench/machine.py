@@ -15,7 +15,7 @@ from mpmcol.mpm.grid import NODE
 from mpmcol.mpm.jit import kernel, prange, set_threads
 from mpmcol.mpm.lanes import RECORD_SIZE
 from mpmcol.mpm.particles import aligned_zeros
-from mpmcol.mpm.simd import LANES, fma, load, splat, store, sum_lanes
+from mpmcol.mpm.simd import LANES, fma, load, reduce_sum, splat, store
 
 BYTES = 8
 CHAINS, BLOCKS, ROUNDS = 8, 64, 20_000
@@ -83,4 +83,4 @@ def _multiply_add(sums, factor, rounds):
         for _ in range(rounds):
             a, b, c, d = fma(a, f, s), fma(b, f, s), fma(c, f, s), fma(d, f, s)
             e, g, h, i = fma(e, f, s), fma(g, f, s), fma(h, f, s), fma(i, f, s)
-        sums[block] = sum_lanes(a + b + c + d + e + g + h + i)
+        sums[block] = reduce_sum(a + b + c + d + e + g + h + i)

@@ -8,18 +8,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
-from types import ModuleType
 from typing import Any
 
 from mpmcol.bench.clock import seconds
 from mpmcol.bench.plain_loops import common, transfer_2d, transfer_3d
+from mpmcol.mpm.constitutive import ConstitutiveLaw
 from mpmcol.mpm.jit import driver, phase, prange, variant
 from mpmcol.mpm.kernels.grid_update import clear, update_grid
 from mpmcol.mpm.kernels.loop import DT, sum_nodes, sum_points
 from mpmcol.mpm.kernels.particle_update import make_update_points
 from mpmcol.mpm.kernels.transfer import TRANSFERS
 from mpmcol.mpm.kernels.transfer_common import make_p2g
-from mpmcol.mpm.simd import lane
+from mpmcol.mpm.simd import extract
 
 VECTOR_PHASES = ("clear", "p2g", "update_grid", "update_points", "sums")
 PLAIN_PHASES = ("clear", "p2g", "update_grid", "g2p", "stress")
@@ -27,7 +27,7 @@ PLAIN_TRANSFERS = {2: transfer_2d, 3: transfer_3d}
 
 
 @cache
-def make_vector_steps(dimension: int, column_law: ModuleType, base_law: ModuleType) -> Callable[..., Any]:
+def make_vector_steps(dimension: int, column_law: ConstitutiveLaw, base_law: ConstitutiveLaw) -> Callable[..., Any]:
     """The step of `kernels.cycle` with a clock reading before and after each of VECTOR_PHASES."""
     p2g, update_points = make_p2g(TRANSFERS[dimension]), make_update_points(dimension, column_law, base_law)
 
@@ -60,7 +60,7 @@ def make_vector_steps(dimension: int, column_law: ModuleType, base_law: ModuleTy
 
 
 @cache
-def make_plain_steps(dimension: int, column_law: ModuleType, base_law: ModuleType) -> Callable[..., Any]:
+def make_plain_steps(dimension: int, column_law: ConstitutiveLaw, base_law: ConstitutiveLaw) -> Callable[..., Any]:
     """The plain loops with a clock reading before and after each of PLAIN_PHASES."""
     update_stress = common.make_update_stress(dimension, column_law, base_law)
     p2g, g2p = PLAIN_TRANSFERS[dimension].p2g, PLAIN_TRANSFERS[dimension].g2p
@@ -108,7 +108,7 @@ def make_gather_alone(dimension: int) -> Callable[..., Any]:
             total = 0.0
             for p in range(start[t], start[t + 1]):
                 step, work = gather(rows, p * row, nodes, grid, settings, bounds, dt)
-                total += lane(step, 4) + lane(work, 4)
+                total += extract(step, 4) + extract(work, 4)
             report[t, 0] = total
 
     @driver

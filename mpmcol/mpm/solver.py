@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import time
-from types import ModuleType
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from mpmcol.mpm.constitutive import ConstitutiveLaw
 from mpmcol.mpm.grid import Grid, Tiles
 from mpmcol.mpm.kernels import loop
 from mpmcol.mpm.kernels.grid_update import NODE_REPORT
@@ -16,7 +16,7 @@ from mpmcol.mpm.kernels.sort import scratch, sort_points
 from mpmcol.mpm.lanes import RECORD_SIZE
 from mpmcol.mpm.particles import BASE, COLUMN, Points
 from mpmcol.mpm.settings import PAPER, Scheme, Settings
-from mpmcol.mpm.shape_functions import BASES
+from mpmcol.mpm.shape_functions import SHAPE_FUNCTIONS
 
 CALL_SECONDS = 0.2  # Python handles signals only between calls
 _FIRST_CALL_STEPS = 4
@@ -25,7 +25,7 @@ _FIRST_CALL_STEPS = 4
 class Body(NamedTuple):
     """A law with its parameters and the square of its wave speed at the initial density (m2/s2), Eq. 36."""
 
-    law: ModuleType
+    law: ConstitutiveLaw
     params: Any
     wave_speed2: float
 
@@ -99,7 +99,7 @@ class Solver:
         started, first = time.perf_counter(), self.steps
         fault = -1
         while fault < 0 and self.time < end and self.steps - first < max_steps:
-            if self.tiles is None or not loop.is_ordered(self.clock, BASES[self.scheme.basis].TRAVEL):
+            if self.tiles is None or not loop.is_ordered(self.clock, SHAPE_FUNCTIONS[self.scheme.basis].TRAVEL_LIMIT):
                 self.sort()
             fault = self._call(end, min(self._steps_per_call, max_steps - (self.steps - first)))
             if time.perf_counter() - started > CALL_SECONDS:

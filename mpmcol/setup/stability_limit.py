@@ -19,7 +19,7 @@ from itertools import product
 
 import numpy as np
 
-from mpmcol.mpm.shape_functions import BASES
+from mpmcol.mpm.shape_functions import SHAPE_FUNCTIONS
 from mpmcol.mpm.simd import splat
 
 TRANSFERS = {  # Taylor term, share of FLIP
@@ -114,7 +114,7 @@ def _nodes(point: LonePoint) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.nda
 
 def _axis(s: float, point: LonePoint) -> list[tuple[int, float, float]]:
     """Nodes with weight of an axis: number, weight, gradient."""
-    first, *numbers = BASES[point.basis].padded(splat(s), splat(0.5), splat(NODES - 1.5), point.correction)
+    first, *numbers = SHAPE_FUNCTIONS[point.basis].evaluate(splat(s), splat(0.5), splat(NODES - 1.5), point.correction)
     w, g = np.array(numbers)[:, 0].reshape(2, -1)
     return [(int(first[0]) + k, w[k], g[k]) for k in range(len(w)) if w[k] > 0.0]
 

@@ -8,7 +8,7 @@ from math import isinf, sqrt
 
 from mpmcol.case import Case
 from mpmcol.mpm.kernels.transfer_common import WALL_GAP
-from mpmcol.mpm.shape_functions import BASES
+from mpmcol.mpm.shape_functions import SHAPE_FUNCTIONS
 from mpmcol.setup.stability_limit import BETWEEN, FREE, SMOOTH, STICKING, TRANSFERS, LonePoint, one_point_bound
 
 AXIS_GAP = 0.2  # in h: points nearer to the axis would be too stiff for the default time step; the first start farther
@@ -34,7 +34,7 @@ def case_bound(case: Case) -> tuple[float, str]:
     In each direction that is between two nodes, or as near to a wall, the floor or the axis as points are kept; for the
     linear basis a line of nodes, on which no step is small enough.
     """
-    if isinf(BASES[case.method.basis].STIFFNESS):
+    if isinf(SHAPE_FUNCTIONS[case.method.basis].STIFFNESS):
         return 0.0, "on a line of nodes"
     return min((_bound(case, nearby), _in_words(nearby)) for nearby in product(*_directions(case)))
 

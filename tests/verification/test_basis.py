@@ -7,8 +7,8 @@ from itertools import product
 import numpy as np
 import pytest
 
-from mpmcol.mpm.shape_functions import BASES
-from mpmcol.mpm.shape_functions.quadratic import spline, splines
+from mpmcol.mpm.shape_functions import SHAPE_FUNCTIONS
+from mpmcol.mpm.shape_functions.quadratic import spline, spline_lanes
 from mpmcol.mpm.simd import vector
 
 NODES = 6
@@ -75,14 +75,14 @@ def test_all_lanes_have_the_bits_of_the_single_spline(correction: bool) -> None:
         inside = rng.uniform(0.0, lengths - 1.0)
         places = np.clip(np.where(rng.uniform(size=3) < 0.3, walls, inside), 0.0, lengths - 1.0)
         s = np.concatenate((rng.normal(0.0, 1e3, 4), places, [np.nan]))
-        found = splines(s, bottom, top, correction)
+        found = spline_lanes(s, bottom, top, correction)
         for axis, (place, n) in enumerate(zip(places, lengths, strict=True)):
             assert [value[4 + axis] for value in found] == list(spline(place, n, correction))
 
 
 # ------------------------------------------------------------------------------------------- any basis
 
-every_basis = pytest.mark.parametrize("basis", list(BASES))
+every_basis = pytest.mark.parametrize("basis", list(SHAPE_FUNCTIONS))
 
 
 def dense_weights(basis: str, s: np.ndarray, correction: bool = True) -> tuple[np.ndarray, np.ndarray]:
@@ -91,9 +91,9 @@ def dense_weights(basis: str, s: np.ndarray, correction: bool = True) -> tuple[n
     w, g = np.zeros((2, len(s), NODES))
     for place, w_p, g_p in zip(s, w, g, strict=True):
         lanes = vector(-far, -far, -far, -far, 0.5, 0.5, 0.5, -far), vector(*[far] * 4, *[NODES - 1.5] * 3, far)
-        base, *rest = BASES[basis].padded(vector(*[place] * 8), *lanes, correction)
+        base, *rest = SHAPE_FUNCTIONS[basis].evaluate(vector(*[place] * 8), *lanes, correction)
         found = np.array(rest)[:, 5]
-        width = BASES[basis].WIDTH
+        width = SHAPE_FUNCTIONS[basis].WIDTH
         assert 0 <= base[5] <= NODES - width and not np.any(found[width:4]) and not np.any(found[4 + width :])
         nodes = int(base[5]) + np.arange(width)
         w_p[nodes], g_p[nodes] = found[:width], found[4 : 4 + width]
@@ -151,5 +151,5 @@ def test_stiffness_bounds_what_one_point_feels_away_from_walls(basis: str) -> No
     s = np.linspace(2.001, 2.999, 999)
     w, g = dense_weights(basis, s)
     largest = (g**2 / np.where(w > 0.0, w, 1.0)).sum(axis=1).max()
-    assert largest <= BASES[basis].STIFFNESS
-    assert largest > min(0.98 * BASES[basis].STIFFNESS, 900.0)
+    assert largest <= SHAPE_FUNCTIONS[basis].STIFFNESS
+    assert largest > min(0.98 * SHAPE_FUNCTIONS[basis].STIFFNESS, 900.0)

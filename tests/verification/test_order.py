@@ -11,7 +11,7 @@ from mpmcol.mpm.grid import NODE, TILE, Grid, Tiles, allocate_grid, tile_count
 from mpmcol.mpm.kernels.sort import BAND, scratch, sort_points
 from mpmcol.mpm.lanes import ID, RECORD_SIZE
 from mpmcol.mpm.particles import COLUMN, Points
-from mpmcol.mpm.shape_functions import BASES
+from mpmcol.mpm.shape_functions import SHAPE_FUNCTIONS
 from mpmcol.mpm.shape_functions.quadratic import base_node
 
 H, ORIGIN = 0.1, (-0.55, -0.2, 0.3)
@@ -82,18 +82,22 @@ def stencils(points: Points, grid: Grid, basis: str) -> np.ndarray:
     counts, first = (grid.n_x, grid.n_y, grid.n_z), np.zeros((len(points), 3), int)
     for axis in range(points.dimension):
         cells = (points.x[:, [axis]] - ORIGIN[axis]) / H
-        first[:, axis] = BASES[basis].padded(cells, 0.5, counts[axis] - 1.5, True)[0][:, 0]
+        first[:, axis] = SHAPE_FUNCTIONS[basis].evaluate(cells, 0.5, counts[axis] - 1.5, True)[0][:, 0]
     return first
 
 
 def touched(points: Points, grid: Grid, seed: int, basis: str = "quadratic", travel: float | None = None) -> np.ndarray:
     """Addresses (n, width ** d) of the nodes of all stencils, each point moved by less than `travel` cells an axis."""
-    d, moved, travel = points.dimension, Points(len(points), points.dimension), travel or BASES[basis].TRAVEL
+    d, moved, travel = (
+        points.dimension,
+        Points(len(points), points.dimension),
+        travel or SHAPE_FUNCTIONS[basis].TRAVEL_LIMIT,
+    )
     step = travel * np.random.default_rng(seed).choice([-0.999, -0.5, 0.0, 0.5, 0.999], points.x.shape)
     low, high = np.array(ORIGIN[:d]), np.array(ORIGIN[:d]) + H * np.array(CELLS[d])
     moved.x[:] = np.clip(points.x + H * step, low + 1e-9, high - 1e-9)
     i, j, k = stencils(moved, grid, basis).T
-    reach = range(BASES[basis].WIDTH)
+    reach = range(SHAPE_FUNCTIONS[basis].WIDTH)
     columns = [
         grid.ax[i + a] + grid.ay[j + b] + (grid.az[k + c] if d == 3 else 0)
         for a in reach for b in reach for c in (reach if d == 3 else (0,))
@@ -101,7 +105,7 @@ def touched(points: Points, grid: Grid, seed: int, basis: str = "quadratic", tra
     return np.stack(columns, axis=1)
 
 
-every_basis = pytest.mark.parametrize("basis", list(BASES))
+every_basis = pytest.mark.parametrize("basis", list(SHAPE_FUNCTIONS))
 
 
 @DIMENSIONS

@@ -13,7 +13,7 @@ from mpmcol.failure_modes.toolkit import advance_steps, advance_to, by_id
 from mpmcol.mpm.grid import ASLEEP, NODE, TILE, Grid, set_fixed
 from mpmcol.mpm.particles import COLUMN
 from mpmcol.mpm.settings import PAPER, Scheme
-from mpmcol.mpm.shape_functions import BASES
+from mpmcol.mpm.shape_functions import SHAPE_FUNCTIONS
 from mpmcol.mpm.shape_functions.quadratic import base_node
 from mpmcol.mpm.solver import Solver
 from tests.verification.test_energy import DAMPED, collapse, ledger_of
@@ -46,8 +46,8 @@ def nodes_of(x: np.ndarray, grid: Grid, basis: str, travel: float) -> np.ndarray
     for axis, (origin, count, offsets) in enumerate(axes_of(grid, x.shape[1])):
         s = (x[:, [axis]] - origin) / grid.h + travel * np.array([-1.0, 0.0, 1.0])
         s = np.clip(s, 1e-9, count - 1 - 1e-9).reshape(-1, 1)
-        first = BASES[basis].padded(s, 0.5, count - 1.5, True)[0][:, 0].astype(int).reshape(len(x), -1)
-        reached = np.concatenate([offsets[first + k] for k in range(BASES[basis].WIDTH)], axis=1)
+        first = SHAPE_FUNCTIONS[basis].evaluate(s, 0.5, count - 1.5, True)[0][:, 0].astype(int).reshape(len(x), -1)
+        reached = np.concatenate([offsets[first + k] for k in range(SHAPE_FUNCTIONS[basis].WIDTH)], axis=1)
         total = (total[:, :, None] + reached[:, None, :]).reshape(len(x), -1)
     return np.unique(total // NODE)
 
@@ -66,7 +66,7 @@ def test_tiles_beyond_the_margin_sleep_and_no_others(d: int, margin: int) -> Non
 
 
 @DIMENSIONS
-@pytest.mark.parametrize("basis", list(BASES))
+@pytest.mark.parametrize("basis", list(SHAPE_FUNCTIONS))
 def test_nodes_of_sleeping_points_are_held_and_the_column_meets_none(basis: str, d: int) -> None:
     """Of the active nodes; the column may travel as far as the next sort lets it."""
     solver, awake = sorted_collapse(d, 1, Scheme(basis=basis))
@@ -79,7 +79,7 @@ def test_nodes_of_sleeping_points_are_held_and_the_column_meets_none(basis: str,
     touched = np.intersect1d(nodes_of(points.x[awake:], grid, basis, 0.0), active)
     assert len(touched) and np.all(np.isin(touched, held))
     column = points.x[points.kind == COLUMN]
-    assert not np.any(np.isin(nodes_of(column, grid, basis, 0.999 * BASES[basis].TRAVEL), held))
+    assert not np.any(np.isin(nodes_of(column, grid, basis, 0.999 * SHAPE_FUNCTIONS[basis].TRAVEL_LIMIT), held))
 
 
 @DIMENSIONS

@@ -13,11 +13,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import sqrt
-from types import ModuleType
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from mpmcol.mpm.constitutive import ConstitutiveLaw
 from mpmcol.mpm.grid import TILE, Grid, Tiles, tile_count
 from mpmcol.mpm.jit import device, phase, prange, variant
 from mpmcol.mpm.kernels.grid_update import MASS_FLOOR
@@ -148,7 +148,7 @@ def _update_node(grid, i, j, k, settings, floor, dt):
     return before, after, damping, walls, unbalanced, m if m > floor else 0.0
 
 
-def make_update_stress(dimension: int, column_law: ModuleType, base_law: ModuleType) -> Callable[..., Any]:
+def make_update_stress(dimension: int, column_law: ConstitutiveLaw, base_law: ConstitutiveLaw) -> Callable[..., Any]:
     """The loop over all points, one at a time, with the laws of column and base frozen in."""
     column_stress, base_stress = (
         _make_point_stress(dimension, STRESSES[dimension].make_formula(law)) for law in (column_law, base_law)

@@ -1,25 +1,53 @@
-"""Laws of the material. A law is one file in this folder and one line in `LAWS`.
-
-A law's module holds
-  Material      the keys of a case file's [material] table, with units, bounds and defaults
-  make_params   Material -> a NamedTuple of floats with bulk_modulus and shear_modulus (Pa); its class needs a
-                name of its own, since compiled loops find it by name
-  STATE         names of its history variables, at most two; they start at zero
-  may_yield     (s1, s3, history, params) -> above zero where `return_map` may change the stress
-  return_map    (s1 >= s2 >= s3, history, params) -> (s1, s2, s3, history, opening, yields): principal stresses after
-                the return, new history, volumetric strain freed at the apex; valid where `yields` is above zero
-  apex          (history, params) -> mean stress that an opened point carries, Pa
-Formulas are plain functions of numbers, or of vectors of eight points, under `@device`; they choose with
-`where_positive`, and run without a compiler, too.
-"""
+"""Constitutive laws. A new law is one module here that satisfies `ConstitutiveLaw`, and one line in `LAWS`."""
 
 from __future__ import annotations
 
-from types import ModuleType
+from collections.abc import Hashable
+from typing import Any, Protocol
 
 from mpmcol.mpm.constitutive import elastic, mohr_coulomb, mohr_coulomb_softening
+from mpmcol.mpm.constitutive.elastic import Elasticity
 
-LAWS: dict[str, ModuleType] = {
+
+class ConstitutiveLaw(Hashable, Protocol):
+    """What the module of a constitutive law defines.
+
+    Stresses are principal Cauchy stresses in Pa, s1 >= s2 >= s3, tension > 0. The functions of stresses are compiled
+    (`@device`) and take numbers, or vectors of eight points: they have no branches and select with `where_positive`.
+    They also run in plain Python.
+    """
+
+    __name__: str
+
+    @property
+    def STATE(self) -> tuple[str, ...]:
+        """Names of the history variables, at most two; their initial values are zero."""
+
+    @property
+    def Material(self) -> type[Elasticity]:
+        """Keys of the [material] table of a case file, with units, bounds and defaults."""
+
+    def make_params(self, material: Any) -> Any:
+        """Parameters of a `Material`: a NamedTuple of floats, among them bulk_modulus and shear_modulus (Pa).
+
+        Its class needs a name that no other law uses: Numba's disk cache identifies compiled code by it.
+        """
+
+    def may_yield(self, s1: Any, s3: Any, history: Any, params: Any) -> Any:
+        """A number above zero wherever `return_map` may change the stress."""
+
+    def return_map(self, s1: Any, s2: Any, s3: Any, history: Any, params: Any) -> Any:
+        """Return a trial stress to the yield surface.
+
+        Returns s1, s2, s3, the new history (a pair), the volumetric strain released at the apex of the surface, and
+        the yield function of the trial stress. Only meaningful where the last is above zero.
+        """
+
+    def apex(self, history: Any, params: Any) -> Any:
+        """Mean stress of a point that has opened, Pa."""
+
+
+LAWS: dict[str, ConstitutiveLaw] = {
     "elastic": elastic,
     "mohr-coulomb": mohr_coulomb,
     "mohr-coulomb-softening": mohr_coulomb_softening,

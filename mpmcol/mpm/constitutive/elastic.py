@@ -1,4 +1,4 @@
-"""Isotropic linear elasticity (hypoelastic: Jaumann rate, Eq. 33). It never yields and never opens."""
+"""Isotropic linear elasticity (hypoelastic: Jaumann rate, Eq. 33), without yield."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ STATE: tuple[str, ...] = ()
 
 
 class Elasticity(Keys):
-    """Keys that every material has."""
+    """Keys of every material."""
 
     density: float = quantity("density of the material", "kg/m3", gt=0.0)
     youngs_modulus: float = quantity("Young's modulus E", "Pa", gt=0.0)
@@ -47,23 +47,23 @@ class ElasticParams(NamedTuple):
 
 
 def make_params(material: Elasticity) -> ElasticParams:
-    """Moduli of any material's elastic part."""
+    """Elastic moduli of any material."""
     return ElasticParams(material.bulk_modulus, material.shear_modulus)
 
 
 @device
 def may_yield(s1, s3, history, params):
-    """Never."""
+    """Zero: elastic points never yield."""
     return 0.0
 
 
 @device
 def return_map(s1, s2, s3, history, params):
-    """Nothing to return: every stress is elastic."""
+    """The trial stress itself."""
     return s1, s2, s3, history, 0.0, 0.0
 
 
 @device
 def apex(history, params):
-    """Never used, since nothing opens."""
+    """Zero; elastic points never open."""
     return 0.0

@@ -1,9 +1,9 @@
-"""Functions of numbers or vectors as polynomials: lane by lane, and with equal bits on every machine."""
+"""Elementary functions as polynomials, for numbers or vectors; the results are equal bit for bit on all machines."""
 
 from __future__ import annotations
 
 from mpmcol.mpm.jit import device
-from mpmcol.mpm.simd import root, where_positive
+from mpmcol.mpm.simd import sqrt, where_positive
 
 _HALVINGS = 6
 _LARGEST = 40.0  # exp(-40) is less than round-off of one
@@ -34,4 +34,4 @@ def sine(x):
 @device
 def cotangent(sin_x):
     """cot(x) from sin(x), for 0 < x <= pi / 2."""
-    return root(1.0 - sin_x * sin_x) / sin_x
+    return sqrt(1.0 - sin_x * sin_x) / sin_x

@@ -1,9 +1,9 @@
 """Mohr-Coulomb with a non-associated flow rule, returned exactly in closed form.
 
-Principal stresses s1 >= s2 >= s3, tension positive, k = (1 + sin phi) / (1 - sin phi), m the same with psi, all
-stresses measured from the apex c cot(phi):  f = k s1 - s3 <= 0,  potential m s1 - s3.  Face, both edges and apex
-follow Clausen, Damkilde & Andersen (2007), doi:10.1016/j.compstruc.2007.04.002. With psi = 0 no plastic flow can
-remove tension; the same formulas then cut tension off at the apex.
+Principal stresses s1 >= s2 >= s3, tension > 0, measured from the apex c cot(phi); k = (1 + sin phi) / (1 - sin phi), m
+likewise with psi: yield function f = k s1 - s3 <= 0, plastic potential m s1 - s3. Face, both edges and apex follow
+Clausen, Damkilde & Andersen (2007), doi:10.1016/j.compstruc.2007.04.002. With psi = 0 no plastic flow can remove
+tension; the same formulas are then a tension cut-off at the apex.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from mpmcol.mpm.simd import where_positive
 from mpmcol.units import choice, quantity
 
 STATE: tuple[str, ...] = ()
-MOST_DEGREES = 89.0  # no sand has more, and N grows without bound towards 90
+MOST_DEGREES = 89.0  # N grows without bound towards 90
 
 
 class Material(Elasticity):
@@ -45,7 +45,7 @@ class MohrCoulombParams(NamedTuple):
 
 
 def make_params(material: Material) -> MohrCoulombParams:
-    """Angles to flow numbers, cohesion to the apex."""
+    """Flow numbers of the angles, and the mean stress at the apex."""
     phi, psi = radians(material.friction_deg), radians(material.dilatancy_deg)
     return MohrCoulombParams(
         material.bulk_modulus,
@@ -70,26 +70,26 @@ def may_yield(s1, s3, history, params):
 
 @device
 def return_map(s1, s2, s3, history, params):
-    """Return sorted principal stresses to the yield surface; see `mpmcol.mpm.constitutive` for what comes back."""
+    """Return sorted principal stresses to the yield surface; see `ConstitutiveLaw.return_map`."""
     a = params.apex
-    t1, t2, t3, freed = return_to_cone(
+    t1, t2, t3, released = return_to_cone(
         s1 - a, s2 - a, s3 - a, params.n_phi, params.n_psi, params.bulk_modulus, params.shear_modulus
     )
-    return t1 + a, t2 + a, t3 + a, history, freed, may_yield(s1, s3, history, params)
+    return t1 + a, t2 + a, t3 + a, history, released, may_yield(s1, s3, history, params)
 
 
 @device
 def apex(history, params):
-    """Mean stress of an opened point."""
+    """Mean stress of an opened point, Pa."""
     return params.apex
 
 
 @device
 def return_to_cone(s1, s2, s3, k, m, bulk, shear):
-    """Return a yielding stress, measured from the apex; also the volumetric strain that the apex sets free."""
+    """Return a yielding stress, measured from the apex; also gives the volumetric strain released at the apex."""
     p = (s1 + s2 + s3) * (1.0 / 3.0)
-    # Distance from each edge, along the flow directions of its two faces: both positive where nothing but the apex
-    # is left.
+    # Distance from each edge, along the flow directions of its two faces; where both are positive the stress returns
+    # to the apex.
     edge1 = (s1 + s2 - 2.0 * p + m * (s3 - p)) * (0.5 / shear) + (2.0 + m) * p * (1.0 / (3.0 * bulk))
     edge3 = (s1 - p + m * (s2 + s3 - 2.0 * p)) * (0.5 / shear) + (1.0 + 2.0 * m) * p * (1.0 / (3.0 * bulk))
     coupling = (0.5 * bulk / shear - 1.0 / 3.0) * (m - 1.0)  # lambda / 2G (m - 1)
@@ -105,5 +105,10 @@ def return_to_cone(s1, s2, s3, k, m, bulk, shear):
     t3 = where_positive(beyond1, k * on1, where_positive(beyond3, k * on3, face3))
 
     at_apex = where_positive(edge1, where_positive(edge3, 1.0, 0.0), 0.0)
-    freed = where_positive(at_apex, where_positive(p, p * (1.0 / bulk), 0.0), 0.0)
-    return where_positive(at_apex, 0.0, t1), where_positive(at_apex, 0.0, t2), where_positive(at_apex, 0.0, t3), freed
+    released = where_positive(at_apex, where_positive(p, p * (1.0 / bulk), 0.0), 0.0)
+    return (
+        where_positive(at_apex, 0.0, t1),
+        where_positive(at_apex, 0.0, t2),
+        where_positive(at_apex, 0.0, t3),
+        released,
+    )

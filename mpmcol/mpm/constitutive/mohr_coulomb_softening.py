@@ -1,20 +1,20 @@
-"""Mohr-Coulomb whose friction and dilatancy fade from peak to residual values with plastic shear strain.
+"""Mohr-Coulomb with softening: friction and dilatancy decay from peak to residual values with plastic shear strain.
 
 phi = phi_r + (phi_p - phi_r) exp(-beta eps), psi likewise (Fern & Soga 2016, doi:10.1007/s11440-016-0436-x; Table 1
-of the paper), eps = path integral of sqrt(2/3 de:de) with de the deviatoric plastic strain increment. Other codes
-use other factors than sqrt(2/3); `strain_factor` stands for it.
+of the paper), eps = path integral of sqrt(2/3 de:de) with de the deviatoric plastic strain increment. Other codes use
+factors other than sqrt(2/3): set `strain_factor`.
 """
 
 from __future__ import annotations
 
-from math import radians, sin, sqrt
+import math
 from typing import Literal, NamedTuple
 
 from mpmcol.mpm.constitutive.elastic import Elasticity
 from mpmcol.mpm.constitutive.elementary import cotangent, decay, sine
 from mpmcol.mpm.constitutive.mohr_coulomb import MOST_DEGREES, flow_number, return_to_cone
 from mpmcol.mpm.jit import device
-from mpmcol.mpm.simd import root
+from mpmcol.mpm.simd import sqrt
 from mpmcol.units import choice, quantity
 
 STATE: tuple[str, ...] = ("plastic_shear_strain",)
@@ -29,17 +29,17 @@ class Material(Elasticity):
     dilatancy_peak_deg: float = quantity("angle of dilatancy before softening", "deg", 0.0, ge=0.0, le=MOST_DEGREES)
     dilatancy_residual_deg: float = quantity("angle of dilatancy after softening", "deg", 0.0, ge=0.0, le=MOST_DEGREES)
     softening_rate: float = quantity("shape factor beta of the exponential decay (Table 1)", gt=0.0)
-    strain_factor: float = quantity("factor in eps = factor * sqrt(de:de)", default=sqrt(2.0 / 3.0), gt=0.0)
+    strain_factor: float = quantity("factor in eps = factor * sqrt(de:de)", default=math.sqrt(2.0 / 3.0), gt=0.0)
     cohesion: float = quantity("cohesion c, which does not soften", "Pa", 0.0, ge=0.0)
 
     @property
     def active_pressure_ratio(self) -> float:
         """K_a = 1 / N_phi of the peak state, the ratio of horizontal to vertical stress at active yield."""
-        return 1.0 / flow_number(sin(radians(self.friction_peak_deg)))
+        return 1.0 / flow_number(math.sin(math.radians(self.friction_peak_deg)))
 
 
 class SofteningParams(NamedTuple):
-    """Moduli (Pa), residual angles and their peak excess (radians), decay, cohesion (Pa), smaller N_phi."""
+    """Moduli (Pa), residual angles and peak minus residual (radians), decay rate, cohesion (Pa), smallest N_phi."""
 
     bulk_modulus: float
     shear_modulus: float
@@ -54,9 +54,9 @@ class SofteningParams(NamedTuple):
 
 
 def make_params(material: Material) -> SofteningParams:
-    """Degrees to radians, peak values to their excess over the residual ones."""
-    phi_r, psi_r = radians(material.friction_residual_deg), radians(material.dilatancy_residual_deg)
-    phi_p, psi_p = radians(material.friction_peak_deg), radians(material.dilatancy_peak_deg)
+    """Angles in radians, peak values as the excess over the residual ones."""
+    phi_r, psi_r = math.radians(material.friction_residual_deg), math.radians(material.dilatancy_residual_deg)
+    phi_p, psi_p = math.radians(material.friction_peak_deg), math.radians(material.dilatancy_peak_deg)
     return SofteningParams(
         material.bulk_modulus,
         material.shear_modulus,
@@ -67,34 +67,34 @@ def make_params(material: Material) -> SofteningParams:
         material.softening_rate,
         material.strain_factor,
         material.cohesion,
-        flow_number(sin(min(phi_r, phi_p))),
+        flow_number(math.sin(min(phi_r, phi_p))),
     )
 
 
 @device
 def may_yield(s1, s3, history, params):
-    """The yield function of the weakest friction and no cohesion: above zero wherever the true one is."""
+    """Yield function for the smallest friction and no cohesion: above zero wherever the actual one is."""
     return params.weakest_n_phi * s1 - s3
 
 
 @device
 def return_map(s1, s2, s3, history, params):
-    """Return sorted principal stresses to the yield surface of the strain so far, then add to that strain."""
+    """Return to the yield surface of the present plastic strain, then add the increment to that strain."""
     eps, other = history
-    left = decay(params.rate * eps)
-    sin_phi = sine(params.phi_residual + params.phi_excess * left)
+    remaining = decay(params.rate * eps)
+    sin_phi = sine(params.phi_residual + params.phi_excess * remaining)
     k, a = flow_number(sin_phi), params.cohesion * cotangent(sin_phi)
-    m = flow_number(sine(params.psi_residual + params.psi_excess * left))
+    m = flow_number(sine(params.psi_residual + params.psi_excess * remaining))
     yields = k * (s1 - a) - (s3 - a)
-    t1, t2, t3, freed = return_to_cone(s1 - a, s2 - a, s3 - a, k, m, params.bulk_modulus, params.shear_modulus)
+    t1, t2, t3, released = return_to_cone(s1 - a, s2 - a, s3 - a, k, m, params.bulk_modulus, params.shear_modulus)
     d1, d2, d3 = s1 - a - t1, s2 - a - t2, s3 - a - t3
     mean = (d1 + d2 + d3) * (1.0 / 3.0)
     d1, d2, d3 = d1 - mean, d2 - mean, d3 - mean
-    norm = root(d1 * d1 + d2 * d2 + d3 * d3) * (0.5 / params.shear_modulus)
-    return t1 + a, t2 + a, t3 + a, (eps + params.strain_factor * norm, other), freed, yields
+    norm = sqrt(d1 * d1 + d2 * d2 + d3 * d3) * (0.5 / params.shear_modulus)
+    return t1 + a, t2 + a, t3 + a, (eps + params.strain_factor * norm, other), released, yields
 
 
 @device
 def apex(history, params):
-    """Mean stress of an opened point."""
+    """Mean stress of an opened point, Pa."""
     return params.cohesion * cotangent(sine(params.phi_residual + params.phi_excess * decay(params.rate * history[0])))

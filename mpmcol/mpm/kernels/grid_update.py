@@ -7,7 +7,7 @@ import numpy as np
 from mpmcol.mpm.grid import NODE, Grid, Tiles
 from mpmcol.mpm.jit import device, phase, prange
 from mpmcol.mpm.settings import Settings
-from mpmcol.mpm.simd import fma, load, splat, store, sum_lanes, swap_halves, vector, where_positive
+from mpmcol.mpm.simd import fma, load, reduce_sum, splat, store, swap_halves, vector, where_positive
 
 # what a tile of nodes reports, summed later in a fixed order
 KINETIC_BEFORE, KINETIC_AFTER, DAMPING, WALLS, UNBALANCED, WEIGHT, NODE_REPORT = range(7)
@@ -62,9 +62,9 @@ def update_grid(
             damping = fma(m_i, where_positive(held, 0.0, drag * (raw + v)), damping)
             walls = fma(m_i, where_positive(held, raw * (raw + wall_dt * f), 0.0), walls)
             unbalanced = fma(m_i, where_positive(held, 0.0, abs(f)), unbalanced)
-        report[t, KINETIC_BEFORE], report[t, KINETIC_AFTER] = 0.5 * sum_lanes(before), 0.5 * sum_lanes(after)
-        report[t, DAMPING], report[t, WALLS] = 0.5 * dt * sum_lanes(damping), 0.5 * sum_lanes(walls)
-        report[t, UNBALANCED], report[t, WEIGHT] = sum_lanes(unbalanced), mass * weight
+        report[t, KINETIC_BEFORE], report[t, KINETIC_AFTER] = 0.5 * reduce_sum(before), 0.5 * reduce_sum(after)
+        report[t, DAMPING], report[t, WALLS] = 0.5 * dt * reduce_sum(damping), 0.5 * reduce_sum(walls)
+        report[t, UNBALANCED], report[t, WEIGHT] = reduce_sum(unbalanced), mass * weight
 
 
 @phase

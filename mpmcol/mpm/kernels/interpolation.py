@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -13,14 +12,15 @@ from mpmcol.mpm.jit import device, variant
 from mpmcol.mpm.kernels.transfer_common import places, spread, store_column
 from mpmcol.mpm.lanes import X, Y, Z
 from mpmcol.mpm.settings import Settings
-from mpmcol.mpm.simd import LANES, fma, lane, load, splat, store, transpose, vector
+from mpmcol.mpm.shape_functions import ShapeFunctions
+from mpmcol.mpm.simd import LANES, extract, fma, load, splat, store, transpose, vector
 
 SLOPE = 4  # lane of the first slope: the weights of an axis stand in lanes 0 to 3 of a vector, its slopes behind them
 
 
-def make_lines(dimension: int, basis: ModuleType, affine: bool) -> Callable[..., Any]:
+def make_lines(dimension: int, basis: ShapeFunctions, affine: bool) -> Callable[..., Any]:
     """The stencil of a point, axis by axis; slopes are gradients (times h), or those of APIC's affine matrix."""
-    padded, flat = basis.padded, dimension == 2
+    evaluate, flat = basis.evaluate, dimension == 2
 
     @device
     @variant(dimension, basis, affine)
@@ -30,7 +30,7 @@ def make_lines(dimension: int, basis: ModuleType, affine: bool) -> Callable[...,
         APIC's slopes are w d / sum(w d^2) with d = (x_i - x_p) / h (Jiang et al. 2015, doi:10.1145/2766996).
         """
         s, bottom, top = places(record, grid)
-        base, w0, w1, w2, w3, g0, g1, g2, g3 = padded(s, bottom, top, settings.kernel_correction)
+        base, w0, w1, w2, w3, g0, g1, g2, g3 = evaluate(s, bottom, top, settings.kernel_correction)
         d = base - s
         if affine:
             d1, d2, d3 = d + 1.0, d + 2.0, d + 3.0
@@ -43,7 +43,7 @@ def make_lines(dimension: int, basis: ModuleType, affine: bool) -> Callable[...,
     return lines
 
 
-def make_sums(dimension: int, basis: ModuleType, affine: bool) -> Callable[..., Any]:
+def make_sums(dimension: int, basis: ShapeFunctions, affine: bool) -> Callable[..., Any]:
     """Weighted sum and slopes of the nodes around a point."""
     lines, width, flat = make_lines(dimension, basis, affine), basis.WIDTH, dimension == 2
     depth = 1 if flat else width
@@ -53,7 +53,7 @@ def make_sums(dimension: int, basis: ModuleType, affine: bool) -> Callable[..., 
     def sums(record: Any, nodes: np.ndarray, grid: Grid, settings: Settings) -> tuple[Any, Any, Any, Any]:
         """Sum of w n over the nodes n of the point whose record starts with this row, and slopes along x, y, z."""
         base, _, x, y, z = lines(record, grid, settings)
-        i, j, k = int(lane(base, X)), int(lane(base, Y)), 0 if flat else int(lane(base, Z))
+        i, j, k = int(extract(base, X)), int(extract(base, Y)), 0 if flat else int(extract(base, Z))
         mean, slope_x, slope_y, slope_z = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
         for a in range(width):
             plane, plane_y, plane_z = splat(0.0), splat(0.0), splat(0.0)

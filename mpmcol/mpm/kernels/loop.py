@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
-from types import ModuleType
 from typing import Any
 
 import numpy as np
 
+from mpmcol.mpm.constitutive import ConstitutiveLaw
 from mpmcol.mpm.jit import device, driver, variant
 from mpmcol.mpm.kernels.grid_update import DAMPING, KINETIC_AFTER, KINETIC_BEFORE, UNBALANCED, WALLS, WEIGHT
 from mpmcol.mpm.kernels.particle_update import FAULT, NO_FAULT, NODE_WORK, SPEED, TRAVEL, WORK
 from mpmcol.mpm.kernels.step import make_step
 from mpmcol.mpm.lanes import RECORD_SIZE
 from mpmcol.mpm.settings import PAPER, Scheme
-from mpmcol.mpm.shape_functions import BASES
+from mpmcol.mpm.shape_functions import SHAPE_FUNCTIONS
 from mpmcol.mpm.simd import LANES
 
 # clock of a run: numbers that change from step to step
@@ -68,11 +68,11 @@ def sum_points(report, ledger, clock, courant):
 
 @cache
 def make_cycle(
-    dimension: int, column_law: ModuleType, base_law: ModuleType, scheme: Scheme = PAPER
+    dimension: int, column_law: ConstitutiveLaw, base_law: ConstitutiveLaw, scheme: Scheme = PAPER
 ) -> Callable[..., Any]:
     """The compiled loop over steps for this dimension, these two laws and this scheme."""
     step, row = make_step(dimension, column_law, base_law, scheme), RECORD_SIZE[dimension]
-    reach = BASES[scheme.basis].TRAVEL
+    reach = SHAPE_FUNCTIONS[scheme.basis].TRAVEL_LIMIT
     lanes_moved = LANES if scheme.stress_order == "musl" else 0
 
     @driver

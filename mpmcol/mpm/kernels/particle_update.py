@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from types import ModuleType
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from mpmcol.mpm.constitutive import ConstitutiveLaw
 from mpmcol.mpm.grid import Grid
 from mpmcol.mpm.jit import device, phase, prange, variant
 from mpmcol.mpm.kernels import stress_2d, stress_3d
@@ -17,16 +17,16 @@ from mpmcol.mpm.kernels.transfer_common import AHEAD, prefetch_record
 from mpmcol.mpm.kernels.volumetric_averaging import make_excess
 from mpmcol.mpm.lanes import RECORD_SIZE
 from mpmcol.mpm.settings import PAPER, Scheme, Settings
-from mpmcol.mpm.shape_functions import BASES
+from mpmcol.mpm.shape_functions import SHAPE_FUNCTIONS
 from mpmcol.mpm.simd import (
     LANES,
     any_positive,
-    lane,
-    larger,
-    largest_lane,
+    extract,
     load,
+    maximum,
+    reduce_max,
+    reduce_sum,
     splat,
-    sum_lanes,
     vector,
     where_positive,
 )
@@ -63,7 +63,7 @@ def column_box(grid: Grid, settings: Settings) -> Box:
 
 
 def make_update_points(
-    dimension: int, column_law: ModuleType, base_law: ModuleType, scheme: Scheme = PAPER
+    dimension: int, column_law: ConstitutiveLaw, base_law: ConstitutiveLaw, scheme: Scheme = PAPER
 ) -> Callable[..., None]:
     """G2P and stress, tile by tile, with the dimension, the laws of column and base and the scheme frozen in."""
     transfer = make_transfer(dimension, scheme.basis)
@@ -71,7 +71,7 @@ def make_update_points(
     column_stress = make_update_stresses(dimension, column_law, scheme.volumetric_strain)
     base_stress = make_update_stresses(dimension, base_law, scheme.volumetric_strain)
     affine, kept = scheme.affine, dimension * LANES
-    sums = make_sums(dimension, BASES[scheme.basis], affine)
+    sums = make_sums(dimension, SHAPE_FUNCTIONS[scheme.basis], affine)
 
     @phase
     @variant(dimension, column_law, base_law, *scheme)
@@ -93,9 +93,9 @@ def make_update_points(
                     _, x, y, z = sums(load(rows, p * row), nodes, grid, settings)
                     keep_columns(matrix, kept * (p - start[t]), dimension, x, y, z)
                 step, taken = gather(rows, p * row, nodes, grid, settings, bounds, dt)
-                travel, node_work = larger(travel, abs(step)), node_work + taken
-            report[t, TRAVEL] = inv_h * max(lane(travel, 4), lane(travel, 5), lane(travel, 6))
-            report[t, NODE_WORK] = lane(node_work, 4) + lane(node_work, 5) + lane(node_work, 6)
+                travel, node_work = maximum(travel, abs(step)), node_work + taken
+            report[t, TRAVEL] = inv_h * max(extract(travel, 4), extract(travel, 5), extract(travel, 6))
+            report[t, NODE_WORK] = extract(node_work, 4) + extract(node_work, 5) + extract(node_work, 6)
             work, speed, fault = column_stress(rows, cells, start[t], split[t], column, settings, inside, c2_column, dt)
             base_work, base_speed, base_fault = base_stress(
                 rows, cells, split[t], start[t + 1], base, settings, anywhere, c2_base, dt
@@ -109,7 +109,7 @@ def make_update_points(
     return update_points
 
 
-def make_update_stresses(dimension: int, law: ModuleType, volumetric_strain: str) -> Callable[..., Any]:
+def make_update_stresses(dimension: int, law: ConstitutiveLaw, volumetric_strain: str) -> Callable[..., Any]:
     """The stress update of a range of points, eight at a time."""
     update_stress, row = STRESSES[dimension].make_update_stress(law), RECORD_SIZE[dimension]
     find_excess, averaged = make_excess(dimension), volumetric_strain == "cell"
@@ -128,11 +128,11 @@ def make_update_stresses(dimension: int, law: ModuleType, volumetric_strain: str
             excess = load(beyond, p - first) if averaged else 0.0
             spent, fastest, sound = update_stress(rows, p * row, count, params, settings, box, c2, dt, excess)
             work = work + where_positive(real, spent, 0.0)
-            speed = larger(speed, where_positive(real, fastest, 0.0))
+            speed = maximum(speed, where_positive(real, fastest, 0.0))
             bad = where_positive(real, 1.0 - sound, 0.0)
             if fault == NO_FAULT and any_positive(bad):
                 fault = p + _first_positive(bad)
-        return sum_lanes(work), largest_lane(speed), fault
+        return reduce_sum(work), reduce_max(speed), fault
 
     return update_stresses
 
@@ -141,4 +141,4 @@ def make_update_stresses(dimension: int, law: ModuleType, volumetric_strain: str
 def _first_positive(value):
     """Number of the first lane above zero, as a real number."""
     first = vector(0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0)
-    return -largest_lane(where_positive(value, -first, -float(LANES)))
+    return -reduce_max(where_positive(value, -first, -float(LANES)))

@@ -7,10 +7,10 @@ takes the lanes of L while a tile's stress is updated, and the other stands asid
 from __future__ import annotations
 
 from collections.abc import Callable
-from types import ModuleType
 
 import numpy as np
 
+from mpmcol.mpm.constitutive import ConstitutiveLaw
 from mpmcol.mpm.jit import phase, prange, variant
 from mpmcol.mpm.kernels.interpolation import keep_columns, make_sums, restore_columns, set_columns
 from mpmcol.mpm.kernels.particle_update import (
@@ -28,8 +28,8 @@ from mpmcol.mpm.kernels.transfer import make_transfer
 from mpmcol.mpm.kernels.transfer_common import AHEAD, forces, prefetch_record
 from mpmcol.mpm.lanes import L_ZZ, RECORD_SIZE, X
 from mpmcol.mpm.settings import Scheme
-from mpmcol.mpm.shape_functions import BASES
-from mpmcol.mpm.simd import LANES, lane, larger, load, splat, store, where_positive
+from mpmcol.mpm.shape_functions import SHAPE_FUNCTIONS
+from mpmcol.mpm.simd import LANES, extract, load, maximum, splat, store, where_positive
 
 
 def make_move(dimension: int, scheme: Scheme) -> Callable[..., None]:
@@ -37,7 +37,7 @@ def make_move(dimension: int, scheme: Scheme) -> Callable[..., None]:
     transfer = make_transfer(dimension, scheme.basis)
     gather, limits, row = transfer.gather, transfer.limits, transfer.RECORD_SIZE
     affine, waits = scheme.affine, scheme.stress_order == "musl"
-    sums = make_sums(dimension, BASES[scheme.basis], affine)
+    sums = make_sums(dimension, SHAPE_FUNCTIONS[scheme.basis], affine)
 
     @phase
     @variant(dimension, *scheme)
@@ -61,18 +61,24 @@ def make_move(dimension: int, scheme: Scheme) -> Callable[..., None]:
                     new = load(rows, o)
                     store(moved, p * LANES, new)
                     store(rows, o, where_positive(forces(3), old, new))
-                travel, node_work = larger(travel, abs(step)), node_work + taken
-            report[t, TRAVEL] = inv_h * max(lane(travel, 4), lane(travel, 5), lane(travel, 6))
-            report[t, NODE_WORK] = lane(node_work, 4) + lane(node_work, 5) + lane(node_work, 6)
+                travel, node_work = maximum(travel, abs(step)), node_work + taken
+            report[t, TRAVEL] = inv_h * max(extract(travel, 4), extract(travel, 5), extract(travel, 6))
+            report[t, NODE_WORK] = extract(node_work, 4) + extract(node_work, 5) + extract(node_work, 6)
 
     return move
 
 
-def make_strain(dimension: int, column_law: ModuleType, base_law: ModuleType, scheme: Scheme) -> Callable[..., None]:
+def make_strain(
+    dimension: int, column_law: ConstitutiveLaw, base_law: ConstitutiveLaw, scheme: Scheme
+) -> Callable[..., None]:
     """The stress update with the gradient of the present nodal velocities."""
     column_stress = make_update_stresses(dimension, column_law, scheme.volumetric_strain)
     base_stress = make_update_stresses(dimension, base_law, scheme.volumetric_strain)
-    sums, row, kept = make_sums(dimension, BASES[scheme.basis], False), RECORD_SIZE[dimension], dimension * LANES
+    sums, row, kept = (
+        make_sums(dimension, SHAPE_FUNCTIONS[scheme.basis], False),
+        RECORD_SIZE[dimension],
+        dimension * LANES,
+    )
     waits, flat = scheme.stress_order == "musl", dimension == 2
 
     @phase
@@ -94,7 +100,7 @@ def make_strain(dimension: int, column_law: ModuleType, base_law: ModuleType, sc
                 mean, x, y, z = sums(load(rows, o), nodes, grid, settings)
                 set_columns(rows, o, dimension, x, y, z)
                 if flat:
-                    rows[o + L_ZZ] = lane(mean, 1) / rows[o + X] if settings.axisymmetric else 0.0
+                    rows[o + L_ZZ] = extract(mean, 1) / rows[o + X] if settings.axisymmetric else 0.0
             work, speed, fault = column_stress(rows, cells, start[t], split[t], column, settings, inside, c2_column, dt)
             base_work, base_speed, base_fault = base_stress(
                 rows, cells, split[t], start[t + 1], base, settings, anywhere, c2_base, dt

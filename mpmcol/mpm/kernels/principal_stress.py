@@ -8,7 +8,7 @@ Symmetric tensors are tuples xx yy zz xy yz xz.
 from __future__ import annotations
 
 from mpmcol.mpm.jit import device
-from mpmcol.mpm.simd import root, where_positive
+from mpmcol.mpm.simd import sqrt, where_positive
 
 TINY = 1e-60  # Pa2: a deviator this small has no direction
 
@@ -20,7 +20,7 @@ def lone_value(j2, j3):
     It is 2 c sqrt(J2 / 3) sign(J3), where 4 c^3 - 3 c = r and cos(30 deg) <= c <= 1; two Newton steps from a
     cubic that is off by 2e-4 at most leave round-off.
     """
-    s = root(j2 * (1.0 / 3.0))
+    s = sqrt(j2 * (1.0 / 3.0))
     r = where_positive(j2 - TINY, 0.5 * j3 / (s * s * s), 0.0)
     sign = where_positive(-r, -1.0, 1.0)
     r = where_positive(abs(r) - 1.0, 1.0, abs(r))
@@ -43,7 +43,7 @@ def direction(d, value):
     y = where_positive(z_first, m_yz, where_positive(y_first, m_yy, m_xy))
     z = where_positive(z_first, m_zz, where_positive(y_first, m_yz, m_xz))
     square = x * x + y * y + z * z
-    scale = 1.0 / root(where_positive(square, square, 1.0))
+    scale = 1.0 / sqrt(where_positive(square, square, 1.0))
     return where_positive(square, x * scale, 1.0), y * scale, z * scale
 
 

@@ -8,9 +8,9 @@ positions. USF's time step and its look at the points know the velocities and pl
 from __future__ import annotations
 
 from collections.abc import Callable
-from types import ModuleType
 from typing import Any
 
+from mpmcol.mpm.constitutive import ConstitutiveLaw
 from mpmcol.mpm.jit import device, variant
 from mpmcol.mpm.kernels.grid_update import clear, find_velocities, update_grid
 from mpmcol.mpm.kernels.particle_update import make_update_points
@@ -20,12 +20,16 @@ from mpmcol.mpm.kernels.transfer_common import make_p2g
 from mpmcol.mpm.settings import Scheme
 
 
-def make_step(dimension: int, column_law: ModuleType, base_law: ModuleType, scheme: Scheme) -> Callable[..., Any]:
+def make_step(
+    dimension: int, column_law: ConstitutiveLaw, base_law: ConstitutiveLaw, scheme: Scheme
+) -> Callable[..., Any]:
     """One step in the order that the scheme names."""
     return ORDERS[scheme.stress_order](dimension, column_law, base_law, scheme)
 
 
-def _make_usl(dimension: int, column_law: ModuleType, base_law: ModuleType, scheme: Scheme) -> Callable[..., Any]:
+def _make_usl(
+    dimension: int, column_law: ConstitutiveLaw, base_law: ConstitutiveLaw, scheme: Scheme
+) -> Callable[..., Any]:
     p2g = make_p2g(make_transfer(dimension, scheme.basis))
     update_points = make_update_points(dimension, column_law, base_law, scheme)
 
@@ -42,7 +46,9 @@ def _make_usl(dimension: int, column_law: ModuleType, base_law: ModuleType, sche
     return usl
 
 
-def _make_usf(dimension: int, column_law: ModuleType, base_law: ModuleType, scheme: Scheme) -> Callable[..., Any]:
+def _make_usf(
+    dimension: int, column_law: ConstitutiveLaw, base_law: ConstitutiveLaw, scheme: Scheme
+) -> Callable[..., Any]:
     p2g, move = make_p2g(make_transfer(dimension, scheme.basis)), make_move(dimension, scheme)
     strain = make_strain(dimension, column_law, base_law, scheme)
 
@@ -63,7 +69,9 @@ def _make_usf(dimension: int, column_law: ModuleType, base_law: ModuleType, sche
     return usf
 
 
-def _make_musl(dimension: int, column_law: ModuleType, base_law: ModuleType, scheme: Scheme) -> Callable[..., Any]:
+def _make_musl(
+    dimension: int, column_law: ConstitutiveLaw, base_law: ConstitutiveLaw, scheme: Scheme
+) -> Callable[..., Any]:
     p2g, move = make_p2g(make_transfer(dimension, scheme.basis)), make_move(dimension, scheme)
     strain = make_strain(dimension, column_law, base_law, scheme)
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from types import ModuleType
 from typing import Any
 
 import numpy as np
 
 from mpmcol.mpm import lanes
+from mpmcol.mpm.constitutive import ConstitutiveLaw
 from mpmcol.mpm.jit import device, variant
 from mpmcol.mpm.kernels.stress_common import (
     exponential,
@@ -21,12 +21,12 @@ from mpmcol.mpm.kernels.stress_common import (
     store_eight,
 )
 from mpmcol.mpm.settings import Settings
-from mpmcol.mpm.simd import any_positive, root, where_positive
+from mpmcol.mpm.simd import any_positive, sqrt, where_positive
 
 RECORD_SIZE = lanes.RECORD_SIZE[2]
 
 
-def make_formula(law: ModuleType) -> Callable[..., Any]:
+def make_formula(law: ConstitutiveLaw) -> Callable[..., Any]:
     """The stress update of one point, or of eight as vectors, with the formulas of `law` frozen in."""
     may_yield, return_map, apex = law.may_yield, law.return_map, law.apex
 
@@ -54,7 +54,7 @@ def make_formula(law: ModuleType) -> Callable[..., Any]:
         t_xy = t_xy + g2 * shear
 
         centre, half = 0.5 * (t_xx + t_yy), 0.5 * (t_xx - t_yy)
-        radius = root(half * half + t_xy * t_xy)
+        radius = sqrt(half * half + t_xy * t_xy)
         a, b = centre + radius, centre - radius
         largest, least = where_positive(t_zz - a, t_zz, a), where_positive(b - t_zz, t_zz, b)
         if any_positive(where_positive(stays, 0.0, may_yield(largest, least, history, params))):
@@ -72,7 +72,7 @@ def make_formula(law: ModuleType) -> Callable[..., Any]:
     return formula
 
 
-def make_update_stress(law: ModuleType) -> Callable[..., Any]:
+def make_update_stress(law: ConstitutiveLaw) -> Callable[..., Any]:
     """The stress update of eight records under `law`."""
     formula = make_formula(law)
 

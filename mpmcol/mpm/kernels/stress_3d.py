@@ -6,12 +6,12 @@ Symmetric tensors are tuples xx yy zz xy yz xz.
 from __future__ import annotations
 
 from collections.abc import Callable
-from types import ModuleType
 from typing import Any
 
 import numpy as np
 
 from mpmcol.mpm import lanes
+from mpmcol.mpm.constitutive import ConstitutiveLaw
 from mpmcol.mpm.jit import device, variant
 from mpmcol.mpm.kernels.principal_stress import determinant, direction, lone_value, second_invariant
 from mpmcol.mpm.kernels.stress_common import (
@@ -25,12 +25,12 @@ from mpmcol.mpm.kernels.stress_common import (
     store_eight,
 )
 from mpmcol.mpm.settings import Settings
-from mpmcol.mpm.simd import any_positive, root, where_positive
+from mpmcol.mpm.simd import any_positive, sqrt, where_positive
 
 RECORD_SIZE = lanes.RECORD_SIZE[3]
 
 
-def make_formula(law: ModuleType) -> Callable[..., Any]:
+def make_formula(law: ConstitutiveLaw) -> Callable[..., Any]:
     """The stress update of one point, or of eight as vectors, with the formulas of `law` frozen in."""
     may_yield, return_map, apex = law.may_yield, law.return_map, law.apex
 
@@ -59,7 +59,7 @@ def make_formula(law: ModuleType) -> Callable[..., Any]:
         p = (t_xx + t_yy + t_zz) * (1.0 / 3.0)
         d = (t_xx - p, t_yy - p, t_zz - p, t[3], t[4], t[5])
         j2 = second_invariant(d)
-        reach = root(j2 * (4.0 / 3.0))  # no principal stress is farther from p
+        reach = sqrt(j2 * (4.0 / 3.0))  # no principal stress is farther from p
         if any_positive(where_positive(stays, 0.0, may_yield(p + reach, p - reach, history, params))):
             returned, q, freed, yields = _return(p, d, j2, history, params, return_map)
             yields = where_positive(stays, 0.0, yields)
@@ -72,7 +72,7 @@ def make_formula(law: ModuleType) -> Callable[..., Any]:
     return formula
 
 
-def make_update_stress(law: ModuleType) -> Callable[..., Any]:
+def make_update_stress(law: ConstitutiveLaw) -> Callable[..., Any]:
     """The stress update of eight records under `law`."""
     formula = make_formula(law)
 
@@ -155,7 +155,7 @@ def _return(p, d, j2, history, params, return_map):
         d[0] + half - lone * n_x * n_x, d[1] + half - lone * n_y * n_y, d[2] + half - lone * n_z * n_z,
         d[3] - lone * n_x * n_y, d[4] - lone * n_y * n_z, d[5] - lone * n_x * n_z,
     )  # fmt: skip
-    radius, centre = root(second_invariant(b)), p - half
+    radius, centre = sqrt(second_invariant(b)), p - half
     r_a, r_b, r_n, q, freed, yields = return_pair(
         centre + radius, centre - radius, p + value, history, params, return_map
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mpmcol.mpm.jit import device
-from mpmcol.mpm.simd import load, root, store, transpose, where_positive
+from mpmcol.mpm.simd import load, sqrt, store, transpose, where_positive
 
 J_MIN, J_MAX = 0.1, 50.0
 OPEN_MAX = 1e30  # a grain alone keeps its velocity gradient and opens as exp(t): so far, it never closes
@@ -97,4 +97,4 @@ def inspect(J, v2, c2, settings):
     c2_p, fall2 = c2 * J, settings.free_speed * settings.free_speed
     limit2 = where_positive(c2_p - fall2, c2_p, fall2)
     sound = where_positive(limit2 - v2, where_positive(J - J_MIN, where_positive(J_MAX - J, 1.0, 0.0), 0.0), 0.0)
-    return root(c2_p) + root(v2), sound
+    return sqrt(c2_p) + sqrt(v2), sound

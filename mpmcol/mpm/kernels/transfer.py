@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
-from types import ModuleType, SimpleNamespace
+from types import SimpleNamespace
 from typing import Any
 
 from mpmcol.mpm.jit import device, variant
@@ -16,8 +16,8 @@ from mpmcol.mpm.kernels import transfer_quadratic_2d, transfer_quadratic_3d
 from mpmcol.mpm.kernels.interpolation import SLOPE, make_lines, make_sums, set_columns
 from mpmcol.mpm.kernels.transfer_common import forces, momenta, move, power, spread
 from mpmcol.mpm.lanes import L_ZZ, S_ZZ, V0, J, M, X, Y, Z
-from mpmcol.mpm.shape_functions import BASES
-from mpmcol.mpm.simd import fma, lane, load, splat, store, vector
+from mpmcol.mpm.shape_functions import SHAPE_FUNCTIONS, ShapeFunctions
+from mpmcol.mpm.simd import extract, fma, load, splat, store, vector
 
 TRANSFERS: dict[int, Any] = {2: transfer_quadratic_2d, 3: transfer_quadratic_3d}
 
@@ -32,12 +32,12 @@ def make_transfer(dimension: int, basis: str) -> Any:
         __name__=f"{basis}_{dimension}",
         RECORD_SIZE=own.RECORD_SIZE,
         limits=own.limits,
-        scatter=_make_scatter(dimension, BASES[basis]),
-        gather=_make_gather(dimension, BASES[basis]),
+        scatter=_make_scatter(dimension, SHAPE_FUNCTIONS[basis]),
+        gather=_make_gather(dimension, SHAPE_FUNCTIONS[basis]),
     )
 
 
-def _make_scatter(dimension: int, basis: ModuleType) -> Callable[..., Any]:
+def _make_scatter(dimension: int, basis: ShapeFunctions) -> Callable[..., Any]:
     lines, width, flat = make_lines(dimension, basis, False), basis.WIDTH, dimension == 2
     depth = 1 if flat else width
 
@@ -47,8 +47,8 @@ def _make_scatter(dimension: int, basis: ModuleType) -> Callable[..., Any]:
         """Add one point, whose record starts at `o`, to its nodes."""
         h, inv_h, record = grid.h, 1.0 / grid.h, load(rows, o)
         base, d, x, y, z = lines(record, grid, settings)
-        i, j, k = int(lane(base, X)), int(lane(base, Y)), 0 if flat else int(lane(base, Z))
-        d_x, d_y, d_z = lane(d, X), lane(d, Y), lane(d, Z)
+        i, j, k = int(extract(base, X)), int(extract(base, Y)), 0 if flat else int(extract(base, Z))
+        d_x, d_y, d_z = extract(d, X), extract(d, Y), extract(d, Z)
         m, volume = rows[o + M], rows[o + J] * rows[o + V0]
         hoop = volume * rows[o + S_ZZ] / rows[o + X] if flat and settings.axisymmetric else 0.0
 
@@ -80,7 +80,7 @@ def _make_scatter(dimension: int, basis: ModuleType) -> Callable[..., Any]:
     return scatter
 
 
-def _make_gather(dimension: int, basis: ModuleType) -> Callable[..., Any]:
+def _make_gather(dimension: int, basis: ShapeFunctions) -> Callable[..., Any]:
     sums, flat = make_sums(dimension, basis, False), dimension == 2
 
     @device
@@ -98,8 +98,8 @@ def _make_gather(dimension: int, basis: ModuleType) -> Callable[..., Any]:
         if flat:
             l_zz = 0.0
             if settings.axisymmetric:  # v_r / r belongs to the old position
-                l_zz = lane(mean, 1) / rows[o + X]
-                hoop = (l_zz - 0.5 * dt * lane(mean, 4) / rows[o + X]) * rows[o + S_ZZ]
+                l_zz = extract(mean, 1) / rows[o + X]
+                hoop = (l_zz - 0.5 * dt * extract(mean, 4) / rows[o + X]) * rows[o + S_ZZ]
                 work = work + vector(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, hoop, 0.0)
             rows[o + L_ZZ] = l_zz
         else:

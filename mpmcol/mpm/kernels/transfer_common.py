@@ -10,8 +10,8 @@ import numpy as np
 from mpmcol.mpm.grid import Grid, Tiles
 from mpmcol.mpm.jit import device, phase, prange, variant
 from mpmcol.mpm.settings import Settings
-from mpmcol.mpm.shape_functions.quadratic import splines
-from mpmcol.mpm.simd import LANES, fma, lane, load, prefetch, splat, store, swap_halves, vector, where_positive
+from mpmcol.mpm.shape_functions.quadratic import spline_lanes
+from mpmcol.mpm.simd import LANES, extract, fma, load, prefetch, splat, store, swap_halves, vector, where_positive
 
 AHEAD = 24  # points: memory answers in the time that so many take
 WALL_GAP = 0.1  # in h: a point closer to one wall would be stiffer than the default time step bears (nu up to 0.3)
@@ -71,14 +71,14 @@ def stencil(record: Any, grid: Grid, settings: Settings) -> tuple[Any, Any, Any,
     Returns grid coordinates, first nodes as real numbers, three weights and three gradients (times h).
     """
     s, bottom, top = places(record, grid)
-    base, w0, w1, w2, g0, g1, g2 = splines(s, bottom, top, settings.kernel_correction)
+    base, w0, w1, w2, g0, g1, g2 = spline_lanes(s, bottom, top, settings.kernel_correction)
     return s, base, w0, w1, w2, g0, g1, g2
 
 
 @device
 def spread(value: Any, index: int) -> Any:
     """One lane in all lanes."""
-    return splat(lane(value, index))
+    return splat(extract(value, index))
 
 
 @device
@@ -111,7 +111,7 @@ def move(record: Any, mean: Any, d: int, limits: Any, settings: Settings, dt: fl
     held = where_positive(limits[0] - moved, limits[0], moved)
     held = where_positive(held - limits[1], limits[1], held)
     pull = vector(0.0, 0.0, 0.0, 0.0, settings.gravity_x, settings.gravity_y, settings.gravity_z, 0.0)
-    return held, step, lane(record, 0) * (pull * (held - moved))
+    return held, step, extract(record, 0) * (pull * (held - moved))
 
 
 @device

@@ -12,7 +12,7 @@ from mpmcol.mpm.jit import device
 from mpmcol.mpm.kernels.transfer_common import WALL_GAP, forces, momenta, move, power, spread, stencil, store_column
 from mpmcol.mpm.lanes import S_ZZ, V0, J, M, X, Y
 from mpmcol.mpm.settings import Settings
-from mpmcol.mpm.simd import fma, lane, load, splat, store, vector
+from mpmcol.mpm.simd import extract, fma, load, splat, store, vector
 
 RECORD_SIZE = lanes.RECORD_SIZE[2]
 
@@ -37,7 +37,7 @@ def scatter(rows: np.ndarray, o: int, nodes: np.ndarray, grid: Grid, settings: S
     h, inv_h = grid.h, 1.0 / grid.h
     record = load(rows, o)
     s, base, w0, w1, w2, g0, g1, g2 = stencil(record, grid, settings)
-    i, j = int(lane(base, X)), int(lane(base, Y))
+    i, j = int(extract(base, X)), int(extract(base, Y))
     d = (base - s) * h
     wx0, wx1, wx2 = spread(w0, X), spread(w1, X), spread(w2, X)
     wy0, wy1, wy2 = spread(w0, Y), spread(w1, Y), spread(w2, Y)
@@ -88,7 +88,7 @@ def gather(
     inv_h = 1.0 / grid.h
     old = load(rows, o)
     _, base, w0, w1, w2, g0, g1, g2 = stencil(old, grid, settings)
-    i, j = int(lane(base, X)), int(lane(base, Y))
+    i, j = int(extract(base, X)), int(extract(base, Y))
     wx0, wx1, wx2 = spread(w0, X), spread(w1, X), spread(w2, X)
     wy0, wy1, wy2 = spread(w0, Y), spread(w1, Y), spread(w2, Y)
     gy0, gy1, gy2 = spread(g0, Y), spread(g1, Y), spread(g2, Y)
@@ -104,8 +104,8 @@ def gather(
     work = power(load(rows, o + 8), grad_x, dt) + power(load(rows, o + 16), grad_y, dt)
     l_zz = 0.0
     if settings.axisymmetric:  # v_r / r belongs to the old position
-        l_zz = lane(mean, 1) / rows[o + X]
-        hoop = (l_zz - 0.5 * dt * lane(mean, 4) / rows[o + X]) * rows[o + S_ZZ]
+        l_zz = extract(mean, 1) / rows[o + X]
+        hoop = (l_zz - 0.5 * dt * extract(mean, 4) / rows[o + X]) * rows[o + S_ZZ]
         work = work + vector(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, hoop, 0.0)
     work = (dt * rows[o + J] * rows[o + V0]) * work
     record, step, lifted = move(old, mean, 2, bounds, settings, dt)

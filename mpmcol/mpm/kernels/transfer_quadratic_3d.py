@@ -12,7 +12,7 @@ from mpmcol.mpm.jit import device
 from mpmcol.mpm.kernels.transfer_common import WALL_GAP, forces, momenta, move, power, spread, stencil, store_column
 from mpmcol.mpm.lanes import V0, J, M, X, Y, Z
 from mpmcol.mpm.settings import Settings
-from mpmcol.mpm.simd import fma, lane, load, splat, store, vector
+from mpmcol.mpm.simd import extract, fma, load, splat, store, vector
 
 RECORD_SIZE = lanes.RECORD_SIZE[3]
 
@@ -34,7 +34,7 @@ def scatter(rows: np.ndarray, o: int, nodes: np.ndarray, grid: Grid, settings: S
     """Add one point, whose record starts at `o`, to its twenty-seven nodes."""
     h, inv_h, record = grid.h, 1.0 / grid.h, load(rows, o)
     s, base, w0, w1, w2, g0, g1, g2 = stencil(record, grid, settings)
-    i, j, k = int(lane(base, X)), int(lane(base, Y)), int(lane(base, Z))
+    i, j, k = int(extract(base, X)), int(extract(base, Y)), int(extract(base, Z))
     d0 = (base - s) * h
     d1, d2 = d0 + h, d0 + 2.0 * h
     wd0, wd1, wd2 = w0 * d0, w1 * d1, w2 * d2
@@ -104,7 +104,7 @@ def gather(
     """
     inv_h, old = 1.0 / grid.h, load(rows, o)
     _, base, w0, w1, w2, g0, g1, g2 = stencil(old, grid, settings)
-    i, j, k = int(lane(base, X)), int(lane(base, Y)), int(lane(base, Z))
+    i, j, k = int(extract(base, X)), int(extract(base, Y)), int(extract(base, Z))
     y_lines, z_lines = (grid.ay[j], grid.ay[j + 1], grid.ay[j + 2]), (grid.az[k], grid.az[k + 1], grid.az[k + 2])
     wy, gy = (spread(w0, Y), spread(w1, Y), spread(w2, Y)), (spread(g0, Y), spread(g1, Y), spread(g2, Y))
     wz, gz = (spread(w0, Z), spread(w1, Z), spread(w2, Z)), (spread(g0, Z), spread(g1, Z), spread(g2, Z))

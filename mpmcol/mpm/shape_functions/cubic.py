@@ -1,8 +1,8 @@
-"""Cubic B-spline: four nodes an axis, at least; beside walls it takes the node outside for a linear continuation.
+"""Cubic B-spline: four nodes per axis. Beside walls, linear extrapolation replaces the node outside the grid.
 
-The value of the node outside is twice that on the wall less the next one, so its weight goes to these two (as the
-modified splines of Steffen, Kirby & Berzins 2008, doi:10.1002/nme.2360, it keeps constants and linear fields). The same
-rule gives the quadratic spline the hats of its kernel correction.
+The value of the node outside is twice that on the wall minus that of the next node, so its weight is distributed to
+these two. Like the modified splines of Steffen, Kirby & Berzins (2008, doi:10.1002/nme.2360) this reproduces constant
+and linear fields. The same rule turns the quadratic spline into the linear functions of its kernel correction.
 """
 
 from __future__ import annotations
@@ -10,20 +10,20 @@ from __future__ import annotations
 from typing import Any
 
 from mpmcol.mpm.jit import device
-from mpmcol.mpm.simd import larger, round_down, splat, where_positive
+from mpmcol.mpm.simd import floor, maximum, splat, where_positive
 
 WIDTH = 4
-TRAVEL = 0.5  # farther, and stencils of two tiles of one colour could meet
+TRAVEL_LIMIT = 0.5  # beyond it, stencils of two tiles of one colour could overlap
 STIFFNESS = 3.14
 
 
 @device
-def padded(s: Any, bottom: Any, top: Any, correction: bool) -> tuple[Any, Any, Any, Any, Any, Any, Any, Any, Any]:
-    """First node, four weights and four gradients (times h); without correction the spline is cut off at walls."""
-    last = top - 0.5  # the cell beside the upper wall, and the first node of a stencil cannot lie beyond last - 2
-    cell = larger(round_down(s), splat(0.0))
+def evaluate(s: Any, bottom: Any, top: Any, correction: bool) -> tuple[Any, Any, Any, Any, Any, Any, Any, Any, Any]:
+    """See `ShapeFunctions.evaluate`; without correction the spline is truncated at walls."""
+    last = top - 0.5  # the cell beside the upper wall; the first node of a stencil is at most last - 2
+    cell = maximum(floor(s), splat(0.0))
     cell = where_positive(cell - last, last, cell)
-    base = larger(cell - 1.0, splat(0.0))
+    base = maximum(cell - 1.0, splat(0.0))
     base = where_positive(base - (last - 2.0), last - 2.0, base)
     r = s - cell
     q = 1.0 - r
@@ -38,10 +38,10 @@ def padded(s: Any, bottom: Any, top: Any, correction: bool) -> tuple[Any, Any, A
 
 @device
 def _inside(below: Any, above: Any, correction: bool, a: Any, b: Any, c: Any, d: Any) -> tuple[Any, Any, Any, Any]:
-    """Weights (or gradients) of the four nodes inside the grid: one of these lies outside in the cells beside walls."""
-    lost = 1.0 if correction else 0.0
-    low_a, low_b = b + (2.0 * lost) * a, c - lost * a
-    high_d, high_c = c + (2.0 * lost) * d, b - lost * d
+    """Weights (or gradients) of four nodes inside the grid; in the cells beside walls one of a to d lies outside."""
+    share = 1.0 if correction else 0.0
+    low_a, low_b = b + (2.0 * share) * a, c - share * a
+    high_d, high_c = c + (2.0 * share) * d, b - share * d
     return (
         where_positive(below, low_a, where_positive(above, 0.0, a)),
         where_positive(below, low_b, where_positive(above, a, b)),

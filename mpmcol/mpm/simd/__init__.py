@@ -1,26 +1,25 @@
-"""A vector of eight doubles as a Numba type, so that kernels read like formulas and compile to packed code.
+"""Vectors of eight doubles as a Numba type: kernels read like formulas and compile to SIMD instructions.
 
-LLVM splits the vectors by itself on machines whose registers are narrower. Every function has a plain Python body
-(`vectors.py`) that works on NumPy arrays of eight numbers, the twin that runs under NUMBA_DISABLE_JIT=1, and a compiled
-one (`compiled.py`). `root`, `where_positive` and `any_positive` take single numbers too, as do the operators, so that a
-formula written with them serves both.
+LLVM splits the vectors on machines with narrower registers. Every function has a plain Python implementation on NumPy
+arrays of eight numbers (`vectors.py`), which runs under NUMBA_DISABLE_JIT=1, and a compiled one (`compiled.py`).
+`sqrt`, `where_positive`, `any_positive` and the operators also take single numbers, so that one formula serves both.
 """
 
-from mpmcol.mpm.simd import compiled as compiled  # declares to Numba what the names below compile to
+from mpmcol.mpm.simd import compiled as compiled  # registers the compiled implementations with Numba
 from mpmcol.mpm.simd.vectors import (
     LANES,
     any_positive,
+    extract,
+    floor,
     fma,
-    lane,
-    larger,
-    largest_lane,
     load,
+    maximum,
     prefetch,
-    root,
-    round_down,
+    reduce_max,
+    reduce_sum,
     splat,
+    sqrt,
     store,
-    sum_lanes,
     swap_halves,
     transpose,
     vector,
@@ -30,17 +29,17 @@ from mpmcol.mpm.simd.vectors import (
 __all__ = [
     "LANES",
     "any_positive",
+    "extract",
+    "floor",
     "fma",
-    "lane",
-    "larger",
-    "largest_lane",
     "load",
+    "maximum",
     "prefetch",
-    "root",
-    "round_down",
+    "reduce_max",
+    "reduce_sum",
     "splat",
+    "sqrt",
     "store",
-    "sum_lanes",
     "swap_halves",
     "transpose",
     "vector",

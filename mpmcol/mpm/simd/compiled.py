@@ -1,6 +1,6 @@
-"""The same operations compiled: a Numba type for LLVM's `<8 x double>`, intrinsics, and what replaces what."""
+"""Compiled implementations of the operations: a Numba type for LLVM's `<8 x double>`, intrinsics and overloads."""
 
-# Numba adds the first argument of an intrinsic by itself.
+# Numba adds the first argument of an intrinsic.
 # mypy: disable-error-code="call-arg"
 
 from __future__ import annotations
@@ -20,17 +20,17 @@ from mpmcol.mpm.simd.vectors import (
     LANES,
     SWAPPED,
     any_positive,
+    extract,
+    floor,
     fma,
-    lane,
-    larger,
-    largest_lane,
     load,
+    maximum,
     prefetch,
-    root,
-    round_down,
+    reduce_max,
+    reduce_sum,
     splat,
+    sqrt,
     store,
-    sum_lanes,
     swap_halves,
     transpose,
     vector,
@@ -93,7 +93,7 @@ def _prefetch(typingctx, array, index):
         address = _pointer(context, builder, signature.args[0], args[0], position, _BYTE)
         kind = ir.FunctionType(ir.VoidType(), [address.type, _INT, _INT, _INT])
         function = cgutils.get_or_insert_function(builder.module, kind, "llvm.prefetch.p0i8")
-        builder.call(function, [address, _INT(0), _INT(3), _INT(1)])  # to read, into all caches, data
+        builder.call(function, [address, _INT(0), _INT(3), _INT(1)])  # for reading, into all caches, data
         return context.get_dummy_value()
 
     return types.void(array, index), codegen
@@ -103,15 +103,15 @@ def _prefetch(typingctx, array, index):
 def _vector(typingctx, x0, x1, x2, x3, x4, x5, x6, x7):
     def codegen(context, builder, signature, args):
         value = _ZERO
-        for place, number in enumerate(args):
-            value = builder.insert_element(value, number, _INT(place))
+        for position, number in enumerate(args):
+            value = builder.insert_element(value, number, _INT(position))
         return value
 
     return vec8(*[types.float64] * LANES), codegen
 
 
 @intrinsic
-def _lane(typingctx, value, index):
+def _extract(typingctx, value, index):
     def codegen(context, builder, signature, args):
         return builder.extract_element(args[0], context.cast(builder, args[1], signature.args[1], types.int32))
 
@@ -156,24 +156,24 @@ def _emit_any(builder, a):
     return builder.icmp_unsigned("!=", builder.bitcast(_is_positive(builder, a), mask), mask(0))
 
 
-def _emit_larger(builder, a, b):
+def _emit_maximum(builder, a, b):
     return builder.select(builder.fcmp_ordered(">", a, b), a, b)
 
 
-def _emit_largest(builder, a):
+def _emit_reduce_max(builder, a):
     for width in (4, 2, 1):
-        a = _emit_larger(builder, a, _shuffle(builder, a, a, [(k + width) % LANES for k in range(LANES)]))
+        a = _emit_maximum(builder, a, _shuffle(builder, a, a, [(k + width) % LANES for k in range(LANES)]))
     return builder.extract_element(a, _INT(0))
 
 
-def _emit_sum(builder, a):
+def _emit_reduce_sum(builder, a):
     for width in (4, 2, 1):
         a = builder.fadd(a, _shuffle(builder, a, a, [(k + width) % LANES for k in range(LANES)]))
     return builder.extract_element(a, _INT(0))
 
 
 def _unary(emit: Callable[..., Any], result: Any = vec8, argument: Any = vec8) -> Any:
-    """An intrinsic of one vector (or number), from what it emits."""
+    """An intrinsic of one vector (or number) from the function that emits its instructions."""
 
     @intrinsic
     def operation(typingctx, a):
@@ -204,14 +204,14 @@ def _ternary(emit: Callable[..., Any]) -> Any:
 
 _splat = _unary(_emit_splat, argument=types.float64)
 _swap_halves = _unary(lambda builder, a: _shuffle(builder, a, a, SWAPPED))
-_root = _unary(lambda builder, a: _call(builder, "llvm.sqrt.v8f64", a))
-_round_down = _unary(lambda builder, a: _call(builder, "llvm.floor.v8f64", a))
+_sqrt = _unary(lambda builder, a: _call(builder, "llvm.sqrt.v8f64", a))
+_floor = _unary(lambda builder, a: _call(builder, "llvm.floor.v8f64", a))
 _magnitude = _unary(lambda builder, a: _call(builder, "llvm.fabs.v8f64", a))
 _negative = _unary(lambda builder, a: builder.fneg(a))
 _any_positive = _unary(_emit_any, result=types.boolean)
-_larger = _binary(_emit_larger)
-_largest_lane = _unary(_emit_largest, result=types.float64)
-_sum_lanes = _unary(_emit_sum, result=types.float64)
+_maximum = _binary(_emit_maximum)
+_reduce_max = _unary(_emit_reduce_max, result=types.float64)
+_reduce_sum = _unary(_emit_reduce_sum, result=types.float64)
 _fma = _ternary(lambda builder, a, b, c: _call(builder, "llvm.fma.v8f64", a, b, c))
 _select = _ternary(lambda builder, c, a, b: builder.select(_is_positive(builder, c), a, b))
 _ARITHMETIC = {
@@ -223,7 +223,7 @@ _ARITHMETIC = {
 
 
 def _wide(x: Any) -> Any:
-    """A vector as it is, a number in all lanes."""
+    """A vector unchanged, or a number in all lanes."""
     raise NotImplementedError
 
 
@@ -233,7 +233,7 @@ def _wide_overload(x):
 
 
 def _declare(function: Callable[..., Any], implementation: Any) -> None:
-    """Let compiled code use what `implementation`, a factory like those that `overload` takes, gives for `function`."""
+    """Register the compiled implementation of `function`; `implementation` is a factory such as `overload` takes."""
 
     @wraps(implementation)
     def named(*arguments):
@@ -260,13 +260,13 @@ _declare(load, lambda array, index: lambda array, index: _load(array, index))
 _declare(prefetch, lambda array, index: lambda array, index: _prefetch(array, index))
 _declare(store, lambda array, index, value: lambda array, index, value: _store(array, index, value))
 _declare(splat, lambda x: lambda x: _splat(float(x)))
-_declare(lane, lambda value, index: lambda value, index: _lane(value, index))
+_declare(extract, lambda value, index: lambda value, index: _extract(value, index))
 _declare(swap_halves, lambda value: lambda value: _swap_halves(value))
 _declare(fma, lambda a, b, c: lambda a, b, c: _fma(a, b, c))
-_declare(round_down, lambda a: lambda a: _round_down(a))
-_declare(larger, lambda a, b: lambda a, b: _larger(a, b))
-_declare(largest_lane, lambda a: lambda a: _largest_lane(a))
-_declare(sum_lanes, lambda a: lambda a: _sum_lanes(a))
+_declare(floor, lambda a: lambda a: _floor(a))
+_declare(maximum, lambda a, b: lambda a, b: _maximum(a, b))
+_declare(reduce_max, lambda a: lambda a: _reduce_max(a))
+_declare(reduce_sum, lambda a: lambda a: _reduce_sum(a))
 
 
 @overload(vector)
@@ -281,9 +281,9 @@ def _transpose_overload(r0, r1, r2, r3, r4, r5, r6, r7):
     return lambda r0, r1, r2, r3, r4, r5, r6, r7: _transpose(r0, r1, r2, r3, r4, r5, r6, r7)
 
 
-@overload(root)
+@overload(sqrt)
 def _root_overload(a):
-    return (lambda a: _root(a)) if a == vec8 else (lambda a: np.sqrt(a))
+    return (lambda a: _sqrt(a)) if a == vec8 else (lambda a: np.sqrt(a))
 
 
 @overload(where_positive)

@@ -9,7 +9,7 @@ import pytest
 
 from mpmcol.case import load_case, shipped_cases
 from mpmcol.mpm.kernels.transfer_common import WALL_GAP
-from mpmcol.mpm.shape_functions import BASES
+from mpmcol.mpm.shape_functions import SHAPE_FUNCTIONS
 from mpmcol.setup.stability_limit import BETWEEN, FREE, SMOOTH, STICKING, LonePoint, one_point_bound
 from mpmcol.setup.time_step import axis_gap, case_bound
 
@@ -33,7 +33,7 @@ AXIS = (SMOOTH, FREE)
         (LonePoint((BETWEEN,) * 3, transfer="pic"), 0.667 / np.sqrt(2.0)),
         (LonePoint((BETWEEN,) * 3, transfer="tpic"), 0.667),
         (LonePoint((BETWEEN,) * 3, transfer="apic"), 0.667 * np.sqrt(0.75)),
-        (LonePoint((BETWEEN,) * 2, nu=0.0, basis="cubic"), 2.0 / np.sqrt(BASES["cubic"].STIFFNESS)),
+        (LonePoint((BETWEEN,) * 2, nu=0.0, basis="cubic"), 2.0 / np.sqrt(SHAPE_FUNCTIONS["cubic"].STIFFNESS)),
     ],
 )  # fmt: skip
 def test_bounds_of_single_points(point: LonePoint, bound: float) -> None:
