@@ -151,8 +151,8 @@ RULES = (
         'cannot be "apic" with {1}: beside walls its matrix needs weights that add up to one',
     ),
     Rule(
-        ("method.sleeping_base", "geometry.base"),
-        lambda sleeping, base: not sleeping or base == "elastic",
+        ("method.deactivate_base", "geometry.base"),
+        lambda deactivated, base: not deactivated or base == "elastic",
         "must be left out with {1}, which has no points",
     ),
     Rule(

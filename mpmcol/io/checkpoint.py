@@ -16,7 +16,7 @@ from mpmcol.io.atomic import CHECKPOINT_FILES, atomic_write
 from mpmcol.io.checksums import has_digest
 
 DIGEST = hashlib.sha256().digest_size  # bytes at the end of a file
-FORMAT = 3  # in the meta of a state; the program goes on from no other
+FORMAT = 4  # in the meta of a state; the program goes on from no other
 META = "meta"  # name of the array that holds what is not an array, as JSON
 
 

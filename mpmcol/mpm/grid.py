@@ -11,7 +11,7 @@ from mpmcol.mpm.particles import aligned_zeros
 
 NODE = 8  # doubles in a node's record: one cache line
 TILE = 4  # nodes along an edge of a tile: 16 or 64 nodes
-WALLS, ASLEEP = 0b000111, 0b111000  # bits of a node's mask: what walls hold, and what points that sleep hold
+WALLS, INACTIVE = 0b000111, 0b111000  # bits of a node's mask: held by a boundary; held beside inactive points
 
 
 class Grid(NamedTuple):
@@ -22,7 +22,7 @@ class Grid(NamedTuple):
     """
 
     nodes: np.ndarray  # (n_addresses * 8,) node records
-    fixed: np.ndarray  # (n_addresses,) uint8: bits 0, 1, 2 fix v_x, v_y, v_z, as do 3, 4, 5 beside points that sleep
+    fixed: np.ndarray  # (n_addresses,) uint8: bits 0, 1, 2 fix v_x, v_y, v_z; so do 3, 4, 5 beside inactive points
     ax: np.ndarray  # (n_x,) offset of column i in `nodes`, in doubles
     ay: np.ndarray  # (n_y,)
     az: np.ndarray  # (n_z,)
@@ -39,7 +39,7 @@ class Grid(NamedTuple):
 class Tiles(NamedTuple):
     """Points in order: tile t holds points start[t] to start[t + 1], the column's before split[t].
 
-    Points from start[n_tiles] on sleep.
+    Points from start[n_tiles] are inactive.
     """
 
     start: np.ndarray  # (n_tiles + 1,)
@@ -94,13 +94,13 @@ def node_records(grid: Grid) -> np.ndarray:
 def set_fixed(grid: Grid, *fixed: np.ndarray) -> None:
     """Fix velocity components by one boolean mask an axis, each broadcastable to (n_x, n_y[, n_z]).
 
-    What points that sleep hold stays held.
+    Nodes held beside inactive points stay held.
     """
     bits, shape = np.zeros(_padded(grid), np.uint8), _shape(grid)
     for bit, mask in enumerate(fixed):
         bits[tuple(slice(n) for n in shape)] |= np.broadcast_to(mask, shape).astype(np.uint8) << bit
     blocks = _blocks(grid, grid.fixed)
-    blocks[:] = bits.reshape(blocks.shape) | (blocks & ASLEEP)
+    blocks[:] = bits.reshape(blocks.shape) | (blocks & INACTIVE)
 
 
 def _shape(grid: Grid) -> tuple[int, ...]:

@@ -44,7 +44,7 @@ class Solver:
         self.clock = np.zeros(loop.CLOCK)
         self.ledger = np.zeros(loop.LEDGER)
         self.tiles: Tiles | None = None
-        self.margin = 0  # tiles around the column beyond which the base sleeps; 0: nothing does
+        self.margin = 0  # tiles around the column beyond which the base is inactive; 0: all of it is active
         self.smallest_mass = float(points.m.min())
         self._scratch = scratch(grid)
         self._steps_per_call = _FIRST_CALL_STEPS
@@ -78,7 +78,7 @@ class Solver:
         self._call(self.time, 0)
 
     def sort(self) -> None:
-        """Put the points in order of tiles, those that sleep last, and list the tiles that the others can touch."""
+        """Put the points in order of tiles, inactive ones last, and list the tiles that active points can reach."""
         row = RECORD_SIZE[self.points.dimension]
         self.list_tiles(Tiles(*sort_points(self.points.rows.reshape(-1), row, self.grid, *self._scratch, self.margin)))
         self.clock[loop.TRAVELLED] = 0.0

@@ -26,11 +26,11 @@ ON_NODE = 1e-6  # in h: how far a node may be from an edge and still stand on it
 
 @dataclass(frozen=True)
 class Stage:
-    """What differs from stage to stage: the column's law, the damping, and where the base sleeps."""
+    """What differs from stage to stage: the column's law, the damping, and where the base is inactive."""
 
     column: Body
     settings: Settings
-    margin: int = 0  # tiles around the column beyond which the base sleeps; 0: nothing does
+    margin: int = 0  # tiles around the column beyond which the base is inactive; 0: all of it is active
 
 
 @dataclass(frozen=True)
@@ -82,13 +82,13 @@ def build_scene(case: Case) -> Scene:
         collapse=Stage(
             make_body(LAWS[own_law], case.material),
             make_settings(case, layout, stages.collapse.damping),
-            awake_margin(layout) if case.method.sleeping_base else 0,
+            active_margin(layout) if case.method.deactivate_base else 0,
         ),
     )
 
 
-def awake_margin(layout: Layout) -> int:
-    """Tiles around the column under which a base stays awake: as wide as it is thick, for so far it bends."""
+def active_margin(layout: Layout) -> int:
+    """Tiles around the column in which the base stays active: as wide as the base is thick."""
     return math.ceil(layout.base / layout.h / TILE - ON_NODE)
 
 

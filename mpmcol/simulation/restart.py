@@ -20,7 +20,7 @@ from mpmcol.case.schema import leaf_values
 from mpmcol.errors import OutputError, UsageError
 from mpmcol.io.atomic import CHECKPOINT_FILES, Lock
 from mpmcol.io.checkpoint import FORMAT, Checkpoint, lost_snapshots, read_checkpoints, write_checkpoint
-from mpmcol.mpm.grid import ASLEEP, WALLS, Tiles
+from mpmcol.mpm.grid import INACTIVE, WALLS, Tiles
 from mpmcol.mpm.kernels import loop
 from mpmcol.provenance import code_version
 from mpmcol.setup.model import Scene, close_walls
@@ -179,7 +179,7 @@ def _present(run: Run) -> State:
     assert solver.tiles is not None  # a run pauses only after it has prepared its kernels
     arrays = {
         "rows": solver.points.rows, "clock": solver.clock, "ledger": solver.ledger, "released": recorder.released,
-        "asleep": np.flatnonzero(solver.grid.fixed & ASLEEP), **solver.tiles._asdict(),
+        "inactive": np.flatnonzero(solver.grid.fixed & INACTIVE), **solver.tiles._asdict(),
     }  # fmt: skip
     return State({"course": asdict(run.course), "recorder": recorder.memory()}, arrays)
 
@@ -192,7 +192,7 @@ def _put(run: Run, state: State) -> None:
     solver.clock[:], solver.ledger[:] = arrays["clock"], arrays["ledger"]
     close_walls(solver.grid, run.scene.layout, run.course.opening)
     solver.grid.fixed[:] &= WALLS
-    solver.grid.fixed[arrays["asleep"]] |= ASLEEP
+    solver.grid.fixed[arrays["inactive"]] |= INACTIVE
     solver.list_tiles(Tiles(*(arrays[name] for name in Tiles._fields)))
     run.recorder.recall(meta["recorder"] | {"rows": list(meta["recorder"]["rows"])}, arrays["released"])
 

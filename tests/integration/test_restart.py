@@ -27,7 +27,7 @@ CASES = {
     "softening": ("lube-channel-dense", "grid.spacing=0.015"),
     "lifted gate": ("quickstart", "grid.spacing=0.0125", "stages.gate_speed=0.5"),
     "axisymmetric": ("lube-cylinder", "grid.spacing=0.0139"),
-    "base asleep": ("lube-cylinder", "grid.spacing=0.0139", "method.sleeping_base=true"),
+    "base deactivated": ("lube-cylinder", "grid.spacing=0.0139", "method.deactivate_base=true"),
     "quarter": ("lube-quarter", "grid.spacing=0.0194", "geometry.aspect=0.4", "stages.initial_stress=k0"),
     "musl": ("lube-cylinder", "grid.spacing=0.0194", "method.stress_order=musl", "method.transfer=apic"),
 }

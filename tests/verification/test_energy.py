@@ -65,7 +65,7 @@ SCHEMES.insert(0, Scheme(volumetric_strain="cell"))
 def collapse(settings: Settings, d: int = 2, h: float | None = None, scheme: Scheme = PAPER, margin: int = 0) -> Solver:
     """An unstressed column of sand on an elastic base, free to collapse: beside a wall, in 3D in a corner of two.
 
-    The base sleeps beyond `margin` tiles from the column, if there is a margin.
+    If `margin` > 0, the base is inactive beyond `margin` tiles from the column.
     """
     h = h or SPACING[d]
     axisymmetric, length = settings.axisymmetric, LENGTH[d]

@@ -1,23 +1,23 @@
-"""Tiles that sleep: the base far from the column, whose points nothing moves.
+"""Deactivation of base tiles outside the influence of the column.
 
-Their points keep their state, give nothing to the nodes and take nothing from them. The nodes that they touch are held
-as by a wall, or points beside them would have a free end there; so the energy ledger stays complete.
+Points of inactive tiles keep their state and exchange nothing with the nodes. The nodes in their support are held at
+rest, so that active points beside them do not see a free surface; the energy ledger stays complete.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from mpmcol.mpm.grid import ASLEEP, NODE, TILE, WALLS, Grid, tile_coordinates
+from mpmcol.mpm.grid import INACTIVE, NODE, TILE, WALLS, Grid, tile_coordinates
 from mpmcol.mpm.jit import device
 
 
 @device
-def mark_awake(with_column: np.ndarray, margin: int, tiles: tuple[int, int, int], mark: np.ndarray) -> None:
+def mark_active(with_column: np.ndarray, margin: int, tiles: tuple[int, int, int], mark: np.ndarray) -> None:
     """Mark all tiles at most `margin` tiles from those that hold points of the column.
 
-    A column point travels one cell at most before the next sort: with a margin of one tile it meets no node that is
-    held.
+    A column point travels one cell at most before the next sort, so with a margin of one tile no held node lies in its
+    support.
     """
     for tile in with_column:
         x, y, z = tile_coordinates(tile, tiles)
@@ -29,14 +29,14 @@ def mark_awake(with_column: np.ndarray, margin: int, tiles: tuple[int, int, int]
 
 @device
 def hold_nodes(
-    active: np.ndarray, asleep: np.ndarray, grid: Grid, tiles: tuple[int, int, int], mark: np.ndarray
+    active: np.ndarray, inactive: np.ndarray, grid: Grid, tiles: tuple[int, int, int], mark: np.ndarray
 ) -> None:
-    """Hold the nodes of active tiles that points of the tiles `asleep` touch, and let go of the others.
+    """Hold the nodes of the `active` tiles that lie in the support of points of `inactive` tiles; free the others.
 
     Reads: ax, ay, az. Writes: fixed, mark as scratch (zero on entry and on return).
     """
     fixed = grid.fixed
-    for tile in asleep:
+    for tile in inactive:
         mark[tile] = 1
     for address in active:
         x, y, z = tile_coordinates(address // grid.tile_doubles, tiles)
@@ -44,17 +44,17 @@ def hold_nodes(
             for j in range(y * TILE, min((y + 1) * TILE, grid.n_y)):
                 for k in range(z * TILE, min((z + 1) * TILE, grid.n_z)):
                     node = (grid.ax[i] + grid.ay[j] + grid.az[k]) // NODE
-                    held = ASLEEP if _is_touched(i, j, k, tiles, mark) else 0
+                    held = INACTIVE if _is_touched(i, j, k, tiles, mark) else 0
                     fixed[node] = (fixed[node] & WALLS) | held
-    for tile in asleep:
+    for tile in inactive:
         mark[tile] = 0
 
 
 @device
 def _is_touched(i, j, k, tiles, mark):
-    """Whether points of a marked tile touch a node: those of tile t reach from 4 t - 1 to 4 t + 6, whatever the basis.
+    """Whether a node lies in the support of points of a marked tile: nodes 4 t - 1 to 4 t + 6 of tile t for all bases.
 
-    These are the tiles up to (i + 1) // 4, and the one before.
+    So the tiles to check are (i + 1) // 4 and the one before.
     """
     x, y, z = (i + 1) // TILE, (j + 1) // TILE, (k + 1) // TILE
     for tx in range(max(x - 1, 0), min(x + 1, tiles[0])):

@@ -88,6 +88,6 @@ def find_velocities(grid: Grid, tiles: Tiles, smallest_mass: float) -> None:
 
 @device
 def _held(mask):
-    """One in the lanes of the velocity components that a wall or a point that sleeps holds."""
+    """One in the lanes of the velocity components that are held."""
     held = mask | mask >> 3
     return vector(0.0, held & 1, (held >> 1) & 1, (held >> 2) & 1, 0.0, 0.0, 0.0, 0.0)

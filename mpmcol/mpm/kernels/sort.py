@@ -11,7 +11,7 @@ import numpy as np
 
 from mpmcol.mpm.grid import TILE, Grid, tile_coordinates, tile_count
 from mpmcol.mpm.jit import device, kernel, prange
-from mpmcol.mpm.kernels.deactivation import hold_nodes, mark_awake
+from mpmcol.mpm.kernels.deactivation import hold_nodes, mark_active
 from mpmcol.mpm.lanes import KIND, X, Y, Z
 from mpmcol.mpm.shape_functions.quadratic import base_node
 from mpmcol.mpm.simd import LANES, load, store
@@ -23,9 +23,9 @@ BAND = 512  # tiles: their nodes are half a megabyte in two dimensions, two in t
 def sort_points(rows: np.ndarray, row: int, grid: Grid, count: np.ndarray, mark: np.ndarray, margin: int):
     """Put the records in `rows`, of `row` doubles each, in order of tile, kind and cell; returns the arrays of `Tiles`.
 
-    Tiles more than `margin` tiles from the column sleep: their points come last (margin 0: none sleeps). Reads: rows.
-    Writes: rows, fixed if tiles may sleep, count (n_tiles,) and mark (n_tiles,) as scratch, zero on entry and on
-    return. Eq. (19)-(20) are sums over points in this order.
+    Tiles more than `margin` tiles from the column are inactive: their points come last (margin 0: all are active).
+    Reads: rows. Writes: rows, fixed if `margin` > 0, count (n_tiles,) and mark (n_tiles,) as scratch, zero on entry and
+    on return. Eq. (19)-(20) are sums over points in this order.
     """
     n = len(rows) // row
     tiles = tile_count(grid.n_x), tile_count(grid.n_y), tile_count(grid.n_z)
@@ -34,8 +34,8 @@ def sort_points(rows: np.ndarray, row: int, grid: Grid, count: np.ndarray, mark:
     for p in prange(n):
         tile_of[p], bucket_of[p] = _place(rows, p * row, grid, tiles, buckets)
     if margin > 0:
-        mark_awake(np.unique(tile_of[bucket_of < buckets]), margin, tiles, mark)
-    occupied, awake = _occupied(tile_of, count, margin, mark)
+        mark_active(np.unique(tile_of[bucket_of < buckets]), margin, tiles, mark)
+    occupied, n_active = _occupied(tile_of, count, margin, mark)
     start = _starts(occupied, count)
     by_tile = np.empty(n, np.int32)
     for p in range(n):
@@ -47,11 +47,11 @@ def sort_points(rows: np.ndarray, row: int, grid: Grid, count: np.ndarray, mark:
         split[t] = _order_tile(by_tile, bucket_of, buckets, start[t], start[t + 1], order, cells)
         count[occupied[t]] = 0
     _permute(rows, row, order)
-    grouped, group_start = _group(occupied[:awake], tiles)
-    active = _reachable(occupied[:awake], grid, tiles, mark)
+    grouped, group_start = _group(occupied[:n_active], tiles)
+    active = _reachable(occupied[:n_active], grid, tiles, mark)
     if margin > 0:
-        hold_nodes(active, occupied[awake:], grid, tiles, mark)
-    return start[: awake + 1], split[:awake], grouped, group_start, active, cells
+        hold_nodes(active, occupied[n_active:], grid, tiles, mark)
+    return start[: n_active + 1], split[:n_active], grouped, group_start, active, cells
 
 
 @device
@@ -69,18 +69,18 @@ def _place(rows, o, grid, tiles, buckets):
 
 @device
 def _occupied(tile_of, count, margin, mark):
-    """Occupied tiles in order, those that sleep after the others, and how many are awake; `count` counts points.
+    """Occupied tiles in order, inactive tiles last, and the number of active ones; `count` counts points.
 
-    If there is a margin, tiles awake are those in `mark`, which is zero again on return.
+    If there is a margin, the tiles in `mark` are active; it is zero again on return.
     """
     for tile in tile_of:
         count[tile] += 1
     occupied = np.flatnonzero(count)
     if margin == 0:
         return occupied, len(occupied)
-    is_awake = mark[occupied] > 0
+    is_active = mark[occupied] > 0
     mark[:] = 0
-    return np.concatenate((occupied[is_awake], occupied[~is_awake])), np.sum(is_awake)
+    return np.concatenate((occupied[is_active], occupied[~is_active])), np.sum(is_active)
 
 
 @device

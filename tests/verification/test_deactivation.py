@@ -1,4 +1,4 @@
-"""A base that sleeps far from the column: who sleeps, which nodes that holds, and what it does to a collapse."""
+"""Deactivation of the base far from the column: inactive points, held nodes, and the effect on a collapse."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 import mpmcol
 from mpmcol.errors import CaseError
 from mpmcol.failure_modes.toolkit import advance_steps, advance_to, by_id
-from mpmcol.mpm.grid import ASLEEP, NODE, TILE, Grid, set_fixed
+from mpmcol.mpm.grid import INACTIVE, NODE, TILE, Grid, set_fixed
 from mpmcol.mpm.particles import COLUMN
 from mpmcol.mpm.settings import PAPER, Scheme
 from mpmcol.mpm.shape_functions import SHAPE_FUNCTIONS
@@ -19,17 +19,17 @@ from mpmcol.mpm.solver import Solver
 from tests.verification.test_energy import DAMPED, collapse, ledger_of
 
 DIMENSIONS = pytest.mark.parametrize("d", [2, 3])
-EVERYWHERE = 1000  # tiles: a margin that leaves nobody asleep
+WHOLE_DOMAIN = 1000  # tiles: with this margin all points are active
 
 
 def sorted_collapse(d: int, margin: int, scheme: Scheme = PAPER) -> tuple[Solver, int]:
-    """The collapse of test_energy over a base that sleeps, and how many of its points are awake."""
+    """The sorted collapse problem with a partly inactive base, and its number of active points."""
     solver = collapse(DAMPED, d, scheme=scheme, margin=margin)
     solver.sort()
-    return solver, awake_points(solver)
+    return solver, active_points(solver)
 
 
-def awake_points(solver: Solver) -> int:
+def active_points(solver: Solver) -> int:
     assert solver.tiles is not None
     return int(solver.tiles.start[-1])
 
@@ -53,30 +53,30 @@ def nodes_of(x: np.ndarray, grid: Grid, basis: str, travel: float) -> np.ndarray
 
 
 @pytest.mark.parametrize(("d", "margin"), [(2, 1), (2, 3), (3, 1)])
-def test_tiles_beyond_the_margin_sleep_and_no_others(d: int, margin: int) -> None:
-    solver, awake = sorted_collapse(d, margin)
+def test_only_tiles_beyond_the_margin_are_inactive(d: int, margin: int) -> None:
+    solver, active = sorted_collapse(d, margin)
     axes = enumerate(axes_of(solver.grid, d))
     first = [[base_node((x - o) / solver.grid.h, n) for x in solver.points.x[:, axis]] for axis, (o, n, _) in axes]
     tile, column = np.array(first).T // TILE, solver.points.kind == COLUMN
     occupied, number = np.unique(tile, axis=0, return_inverse=True)
     own = np.unique(tile[column], axis=0)
     distance = np.array([np.abs(own - each).max(axis=1).min() for each in occupied])[number.ravel()]
-    assert np.all(distance[:awake] <= margin) and np.all(distance[awake:] > margin)
-    assert 0.2 < awake / len(column) < 0.95
+    assert np.all(distance[:active] <= margin) and np.all(distance[active:] > margin)
+    assert 0.2 < active / len(column) < 0.95
 
 
 @DIMENSIONS
 @pytest.mark.parametrize("basis", list(SHAPE_FUNCTIONS))
-def test_nodes_of_sleeping_points_are_held_and_the_column_meets_none(basis: str, d: int) -> None:
-    """Of the active nodes; the column may travel as far as the next sort lets it."""
-    solver, awake = sorted_collapse(d, 1, Scheme(basis=basis))
+def test_nodes_of_inactive_points_are_held_and_the_column_reaches_none_of_them(basis: str, d: int) -> None:
+    """For the nodes of active tiles, and for column points anywhere within their travel before the next sort."""
+    solver, active = sorted_collapse(d, 1, Scheme(basis=basis))
     assert solver.tiles is not None
     points, grid, size = solver.points, solver.grid, solver.grid.tile_doubles // NODE
-    active = (solver.tiles.active[:, None] // NODE + np.arange(size)).ravel()
-    held = np.flatnonzero(grid.fixed & ASLEEP)
-    set_fixed(grid, *d * (False,))  # as a gate that is lifted
+    nodes = (solver.tiles.active[:, None] // NODE + np.arange(size)).ravel()
+    held = np.flatnonzero(grid.fixed & INACTIVE)
+    set_fixed(grid, *d * (False,))  # as when the gate is lifted
     np.testing.assert_array_equal(np.flatnonzero(grid.fixed), held)
-    touched = np.intersect1d(nodes_of(points.x[awake:], grid, basis, 0.0), active)
+    touched = np.intersect1d(nodes_of(points.x[active:], grid, basis, 0.0), nodes)
     assert len(touched) and np.all(np.isin(touched, held))
     column = points.x[points.kind == COLUMN]
     assert not np.any(np.isin(nodes_of(column, grid, basis, 0.999 * SHAPE_FUNCTIONS[basis].TRAVEL_LIMIT), held))
@@ -87,7 +87,7 @@ def test_held_nodes_stand_still_while_the_others_fall(d: int) -> None:
     solver, _ = sorted_collapse(d, 1)
     advance_steps(solver, 1)
     assert solver.tiles is not None
-    nodes, held = solver.grid.nodes.reshape(-1, NODE), (solver.grid.fixed & ASLEEP) > 0
+    nodes, held = solver.grid.nodes.reshape(-1, NODE), (solver.grid.fixed & INACTIVE) > 0
     masses, velocities = nodes[:, 0], nodes[:, 1 : 1 + d]
     assert np.all(velocities[held] == 0.0) and np.any(masses[held] > 0.0)
     free = ~held & (masses > 0.0) & (solver.grid.fixed == 0)
@@ -95,23 +95,23 @@ def test_held_nodes_stand_still_while_the_others_fall(d: int) -> None:
 
 
 @DIMENSIONS
-def test_tiles_wake_as_the_flow_comes_and_the_others_keep_their_state(d: int) -> None:
+def test_tiles_become_active_as_the_flow_arrives_and_inactive_points_keep_their_state(d: int) -> None:
     solver, first = sorted_collapse(d, 1)
-    before, asleep = by_id(solver), solver.points.id[first:]
+    before, inactive = by_id(solver), solver.points.id[first:]
     advance_to(solver, {2: 0.2, 3: 0.1}[d])
-    last = awake_points(solver)
+    last = active_points(solver)
     assert last > 1.1 * first
     still = solver.points.id[last:]
-    assert len(still) > 20 and np.all(np.isin(still, asleep))
+    assert len(still) > 20 and np.all(np.isin(still, inactive))
     np.testing.assert_array_equal(by_id(solver).rows[still], before.rows[still])
-    woken = np.setdiff1d(asleep, still)
-    assert np.all(np.any(by_id(solver).rows[woken] != before.rows[woken], axis=1))
+    activated = np.setdiff1d(inactive, still)
+    assert np.all(np.any(by_id(solver).rows[activated] != before.rows[activated], axis=1))
 
 
 @pytest.mark.parametrize("wall_impulse", [True, False], ids=["impulse", "no impulse"])
 @pytest.mark.parametrize(("d", "axisymmetric"), [(2, False), (2, True), (3, False)], ids=["plane", "axi", "space"])
-def test_the_ledger_closes_while_tiles_wake(d: int, axisymmetric: bool, wall_impulse: bool) -> None:
-    """What sleeps keeps its energy, and nodes beside it are walls."""
+def test_the_ledger_closes_while_tiles_become_active(d: int, axisymmetric: bool, wall_impulse: bool) -> None:
+    """Inactive points keep their energy, and the nodes beside them are held like a wall."""
     ledger = ledger_of(DAMPED._replace(axisymmetric=axisymmetric, wall_impulse=wall_impulse), d, margin=1)
     assert ledger.potential < -0.4
     assert abs(ledger.residual) <= 1e-6
@@ -120,18 +120,18 @@ def test_the_ledger_closes_while_tiles_wake(d: int, axisymmetric: bool, wall_imp
 @DIMENSIONS
 def test_a_margin_as_wide_as_the_domain_changes_no_bit(d: int) -> None:
     rows = []
-    for margin in (0, EVERYWHERE):
+    for margin in (0, WHOLE_DOMAIN):
         solver = collapse(DAMPED, d, margin=margin)
         advance_to(solver, 0.05)
         rows.append(solver.points.rows)
     np.testing.assert_array_equal(*rows)
 
 
-def test_a_run_sleeps_from_the_release_on(tmp_path: Path) -> None:
-    """One fall time later the front and the base's stress are as without sleep, under which nothing stays in place."""
+def test_a_run_deactivates_the_base_from_the_release(tmp_path: Path) -> None:
+    """One fall time later the front and the stress of the base agree with a fully active base."""
     keys = ["grid.spacing=0.01", "stages.collapse.max_time_factor=1.0", "output.snapshots=1"]
     still, moved = (
-        mpmcol.run(mpmcol.load_case("quickstart", [*keys, f"method.sleeping_base={word}"]), tmp_path / word)
+        mpmcol.run(mpmcol.load_case("quickstart", [*keys, f"method.deactivate_base={word}"]), tmp_path / word)
         for word in ("true", "false")
     )
     shares, stress = [], []
@@ -147,7 +147,7 @@ def test_a_run_sleeps_from_the_release_on(tmp_path: Path) -> None:
     assert np.abs(still.history["residual"][flow]).max() < 1e-9 * still.history["damping"][flow].max()
 
 
-def test_a_rigid_floor_has_nothing_that_could_sleep() -> None:
+def test_deactivation_is_refused_for_a_rigid_floor() -> None:
     rigid = ["geometry.base=rigid", "method.wall_impulse=true"]
-    with pytest.raises(CaseError, match="sleeping_base = true: must be left out"):
-        mpmcol.load_case("quickstart", [*rigid, "method.sleeping_base=true"])
+    with pytest.raises(CaseError, match="deactivate_base = true: must be left out"):
+        mpmcol.load_case("quickstart", [*rigid, "method.deactivate_base=true"])
