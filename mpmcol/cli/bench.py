@@ -51,10 +51,10 @@ def bench(
     from mpmcol.bench.scenes import MODELS
     from mpmcol.io.atomic import atomic_write
     from mpmcol.mpm.jit import set_threads
-    from mpmcol.setup.discretization import BYTES_PER_POINT, refuse_beyond_memory
+    from mpmcol.setup.discretization import BYTES_PER_POINT, require_memory
 
     most = max(points or (0,))
-    refuse_beyond_memory(2 * most * BYTES_PER_POINT[3], f"{most:,} points, twice,", "give fewer --points")
+    require_memory(2 * most * BYTES_PER_POINT[3], f"{most:,} points, twice,", "give fewer --points")
     old = load_report(against) if against else None
     scenes = []
     for chosen in (model,) if model else MODELS:

@@ -15,20 +15,20 @@ def check(case: str, overrides: tuple[str, ...], resolved: bool) -> None:
     All problems are named at once, with file, line and key; the exit code is then 2.
     """
     from mpmcol.case import case_hash, load_case, resolved_toml
-    from mpmcol.setup.discretization import make_layout, refuse_if_too_large
+    from mpmcol.setup.discretization import discretize, require_memory_for
 
     loaded = load_case(case, overrides)
-    layout = make_layout(loaded)
-    refuse_if_too_large(layout)
+    discretization = discretize(loaded)
+    require_memory_for(discretization)
     column = loaded.geometry
     kind = column.model if column.dimension == 2 else f"{column.model} {column.section}"
     click.echo(
         f"{case}: no problems. {loaded.title or 'Untitled'}: {kind}, {loaded.material.law}, "
-        f"r_i = {column.r_i:g} m, h_i = {column.h_i:g} m, a = {column.a:g}, h = {layout.h:g} m, "
+        f"r_i = {column.r_i:g} m, h_i = {column.h_i:g} m, a = {column.a:g}, h = {discretization.h:g} m, "
         f"{case_hash(loaded)}",
         err=resolved,
     )
-    for warning in layout.warnings:
+    for warning in discretization.warnings:
         click.echo(f"note: {warning}", err=resolved)
     if resolved:
         click.echo(resolved_toml(loaded), nl=False)

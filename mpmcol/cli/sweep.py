@@ -122,8 +122,8 @@ def _print_forecast(points: list[Point], jobs: int | None, threads: int | None, 
     seconds = dict(zip((point.folder for point in left), forecast(left, shares.threads), strict=True))
     total = finish(list(seconds.values()), shares.jobs)
     rows: list[dict[str, Any]] = [
-        {"folder": point.folder.name, "inputs": point.inputs, "points": point.layout.most_points, "steps": point.steps,
-         "seconds": seconds.get(point.folder)}
+        {"folder": point.folder.name, "inputs": point.inputs, "points": point.discretization.most_points,
+         "steps": point.steps, "seconds": seconds.get(point.folder)}
         for point in points
     ]  # fmt: skip
     if to_json:

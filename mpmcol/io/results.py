@@ -32,7 +32,7 @@ from mpmcol.io.atomic import (
 from mpmcol.io.checksums import digest_of, write_digests
 from mpmcol.io.snapshot import Snapshot, list_snapshots, read_snapshot
 from mpmcol.measure import ColumnShape, Measurement, measure
-from mpmcol.setup.discretization import column_shape, make_layout
+from mpmcol.setup.discretization import column_shape, discretize
 
 RESULT_SCHEMA = 1
 # the case last, so that a folder half emptied is still known for a run's
@@ -109,7 +109,7 @@ class Results:
     @cached_property
     def shape(self) -> ColumnShape:
         """What the deposit is measured against."""
-        return column_shape(self.case, make_layout(self.case))
+        return column_shape(self.case, discretize(self.case))
 
     def measure(self, index: int = -1) -> Measurement:
         """Fronts, height and profile of one snapshot."""

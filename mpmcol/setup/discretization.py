@@ -1,4 +1,4 @@
-"""Lengths of a scene: grid spacing and material edges fitted to each other, and a domain that holds the runout."""
+"""Lengths of a model: grid spacing and material edges fitted to each other, and a domain that holds the runout."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ ROUNDING_WORTH_A_WARNING = 1e-9
 
 
 @dataclass(frozen=True)
-class Layout:
+class Discretization:
     """Lengths in m; the column stands on y = 0 and the grid starts at -base."""
 
     shape: str  # name of the geometry
@@ -120,7 +120,7 @@ class Layout:
         return self.h / self.points_per_axis
 
 
-def make_layout(case: Case) -> Layout:
+def discretize(case: Case) -> Discretization:
     """Fit the grid to the column: the spacing so that the radius is whole cells, base and depth to whole cells.
 
     The height needs no whole cells: its points are spread evenly. Raises UsageError if the domain is too small.
@@ -144,7 +144,7 @@ def make_layout(case: Case) -> Layout:
     warnings += time_step_warnings(case)
     length, height = _domain(case, h)
     per_axis = points_per_axis(case)
-    return Layout(
+    return Discretization(
         shape=geometry.shape,
         is_full=geometry.model == "full",
         h=h,
@@ -170,14 +170,14 @@ def _whole_cells(key: str, asked: float, h: float, warnings: list[str]) -> float
     return cells * h
 
 
-def refuse_if_too_large(layout: Layout) -> None:
+def require_memory_for(discretization: Discretization) -> None:
     """Raise UsageError if the arrays cannot fit into the memory of this machine."""
-    what = f"{layout.most_points:,} points and {' x '.join(f'{n:,}' for n in layout.cells)} cells"
+    what = f"{discretization.most_points:,} points and {' x '.join(f'{n:,}' for n in discretization.cells)} cells"
     remedy = "make grid.spacing larger, or is a length in mm instead of m?"
-    refuse_beyond_memory(max(layout.memory_bytes, layout.grid_bytes), what, remedy)
+    require_memory(max(discretization.memory_bytes, discretization.grid_bytes), what, remedy)
 
 
-def refuse_beyond_memory(needed: int, what: str, remedy: str) -> None:
+def require_memory(needed: int, what: str, remedy: str) -> None:
     """Raise UsageError, with what takes it and how to mend that, if so many bytes are more than this machine has."""
     memory = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
     if needed > memory:
@@ -211,16 +211,16 @@ def _slipperiness(case: Case) -> float:
     return max(math.tan(math.radians(USUAL_FRICTION)) / math.tan(math.radians(max(friction, LEAST_FRICTION))), 1.0)
 
 
-def column_shape(case: Case, layout: Layout) -> ColumnShape:
-    """What a deposit of this scene is measured against."""
+def column_shape(case: Case, discretization: Discretization) -> ColumnShape:
+    """What a deposit of this model is measured against."""
     return ColumnShape(
         model=case.geometry.model,
         release=case.geometry.release,
-        r_i=layout.r_i,
-        h_i=layout.h_i,
-        spacing=layout.h,
+        r_i=discretization.r_i,
+        h_i=discretization.h_i,
+        spacing=discretization.h,
         density=case.material.density,
-        point_size=layout.point_size,
+        point_size=discretization.point_size,
         section=case.geometry.section,
-        depth=layout.depth,
+        depth=discretization.depth,
     )

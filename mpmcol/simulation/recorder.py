@@ -22,7 +22,7 @@ from mpmcol.mpm.particles import BASE, Points
 from mpmcol.mpm.solver import Solver
 from mpmcol.provenance import versions
 from mpmcol.setup.discretization import column_shape
-from mpmcol.setup.model import Scene
+from mpmcol.setup.model import Model
 
 HISTORY_SECONDS = 5.0  # between two writings of the history, for those who look on
 
@@ -30,10 +30,10 @@ HISTORY_SECONDS = 5.0  # between two writings of the history, for those who look
 class Recorder:
     """Writes history and snapshots of one run into its folder; `seconds` is the time that took."""
 
-    def __init__(self, case: Case, scene: Scene, solver: Solver, folder: Path, threads: int) -> None:
-        self.case, self.scene, self.solver = case, scene, solver
+    def __init__(self, case: Case, model: Model, solver: Solver, folder: Path, threads: int) -> None:
+        self.case, self.model, self.solver = case, model, solver
         self.folder = make_folder(folder)
-        self.shape = column_shape(case, scene.layout)
+        self.shape = column_shape(case, model.discretization)
         self.rows: list[dict[str, Any]] = []
         self.seconds = 0.0
         self.worst_J = [1.0, 1.0]
@@ -42,9 +42,9 @@ class Recorder:
         self._saved = time.monotonic()  # when the history was last written
         self._meta = self._make_meta(threads)
         derived: dict[str, Any] = {
-            "points": len(scene.points),
+            "points": len(model.points),
             "threads": threads,
-            **describe(scene),
+            **describe(model),
             **versions(),
         }
         atomic_write(folder / CASE_FILE, resolved_toml(case, derived).encode())
@@ -150,13 +150,12 @@ class Recorder:
         }  # fmt: skip
 
 
-def describe(scene: Scene) -> dict[str, float]:
-    """Derived numbers of a scene that a user may want to know."""
-    layout = scene.layout
+def describe(model: Model) -> dict[str, float]:
+    """Derived numbers of a model that a user may want to know."""
+    used = model.discretization
     return {
-        "column_points": scene.column_points, "spacing_used": layout.h, "r_i": layout.r_i, "h_i": layout.h_i,
-        "base_used": layout.base, "domain_length": layout.length,
-        "domain_height": layout.cells_up * layout.h - layout.base,
+        "column_points": model.column_points, "spacing_used": used.h, "r_i": used.r_i, "h_i": used.h_i,
+        "base_used": used.base, "domain_length": used.length, "domain_height": used.cells_up * used.h - used.base,
     }  # fmt: skip
 
 

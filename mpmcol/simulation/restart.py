@@ -23,7 +23,7 @@ from mpmcol.io.checkpoint import FORMAT, Checkpoint, lost_snapshots, read_checkp
 from mpmcol.mpm.grid import INACTIVE, WALLS, Tiles
 from mpmcol.mpm.kernels import loop
 from mpmcol.provenance import code_version
-from mpmcol.setup.model import Scene, close_walls
+from mpmcol.setup.model import Model, close_walls
 from mpmcol.simulation.interrupt import StopRequest
 from mpmcol.simulation.progress import Course
 from mpmcol.simulation.stages import Run, Say
@@ -122,14 +122,14 @@ def step_of(state: Checkpoint) -> int:
     return int(state.arrays["clock"][loop.STEPS])
 
 
-def require_same_points(scene: Scene, checkpoint: Checkpoint) -> None:
-    """Raise UsageError if a scene has not the points of a state."""
-    if scene.points.rows.shape != checkpoint.arrays["rows"].shape:
+def require_same_points(model: Model, checkpoint: Checkpoint) -> None:
+    """Raise UsageError if a model has not the points of a state."""
+    if model.points.rows.shape != checkpoint.arrays["rows"].shape:
         raise UsageError("the unfinished run has other points than this case makes; --fresh starts anew")
 
 
 def restore(run: Run, checkpoint: Checkpoint) -> None:
-    """Put a run that has just been set up into the state of a checkpoint of the same scene."""
+    """Put a run that has just been set up into the state of a checkpoint of the same model."""
     meta, arrays = checkpoint.meta, dict(checkpoint.arrays)
     for k, other in enumerate(meta["good"]):
         prefix = f"good-{k}-"
@@ -185,12 +185,12 @@ def _present(run: Run) -> State:
 
 
 def _put(run: Run, state: State) -> None:
-    """Make `state`, which stays as it is, that of a run of the same scene."""
+    """Make `state`, which stays as it is, that of a run of the same model."""
     solver, (meta, arrays) = run.solver, state
     run.course = Course(**deepcopy(meta["course"]))
     solver.points.rows[:] = arrays["rows"]
     solver.clock[:], solver.ledger[:] = arrays["clock"], arrays["ledger"]
-    close_walls(solver.grid, run.scene.layout, run.course.opening)
+    close_walls(solver.grid, run.model.discretization, run.course.opening)
     solver.grid.fixed[:] &= WALLS
     solver.grid.fixed[arrays["inactive"]] |= INACTIVE
     solver.list_tiles(Tiles(*(arrays[name] for name in Tiles._fields)))

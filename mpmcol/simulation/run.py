@@ -15,7 +15,7 @@ from mpmcol.io.checkpoint import Checkpoint
 from mpmcol.io.results import Results, prepare_folder, reopen_folder, write_result
 from mpmcol.mpm.jit import set_threads
 from mpmcol.mpm.solver import Solver
-from mpmcol.setup.model import Scene, build_scene
+from mpmcol.setup.model import Model, build_model
 from mpmcol.simulation.failure import message
 from mpmcol.simulation.interrupt import Stopped, stop_request
 from mpmcol.simulation.progress import Course
@@ -79,12 +79,12 @@ def run(
         say(f"note: {used} threads instead of {threads}; NUMBA_NUM_THREADS sets the most")
     with stop_request(max_wall) as stop, locked(folder) as lock:
         found = None if fresh else _unfinished(case, folder, go_on, say)
-        scene = build_scene(case)  # may refuse the case: before anything old is removed
+        model = build_model(case)  # may refuse the case: before anything old is removed
         if found:
-            require_same_points(scene, found)
+            require_same_points(model, found)
         try:
             reopen_folder(folder) if found else prepare_folder(folder, case, fresh, say)
-            simulation = set_up(case, scene, folder, used, progress, say)
+            simulation = set_up(case, model, folder, used, progress, say)
             if on_instability == "retry":
                 simulation.good = deque(maxlen=GO_BACK)
             if found:
@@ -95,13 +95,13 @@ def run(
             raise OutputError(f"{error}\n{way_on(folder)}") from error
 
 
-def set_up(case: Case, scene: Scene, folder: Path, threads: int, progress: Progress, say: Say) -> Run:
+def set_up(case: Case, model: Model, folder: Path, threads: int, progress: Progress, say: Say) -> Run:
     """A run at its beginning."""
-    stage = scene.equilibrate
-    solver = Solver(scene.points, scene.grid, stage.settings, stage.column, scene.base, scene.scheme)
-    simulation = Run(case, scene, Recorder(case, scene, solver, folder, threads), Course(), progress, say)
+    stage = model.equilibrate
+    solver = Solver(model.points, model.grid, stage.settings, stage.column, model.base, model.scheme)
+    simulation = Run(case, model, Recorder(case, model, solver, folder, threads), Course(), progress, say)
     simulation.keep = partial(remember, simulation)
-    for warning in scene.layout.warnings:
+    for warning in model.discretization.warnings:
         simulation.warn(warning)
     return simulation
 
@@ -129,7 +129,7 @@ def _carry_out(simulation: Run, keeper: Keeper, threads: int) -> Results:
 
     def conclude(status: str, **more: object) -> None:
         recorder.forget_others()
-        result = outcome(status, simulation.case, simulation.scene, recorder, simulation.course, threads)
+        result = outcome(status, simulation.case, simulation.model, recorder, simulation.course, threads)
         write_result(folder, result | more, recorder.digests)
 
     try:

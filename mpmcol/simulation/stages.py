@@ -14,7 +14,7 @@ from mpmcol.errors import NumericalFailure
 from mpmcol.mpm.kernels import loop
 from mpmcol.mpm.lanes import ID, X
 from mpmcol.mpm.particles import BASE
-from mpmcol.setup.model import Scene, Stage, close_walls
+from mpmcol.setup.model import Model, StageSetup, close_walls
 from mpmcol.setup.time_step import time_step_limit
 from mpmcol.simulation.failure import Fault, describe, fault_of, message
 from mpmcol.simulation.monitor import View, look
@@ -39,32 +39,32 @@ class Run:
     """A case on its way through its stages; every loop goes on where `course` says that it is."""
 
     def __init__(
-        self, case: Case, scene: Scene, recorder: Recorder, course: Course, progress: Progress, say: Say
+        self, case: Case, model: Model, recorder: Recorder, course: Course, progress: Progress, say: Say
     ) -> None:
-        self.case, self.scene, self.recorder, self.course = case, scene, recorder, course
+        self.case, self.model, self.recorder, self.course = case, model, recorder, course
         self.solver = recorder.solver
         self.progress, self.say = progress, say
-        self.tau = scene.layout.fall_time(case.geometry.gravity)
-        self._weight = scene.column_mass * case.geometry.gravity
+        self.tau = model.discretization.fall_time(case.geometry.gravity)
+        self._weight = model.column_mass * case.geometry.gravity
         self.good: deque[Any] = deque(maxlen=1)  # states in which no check found anything wrong, the latest last
         self.keep: Callable[[], None] = lambda: None  # adds the present state to them
 
     def go(self, pause: Pause = lambda: None) -> None:
         """All that is left, from the stage that the run is in."""
         if self.course.stage == "equilibrate":
-            self._prepare("equilibrate", self.scene.equilibrate)
+            self._prepare("equilibrate", self.model.equilibrate)
             self._keep_one()
             self.equilibrate(pause)
             self.release()
         else:
-            self._prepare("collapse", self.scene.collapse)
+            self._prepare("collapse", self.model.collapse)
             self._keep_one()
         self.collapse(pause)
 
     def equilibrate(self, pause: Pause = lambda: None) -> None:
         """Damped rest under gravity behind the closed gate, judged by the unbalanced force at the nodes."""
         words, solver, course = self.case.stages.equilibrate, self.solver, self.course
-        transit = self.scene.layout.wave_time(self.scene.equilibrate.column.wave_speed2)
+        transit = self.model.discretization.wave_time(self.model.equilibrate.column.wave_speed2)
         limit = words.max_time_factor * transit
         while course.calm < CALM_CHECKS and solver.time < limit:
             if solver.time >= course.until:
@@ -93,7 +93,7 @@ class Run:
         solver.clock[loop.TIME] = 0.0
         course.stage, course.first_step = "collapse", solver.steps
         solver.tiles = None
-        self._prepare("collapse", self.scene.collapse)
+        self._prepare("collapse", self.model.collapse)
         self._lift_gate()
         self.recorder.start_ledger()
         self.recorder.record("release")
@@ -106,7 +106,7 @@ class Run:
     def collapse(self, pause: Pause = lambda: None) -> None:
         """Flow until the column rests, with rows of history and snapshots on the way."""
         words, solver, course = self.case.stages.collapse, self.solver, self.course
-        lifting = self.scene.layout.h_i / self.case.stages.gate_speed
+        lifting = self.model.discretization.h_i / self.case.stages.gate_speed
         limit = words.max_time_factor * self.tau + lifting
         snapshots = self._snapshot_times(limit)
         while solver.time < limit and not (words.end == "rest" and course.at_rest):
@@ -136,8 +136,8 @@ class Run:
         self._say_stage("collapse", f"{how} after {self.solver.time / self.tau:.2f} sqrt(h_i/g)")
         if len(held := self._held_points()):
             self.warn(
-                f"the end of the domain at {self.scene.layout.length:.4g} m holds points that ran ahead ({len(held)}): "
-                "front_max tells no more than that; a larger geometry.domain_length lets them run"
+                f"the end of the domain at {self.model.discretization.length:.4g} m holds points that ran ahead "
+                f"({len(held)}): front_max tells no more than that; a larger geometry.domain_length lets them run"
             )
         front = self.recorder.rows[-1]
         if front["front_max"] > FAR_AHEAD * front["front_connected"]:
@@ -149,10 +149,10 @@ class Run:
             self.warn(f"output.times: {len(missed)} of them came after the end at {self.solver.time:.4g} s")
         self.recorder.snapshot("rest" if self.course.at_rest else "end")
 
-    def _prepare(self, name: str, stage: Stage) -> None:
+    def _prepare(self, name: str, stage: StageSetup) -> None:
         """Hand the stage's law and numbers to the solver and have its kernels ready."""
         self.solver.settings = stage.settings._replace(cfl=self.course.step_share * stage.settings.cfl)
-        self.solver.bodies = (stage.column, self.scene.base)
+        self.solver.bodies = (stage.column, self.model.base)
         self.solver.margin = stage.margin
         self.progress(f"{name}: preparing kernels (compiled once, then kept)", 0.0)
         with self.course.timed("compile"):
@@ -171,8 +171,8 @@ class Run:
     def _inspect(self) -> None:
         """Stop where a check finds something wrong; keep the state now and then if none does."""
         geometry, recorder = self.case.geometry, self.recorder
-        pressure = self.case.material.density * geometry.gravity * self.scene.layout.h_i
-        scales = (self._weight * self.scene.layout.h_i, pressure, self.tau)
+        pressure = self.case.material.density * geometry.gravity * self.model.discretization.h_i
+        scales = (self._weight * self.model.discretization.h_i, pressure, self.tau)
         if fault := look(View(self.solver, recorder.rows, recorder.start, *scales)):
             self._fail(fault)
         self.course.sound += 1
@@ -194,27 +194,27 @@ class Run:
     def _held_points(self) -> np.ndarray:
         """Rows of the column's points that the ends of the domain hold."""
         points = self.solver.points
-        return np.flatnonzero(self.scene.layout.is_held(points.x) & (points.kind != BASE))
+        return np.flatnonzero(self.model.discretization.is_held(points.x) & (points.kind != BASE))
 
     def _watch_ends(self) -> None:
         """Lone grains may wait at the ends of the domain; the flow itself must not come there."""
         held, (least, share) = self._held_points(), MOST_HELD
-        if len(held) > max(least, share * self.scene.column_points):
+        if len(held) > max(least, share * self.model.column_points):
             self._fail(fault_of(self.solver, int(held[0])))
 
     def _lift_gate(self) -> None:
         """Leave closed what the gate has not passed yet; an instantaneous gate is gone at once."""
-        speed, layout = self.case.stages.gate_speed, self.scene.layout
-        if self.course.opening < layout.cells_up * layout.h:
+        speed, discretization = self.case.stages.gate_speed, self.model.discretization
+        if self.course.opening < discretization.cells_up * discretization.h:
             self.course.opening = speed * self.solver.time if np.isfinite(speed) else np.inf
-            close_walls(self.scene.grid, layout, self.course.opening)
+            close_walls(self.model.grid, discretization, self.course.opening)
 
     def _is_quiet(self) -> bool:
         """For REST_WINDOW little kinetic energy at the nodes, and the front has not moved."""
         rows = self.recorder.rows[-round(REST_WINDOW * CHECKS_PER_TAU) :]
-        layout, front = self.scene.layout, [row["front_connected"] for row in rows]
-        energy = max(row["grid_kinetic"] for row in rows) / (self._weight * layout.h_i)
-        return bool(energy < REST_ENERGY and max(front) - min(front) < REST_FRONT * layout.h)
+        discretization, front = self.model.discretization, [row["front_connected"] for row in rows]
+        energy = max(row["grid_kinetic"] for row in rows) / (self._weight * discretization.h_i)
+        return bool(energy < REST_ENERGY and max(front) - min(front) < REST_FRONT * discretization.h)
 
     def _snapshot_times(self, limit: float) -> list[float]:
         """Times of the snapshots that are still to come between release and rest, s."""

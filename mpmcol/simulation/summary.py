@@ -13,20 +13,20 @@ from mpmcol.io.results import RESULT_SCHEMA, Results, measure_snapshot
 from mpmcol.measure import stop_time
 from mpmcol.mpm.solver import Solver
 from mpmcol.provenance import versions
-from mpmcol.setup.model import Scene
+from mpmcol.setup.model import Model
 from mpmcol.simulation.memory import peak_memory
 from mpmcol.simulation.progress import Course
 from mpmcol.simulation.recorder import Recorder, describe
 
 
-def outcome(status: str, case: Case, scene: Scene, recorder: Recorder, course: Course, threads: int) -> dict[str, Any]:
+def outcome(status: str, case: Case, model: Model, recorder: Recorder, course: Course, threads: int) -> dict[str, Any]:
     """The content of result.json for the present state, of which the last snapshot must have been taken."""
-    solver, layout, geometry = recorder.solver, scene.layout, case.geometry
+    solver, discretization, geometry = recorder.solver, model.discretization, case.geometry
     measured = measure_snapshot(Results(recorder.folder).snapshot(), recorder.shape)
     profiles = profile_scores(
         measured.profile_x, measured.profile_y, geometry.model, geometry.r_i, geometry.h_i, geometry.section
     )
-    tau = layout.fall_time(geometry.gravity)
+    tau = discretization.fall_time(geometry.gravity)
     flow_steps = solver.steps - course.first_step if course.stage == "collapse" else 0
     return {
         "schema": RESULT_SCHEMA,
@@ -34,20 +34,20 @@ def outcome(status: str, case: Case, scene: Scene, recorder: Recorder, course: C
         "title": case.title,
         "case_hash": case_hash(case),
         **measured.scalars(),
-        "stop_time": _stop_time(recorder, layout.h, tau) if course.at_rest else None,
+        "stop_time": _stop_time(recorder, discretization.h, tau) if course.at_rest else None,
         "errors": [entry.as_dict() for entry in score(measured, geometry.a, geometry.model, geometry.section)],
         "profile_scores": [vars(entry) for entry in profiles],
         "at_rest": course.at_rest,
         "time": solver.time,
         "time_over_tau": solver.time / tau,
-        "points": len(scene.points),
-        **describe(scene),
+        "points": len(model.points),
+        **describe(model),
         "steps": solver.steps,
         "dt": solver.dt,
         "state_sha256": _fingerprint(solver),
         "wall_s": {**course.wall_s, "output": recorder.seconds},
         "core_seconds": course.cpu_s,
-        "ns_per_point_step": course.wall_s["collapse"] / max(flow_steps * len(scene.points), 1) * 1e9,
+        "ns_per_point_step": course.wall_s["collapse"] / max(flow_steps * len(model.points), 1) * 1e9,
         "peak_memory_bytes": peak_memory(),
         "ledger": recorder.energy_ledger(),
         "worst_J": [float(J) for J in recorder.worst_J],

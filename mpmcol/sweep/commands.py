@@ -46,7 +46,7 @@ def write_commands(points: Sequence[Point], threads: int, out: Path) -> list[str
         name=f"mpmcol-{out.name}",
         count=len(lines),
         threads=threads,
-        megabytes=ceil(max(point.layout.memory_bytes + BYTES_OF_PROCESS for point in ordered) / 1e6),
+        megabytes=ceil(max(point.discretization.memory_bytes + BYTES_OF_PROCESS for point in ordered) / 1e6),
         out=out.resolve(),
     )
     atomic_write(out.resolve() / SLURM_FILE, os.fsencode(script))

@@ -27,11 +27,11 @@ def warm(source: str) -> None:
     """Compile, or load if they are kept, the kernels of both stages of a case."""
     from mpmcol.case import load_case
     from mpmcol.mpm.solver import Solver
-    from mpmcol.setup.model import build_scene
+    from mpmcol.setup.model import build_model
 
-    scene = build_scene(load_case(source))
-    for stage in (scene.equilibrate, scene.collapse):
-        Solver(scene.points, scene.grid, stage.settings, stage.column, scene.base, scene.scheme).prepare()
+    model = build_model(load_case(source))
+    for stage in (model.equilibrate, model.collapse):
+        Solver(model.points, model.grid, stage.settings, stage.column, model.base, model.scheme).prepare()
 
 
 if __name__ == "__main__":

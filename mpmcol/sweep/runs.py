@@ -20,7 +20,7 @@ from mpmcol.errors import CaseError, UsageError
 from mpmcol.io.atomic import GIVEN_CASE_FILE, atomic_write, make_folder
 from mpmcol.provenance import code_version
 from mpmcol.setup.cost import durations
-from mpmcol.setup.discretization import Layout, make_layout, refuse_if_too_large
+from mpmcol.setup.discretization import Discretization, discretize, require_memory_for
 from mpmcol.sweep.ranges import MOST_VALUES, Axis
 
 ASPECT = "geometry.aspect"
@@ -44,26 +44,26 @@ class Point:
         return self.folder.name.rpartition("-")[0]
 
     @cached_property
-    def layout(self) -> Layout:
+    def discretization(self) -> Discretization:
         """Sizes of its grid and column."""
-        return make_layout(self.case)
+        return discretize(self.case)
 
     @property
     def steps(self) -> int:
         """About how many time steps it takes."""
         base, column = self.case.base_material, self.case.material
-        dt = self.case.time.cfl * self.layout.h / max(base.wave_speed, column.wave_speed)
-        return max(round(sum(durations(self.case, self.layout)[0]) / dt), 1)
+        dt = self.case.time.cfl * self.discretization.h / max(base.wave_speed, column.wave_speed)
+        return max(round(sum(durations(self.case, self.discretization)[0]) / dt), 1)
 
     @property
     def end(self) -> float:
         """When the collapse usually ends, s since release."""
-        return durations(self.case, self.layout)[0][1]
+        return durations(self.case, self.discretization)[0][1]
 
     @property
     def work(self) -> float:
         """Material points times steps."""
-        return float(self.layout.most_points * self.steps)
+        return float(self.discretization.most_points * self.steps)
 
 
 def make_point(case: Case, out: Path, inputs: Mapping[str, Any], name: str) -> Point:
@@ -134,7 +134,7 @@ def combine(axes: Sequence[Axis], zipped: bool) -> list[Combination]:
 
 def notes(points: Sequence[Point]) -> list[str]:
     """What was rounded to fit the grids of the points, each once, with the number of points that it is true for."""
-    told = Counter(warning for point in points for warning in point.layout.warnings)
+    told = Counter(warning for point in points for warning in point.discretization.warnings)
     of = {count: "" if count == len(points) else f" ({count} of {len(points)} points)" for count in told.values()}
     return [text + of[count] for text, count in told.items()]
 
@@ -155,7 +155,7 @@ def _checked(source: str | Path, combination: Combination, out: Path, names: Map
     name = "-".join(_label(names[key], inputs[key]) for key, _ in combination if key in names)
     point = make_point(case, out, inputs, name or Path(source).stem)
     try:
-        refuse_if_too_large(point.layout)
+        require_memory_for(point.discretization)
     except UsageError as error:
         raise case_error([Problem(f"point {point.name}", None, "", str(error), "")]) from None
     return point

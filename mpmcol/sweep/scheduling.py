@@ -63,7 +63,7 @@ def choose_shares(
 def _fitting(points: Sequence[Point], room: float) -> int:
     """How many of the largest points fit into the memory together."""
     taken, fitting = 0.0, 0
-    for size in sorted((point.layout.memory_bytes + BYTES_OF_PROCESS for point in points), reverse=True):
+    for size in sorted((point.discretization.memory_bytes + BYTES_OF_PROCESS for point in points), reverse=True):
         taken += size
         fitting += taken <= room
     return fitting
@@ -79,5 +79,5 @@ def finish(durations: Sequence[float], jobs: int) -> float:
 
 def _duration(points: Sequence[Point], shares: Shares) -> float:
     """When the last point ends, in units of work."""
-    useful = (min(float(shares.threads), max(p.layout.most_points / POINTS_PER_THREAD, 1.0)) for p in points)
+    useful = (min(float(shares.threads), max(p.discretization.most_points / POINTS_PER_THREAD, 1.0)) for p in points)
     return finish([point.work / used**GAIN for point, used in zip(points, useful, strict=True)], shares.jobs)

@@ -16,8 +16,8 @@ from mpmcol.errors import NumericalFailure, OutputError, UsageError
 from mpmcol.io.atomic import locked
 from mpmcol.io.results import HISTORY, Results
 from mpmcol.io.snapshot import read_meta
-from mpmcol.setup.discretization import make_layout, refuse_if_too_large
-from mpmcol.setup.model import build_scene
+from mpmcol.setup.discretization import discretize, require_memory_for
+from mpmcol.setup.model import build_model
 
 TINY = ("grid.spacing=0.015", "output.snapshots=3", "stages.collapse.max_time_factor=1.0")
 
@@ -273,17 +273,18 @@ def test_wrong_units_are_noticed(tmp_path: Path) -> None:
 )
 def test_the_points_are_counted_before_they_are_made(overrides: list[str]) -> None:
     case = load_case("lube-quarter", ["grid.spacing=0.02", *overrides])
-    made, counted = len(build_scene(case).points), make_layout(case).most_points
+    made, counted = len(build_model(case).points), discretize(case).most_points
     assert made <= counted < 1.25 * made
 
 
 def test_few_points_in_a_grid_larger_than_memory_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     case = load_case("lube-quarter", ["geometry.base=rigid", "geometry.domain_length=2"])
-    layout = make_layout(case)
-    refuse_if_too_large(layout)
-    assert layout.memory_bytes < layout.grid_bytes
+    discretization = discretize(case)
+    require_memory_for(discretization)
+    assert discretization.memory_bytes < discretization.grid_bytes
     monkeypatch.setattr(
-        "mpmcol.setup.discretization.os.sysconf", {"SC_PHYS_PAGES": 1, "SC_PAGE_SIZE": layout.grid_bytes - 1}.get
+        "mpmcol.setup.discretization.os.sysconf",
+        {"SC_PHYS_PAGES": 1, "SC_PAGE_SIZE": discretization.grid_bytes - 1}.get,
     )
     with pytest.raises(UsageError, match=r"make grid\.spacing larger"):
-        build_scene(case)
+        build_model(case)

@@ -1,4 +1,4 @@
-"""Every kernel as plain Python (NUMBA_DISABLE_JIT=1) on a tiny scene: the twin of the vectors, honest coverage."""
+"""Every kernel as plain Python (NUMBA_DISABLE_JIT=1) on a tiny model: the twin of the vectors, honest coverage."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ PROGRAM = """
 import numpy as np
 from mpmcol.case import load_case
 from mpmcol.mpm.jit import JIT_DISABLED
-from mpmcol.setup.model import build_scene
+from mpmcol.setup.model import build_model
 from mpmcol.mpm.solver import Solver
 
-scene = build_scene(load_case(CASE, OVERRIDES))
-stage = scene.collapse
-solver = Solver(scene.points, scene.grid, stage.settings, stage.column, scene.base, scene.scheme)
+model = build_model(load_case(CASE, OVERRIDES))
+stage = model.collapse
+solver = Solver(model.points, model.grid, stage.settings, stage.column, model.base, model.scheme)
 assert solver.advance(1.0, max_steps=3) == -1
 order = np.argsort(solver.points.id)
 np.save(OUT, np.column_stack([solver.points.x, solver.points.v, solver.points.sigma, solver.points.J])[order])

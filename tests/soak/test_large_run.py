@@ -11,7 +11,7 @@ import pytest
 import mpmcol
 from mpmcol.io.checkpoint import read_checkpoints
 from mpmcol.io.results import Results
-from mpmcol.setup.discretization import make_layout
+from mpmcol.setup.discretization import discretize
 from tests.soak._runs import STOPPED, start, stop
 
 WITHIN = 2.0  # s of a core
@@ -26,7 +26,7 @@ CASES = {
 @pytest.mark.parametrize("name", CASES)
 def test_a_signal_ends_a_large_run(name: str, tmp_path: Path) -> None:
     source, *values = CASES[name]
-    assert make_layout(mpmcol.load_case(source, values[1::2])).most_points > 300_000
+    assert discretize(mpmcol.load_case(source, values[1::2])).most_points > 300_000
     run = start(["run", source, *values, "--out", str(tmp_path), "--checkpoint", "3s"], {"NUMBA_NUM_THREADS": "1"})
     deadline = time.monotonic() + PATIENCE
     while not (tmp_path / "checkpoint-1.npz").exists() and time.monotonic() < deadline:

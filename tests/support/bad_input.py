@@ -17,8 +17,8 @@ import numpy as np
 
 from mpmcol.case import Case, Problem, case_hash, load_case, resolved_toml
 from mpmcol.errors import CaseError, UsageError
-from mpmcol.setup.discretization import Layout, make_layout, refuse_if_too_large
-from mpmcol.setup.model import build_scene
+from mpmcol.setup.discretization import Discretization, discretize, require_memory_for
+from mpmcol.setup.model import build_model
 from mpmcol.sweep.runs import Point
 
 LONGEST = 1.0  # s of CPU: of the wall's time other programs have a share
@@ -71,11 +71,11 @@ def wrong_with_reading(source: str | Path, overrides: Sequence[str] = ()) -> str
     except CaseError as refused:
         return wrong_with_refusal(refused)
     try:
-        layout = make_layout(case)
-        refuse_if_too_large(layout)
+        discretization = discretize(case)
+        require_memory_for(discretization)
     except UsageError as refused:
         return None if re.search(r"\b[a-z]+\.[a-z_]+\b", str(refused)) else f"names no key: {refused}"
-    return _wrong_with_case(case, layout)
+    return _wrong_with_case(case, discretization)
 
 
 def wrong_with_refusal(refused: CaseError) -> str | None:
@@ -89,13 +89,21 @@ def _wrong_with_problem(problem: Problem) -> str | None:
     return None if told and str(problem).replace("\n", "").isprintable() else f"says {str(problem)!r}"
 
 
-def _wrong_with_case(case: Case, layout: Layout) -> str | None:
+def _wrong_with_case(case: Case, discretization: Discretization) -> str | None:
     point = Point({}, case, Path())
-    sizes = (layout.h, layout.base + layout.h, layout.depth, layout.length, layout.point_size, layout.h_i, point.work)
+    sizes = (
+        discretization.h,
+        discretization.base + discretization.h,
+        discretization.depth,
+        discretization.length,
+        discretization.point_size,
+        discretization.h_i,
+        point.work,
+    )
     if not all(math.isfinite(size) and size > 0.0 for size in (*sizes, point.end, point.steps)):
         return f"sizes are {sizes}, the end {point.end}, steps {point.steps}"
-    if max(layout.memory_bytes, layout.grid_bytes) < SMALL:
-        points = build_scene(case).points
+    if max(discretization.memory_bytes, discretization.grid_bytes) < SMALL:
+        points = build_model(case).points
         if not (np.isfinite(points.x).all() and np.isfinite(points.sigma).all() and (points.m > 0.0).all()):
             return "positions, stresses or masses are no numbers"
     return _wrong_with_copy(case)

@@ -10,7 +10,7 @@ import pytest
 import mpmcol
 from mpmcol.errors import NumericalFailure
 from mpmcol.mpm.particles import BASE
-from mpmcol.setup.model import build_scene
+from mpmcol.setup.model import build_model
 from mpmcol.simulation.run import set_up
 from mpmcol.simulation.stages import Run
 
@@ -29,7 +29,7 @@ ENDS = {
 def thrown(model: str, direction: tuple[float, ...], folder: Path) -> Run:
     """A coarse run at its release, its column thrown in the given direction."""
     case = mpmcol.load_case("lube-quarter", [f"geometry.model={model}", *COARSE, *SMALL])
-    run = set_up(case, build_scene(case), folder / "run", 1, lambda stage, share: None, lambda line: None)
+    run = set_up(case, build_model(case), folder / "run", 1, lambda stage, share: None, lambda line: None)
     run.release()
     run.solver.points.v[run.solver.points.kind != BASE] = SPEED * np.array(direction)
     count_energy_from_here(run)
@@ -47,17 +47,17 @@ def test_each_end_of_the_full_domain_stops_the_run(direction: tuple[float, ...],
     run = thrown("full", direction, tmp_path)
     with pytest.raises(NumericalFailure) as stopped:
         run.collapse()
-    failure, text, h = stopped.value.failure, str(stopped.value), run.scene.layout.h
+    failure, text, h = stopped.value.failure, str(stopped.value), run.model.discretization.h
     x, y, z = failure["position"]
     assert f"at x = {x:.5g} m, y = {y:.5g} m, z = {z:.5g} m" in text
     assert failure["value"] == failure["position"][axis]
     assert f"point {failure['point']} " in text and "stage collapse" in text
     if axis == 1:
-        top = (run.scene.layout.cells_up - 2) * h - run.scene.layout.base
+        top = (run.model.discretization.cells_up - 2) * h - run.model.discretization.base
         assert "reached the top of the domain" in text and "set a larger geometry.domain_height" in text
         assert top <= y < top + 0.5 * h
     else:
-        length = run.scene.layout.length
+        length = run.model.discretization.length
         assert "reached the end of the domain" in text and "set a larger geometry.domain_length" in text
         assert length - 5.0 * h <= np.sign(direction[axis]) * failure["value"] < length - 2.0 * h
 
@@ -74,16 +74,16 @@ def test_the_high_ends_of_a_quarter_stop_the_run_too(axis: int, tmp_path: Path) 
 def test_a_lone_grain_is_held_at_the_end_and_told(direction: tuple[float, ...], tmp_path: Path) -> None:
     """It flies ahead of the flow, and the run goes on without it."""
     run = thrown("full", (0.0, 0.0, 0.0), tmp_path)
-    points, layout = run.solver.points, run.scene.layout
+    points, discretization = run.solver.points, run.model.discretization
     lone = points.id[np.flatnonzero(points.kind != BASE)[-1]]
     (row,) = np.flatnonzero(points.id == lone)
-    points.x[row] = 0.24 * np.array(direction) + (0.0, 2.5 * layout.h, 0.0)
+    points.x[row] = 0.24 * np.array(direction) + (0.0, 2.5 * discretization.h, 0.0)
     points.v[row] = SPEED * np.array(direction)
     run.solver.sort()
     count_energy_from_here(run)
     run.collapse()
     reach = float(points.x[points.id == lone][0] @ np.array(direction))
-    assert layout.length - 5.0 * layout.h < reach < layout.length - 2.0 * layout.h
+    assert discretization.length - 5.0 * discretization.h < reach < discretization.length - 2.0 * discretization.h
     assert "holds points that ran ahead (1)" in run.course.warnings[-1]
 
 
@@ -92,12 +92,12 @@ def test_planes_of_symmetry_are_no_end(tmp_path: Path) -> None:
     run = thrown("quarter", (-0.2, 0.0, -0.2), tmp_path)
     while run.solver.time < 0.5 * run.tau:
         assert run.solver.advance(0.5 * run.tau) == -1
-    assert 0.0 < run.solver.points.x[:, ::2].min() < 0.5 * run.scene.layout.h
+    assert 0.0 < run.solver.points.x[:, ::2].min() < 0.5 * run.model.discretization.h
 
 
 def test_a_base_that_fills_the_domain_does_not_stop_the_run(tmp_path: Path) -> None:
     """Elastic points stand in the last cells from the start."""
     run = thrown("full", (0.0, 0.0, 0.0), tmp_path)
     base = run.solver.points.x[run.solver.points.kind == BASE]
-    assert np.abs(base[:, ::2]).max() > run.scene.layout.length - run.scene.layout.h
+    assert np.abs(base[:, ::2]).max() > run.model.discretization.length - run.model.discretization.h
     assert run.solver.advance(np.inf, max_steps=5) == -1

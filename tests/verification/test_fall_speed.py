@@ -9,7 +9,7 @@ import pytest
 
 import mpmcol
 from mpmcol.mpm.particles import BASE
-from mpmcol.setup.model import build_scene, free_speed
+from mpmcol.setup.model import build_model, free_speed
 from mpmcol.simulation.failure import diagnose
 from mpmcol.simulation.run import set_up
 from mpmcol.simulation.stages import Run
@@ -20,7 +20,7 @@ SOFT = ("grid.spacing=0.015", "material.youngs_modulus=0.002 MPa", "stages.initi
 def falling(folder: Path, share: float) -> Run:
     """A soft column at its release, with a point thrown up at this share of the speed that gravity can give."""
     case = mpmcol.load_case("quickstart", SOFT)
-    run = set_up(case, build_scene(case), folder / "run", 1, lambda stage, share: None, lambda line: None)
+    run = set_up(case, build_model(case), folder / "run", 1, lambda stage, share: None, lambda line: None)
     run.release()
     points, waves = run.solver.points, np.sqrt(run.solver.bodies[0].wave_speed2)
     speed = share * run.solver.settings.free_speed
@@ -31,9 +31,11 @@ def falling(folder: Path, share: float) -> Run:
 
 
 def test_the_limit_is_twice_the_fall_from_the_top_of_the_column_to_the_floor(tmp_path: Path) -> None:
-    layout = falling(tmp_path, 0.9).scene.layout
-    assert layout.base > 0.0
-    assert free_speed(9.81, layout.h_i + layout.base) == pytest.approx(2.0 * np.sqrt(19.62 * (0.09 + layout.base)))
+    discretization = falling(tmp_path, 0.9).model.discretization
+    assert discretization.base > 0.0
+    assert free_speed(9.81, discretization.h_i + discretization.base) == pytest.approx(
+        2.0 * np.sqrt(19.62 * (0.09 + discretization.base))
+    )
 
 
 @pytest.mark.parametrize(("share", "is_fault"), [(0.98, False), (1.2, True)])

@@ -27,7 +27,7 @@ from mpmcol.failure_modes.toolkit import (
 from mpmcol.measure import FRONTS
 from mpmcol.mpm.particles import BASE, Points
 from mpmcol.mpm.solver import Solver
-from mpmcol.setup.model import build_scene, close_walls
+from mpmcol.setup.model import build_model, close_walls
 from tests.verification.test_axisymmetry import bessel, breathing_root
 
 COARSE = ("grid.spacing=0.0194", "stages.equilibrate.law=mohr-coulomb")
@@ -49,18 +49,18 @@ class Collapsed(NamedTuple):
 
 
 @cache
-def collapsed(model: str) -> Collapsed:
+def collapsed(kind: str) -> Collapsed:
     """The column after its gate is gone, from the stress of rest.
 
     Without damping: that acts against the sign of a node's velocity, which is round-off where the column still rests.
     """
-    case = cylinder(model, "stages.initial_stress=k0", "stages.collapse.damping=0.0")
-    scene = build_scene(case)
-    close_walls(scene.grid, scene.layout, np.inf)
-    solver = Solver(scene.points, scene.grid, scene.collapse.settings, scene.collapse.column, scene.base)
+    case = cylinder(kind, "stages.initial_stress=k0", "stages.collapse.damping=0.0")
+    model = build_model(case)
+    close_walls(model.grid, model.discretization, np.inf)
+    solver = Solver(model.points, model.grid, model.collapse.settings, model.collapse.column, model.base)
     start = by_id(solver)
-    advance_to(solver, scene.layout.fall_time(G))
-    h = scene.layout.h
+    advance_to(solver, model.discretization.fall_time(G))
+    h = model.discretization.h
     return Collapsed(start.x / h, by_id(solver).x / h, start.kind != BASE)
 
 
@@ -155,15 +155,15 @@ def test_a_quarter_cylinder_breathes_as_the_axisymmetric_one() -> None:
     assert np.all((orders > 1.6) & (orders < 2.2)), (errors, orders)
 
 
-def at_rest_behind_the_gate(model: str) -> tuple[Points, np.ndarray, float]:
+def at_rest_behind_the_gate(kind: str) -> tuple[Points, np.ndarray, float]:
     """The column as an elastic body on a rigid floor, the heights of its points at the start, and its own."""
-    scene = build_scene(cylinder(model, "geometry.base=rigid"))
-    scene.points.kind[:] = BASE
-    stage = scene.equilibrate
-    solver = Solver(scene.points, scene.grid, stage.settings, stage.column, scene.base)
-    y = scene.points.x[:, 1].copy()
-    advance_to(solver, 30.0 * scene.layout.wave_time(scene.base.wave_speed2))
-    return by_id(solver), y, scene.layout.h_i
+    model = build_model(cylinder(kind, "geometry.base=rigid"))
+    model.points.kind[:] = BASE
+    stage = model.equilibrate
+    solver = Solver(model.points, model.grid, stage.settings, stage.column, model.base)
+    y = model.points.x[:, 1].copy()
+    advance_to(solver, 30.0 * model.discretization.wave_time(model.base.wave_speed2))
+    return by_id(solver), y, model.discretization.h_i
 
 
 @pytest.mark.parametrize(("model", "tolerance"), [("axisymmetric", 0.01), ("quarter", 0.06)])
@@ -197,11 +197,13 @@ def test_runout_of_quarter_and_axisymmetric_column_agree(tmp_path: Path) -> None
 def test_set_stress_is_that_of_rest(model: str, section: str) -> None:
     """Vertical: the weight above each point; both horizontals K0 times it, in the base as of confined elasticity."""
     case = cylinder(model, "stages.initial_stress=k0", "stages.k0=0.37", f"geometry.section={section}")
-    scene = build_scene(case)
-    points, (x, y, z) = scene.points, scene.points.x.T
-    is_base, r_i = points.kind == BASE, scene.layout.r_i
-    inside = np.hypot(x, z) < r_i if section == "cylinder" else (np.abs(x) < r_i) & (np.abs(z) < scene.layout.depth)
-    above = np.where(is_base, np.where(inside, scene.layout.h_i, 0.0) - y, scene.layout.h_i - y)
+    model = build_model(case)
+    points, (x, y, z) = model.points, model.points.x.T
+    is_base, r_i = points.kind == BASE, model.discretization.r_i
+    inside = (
+        np.hypot(x, z) < r_i if section == "cylinder" else (np.abs(x) < r_i) & (np.abs(z) < model.discretization.depth)
+    )
+    above = np.where(is_base, np.where(inside, model.discretization.h_i, 0.0) - y, model.discretization.h_i - y)
     weight = -case.material.density * case.geometry.gravity * above
     nu = case.base_material.poissons_ratio
     ratio = np.where(is_base, nu / (1.0 - nu), 0.37)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from mpmcol.case import Case, load_case
-from mpmcol.setup.discretization import make_layout
+from mpmcol.setup.discretization import discretize
 from mpmcol.studies.pareto.configurations import overrides_of
 from mpmcol.studies.pareto.recommend import POINTS_PER_CELL, as_overrides, options
 from mpmcol.studies.pareto.shipped import QUANTITIES, Place, Row, place_of, scenes_around, shipped_rows, shipped_study
@@ -47,7 +47,7 @@ def propose(source: str | Path, overrides: Sequence[str], accuracy: float) -> It
     """
     case, rows = load_case(source, overrides), shipped_rows()
     place = place_of(case)
-    cells = case.geometry.r_i / make_layout(case).h
+    cells = case.geometry.r_i / discretize(case).h
     for change in CHANGES:
         if values := change.values(case):
             effect = _effect(change, place, cells, rows)
@@ -131,7 +131,7 @@ def _shorter(case: Case) -> Values | None:
     if case.geometry.base != "elastic":
         return None
     free = case.geometry.model_copy(update={"domain_length": None})
-    length = make_layout(case.model_copy(update={"geometry": free})).length
+    length = discretize(case.model_copy(update={"geometry": free})).length
     given = case.geometry.domain_length
     return {"geometry.domain_length": length} if given and given > (1.0 + LEAST_SAVING) * length else None
 

@@ -6,8 +6,8 @@ import pytest
 
 from mpmcol.case import load_case
 from mpmcol.mpm.settings import PAPER, Scheme
-from mpmcol.setup.discretization import make_layout
-from mpmcol.setup.model import build_scene
+from mpmcol.setup.discretization import discretize
+from mpmcol.setup.model import build_model
 
 
 @pytest.mark.parametrize(
@@ -27,16 +27,16 @@ from mpmcol.setup.model import build_scene
     ids=str,
 )
 def test_words_of_the_method(words: list[str], taylor: float, flip_fraction: float, scheme: Scheme) -> None:
-    scene = build_scene(load_case("quickstart", [f"method.{word}" for word in words]))
-    for stage in (scene.equilibrate, scene.collapse):
+    model = build_model(load_case("quickstart", [f"method.{word}" for word in words]))
+    for stage in (model.equilibrate, model.collapse):
         assert (stage.settings.taylor, stage.settings.flip_fraction) == (taylor, flip_fraction)
-    assert scene.scheme == scheme
+    assert model.scheme == scheme
 
 
 @pytest.mark.parametrize(("update", "exponential"), [("determinant", False), ("exponential", True)])
 def test_volume_update(update: str, exponential: bool) -> None:
-    scene = build_scene(load_case("quickstart", [f"method.volume_update={update}"]))
-    assert {scene.equilibrate.settings.exponential_volume, scene.collapse.settings.exponential_volume} == {exponential}
+    model = build_model(load_case("quickstart", [f"method.volume_update={update}"]))
+    assert {model.equilibrate.settings.exponential_volume, model.collapse.settings.exponential_volume} == {exponential}
 
 
 @pytest.mark.parametrize(
@@ -53,6 +53,6 @@ def test_volume_update(update: str, exponential: bool) -> None:
 )
 def test_time_steps_that_a_point_alone_does_not_bear_are_told(overrides: list[str], told: str) -> None:
     """Bounds for nu = 0.2 in plane strain, from the eigenvalues of one point."""
-    warnings = [text for text in make_layout(load_case("quickstart", overrides)).warnings if "cfl" in text]
+    warnings = [text for text in discretize(load_case("quickstart", overrides)).warnings if "cfl" in text]
     assert len(warnings) == (1 if told else 0)
     assert all(told in text for text in warnings)

@@ -19,7 +19,7 @@ from mpmcol.mpm.grid import node_coordinates
 from mpmcol.mpm.kernels import loop
 from mpmcol.mpm.lanes import OPENING, S_ZZ, VX, J, M, X, Y
 from mpmcol.mpm.particles import BASE
-from mpmcol.setup.model import build_scene
+from mpmcol.setup.model import build_model
 from mpmcol.simulation.failure import fault_of
 from mpmcol.simulation.monitor import node_position, principal
 from mpmcol.simulation.run import set_up
@@ -41,7 +41,7 @@ class Saboteur:
 
     def __init__(self, model: str, folder: Path, damage: Callable[[Run, int], Any], moment: str, seed: int = 0) -> None:
         case = mpmcol.load_case(MODELS[model][0], [*MODELS[model][1:], *ALWAYS])
-        self.run = set_up(case, build_scene(case), folder / "run", 1, lambda stage, share: None, lambda line: None)
+        self.run = set_up(case, build_model(case), folder / "run", 1, lambda stage, share: None, lambda line: None)
         self.run.release()
         self.damage, self.moment = damage, moment
         self.time, self.point, self.place = np.inf, -1, None
@@ -91,12 +91,16 @@ def heavier(factor: float, run: Run, row: int) -> None:
 
 
 def lifted(cells: float, run: Run, row: int) -> None:
-    run.solver.points.x[row, 1] += cells * run.scene.layout.h
+    run.solver.points.x[row, 1] += cells * run.model.discretization.h
 
 
 def outside(axis: int, run: Run, row: int) -> None:
-    layout = run.scene.layout
-    run.solver.points.x[row, axis] = (layout.length, layout.cells_up * layout.h - layout.base, layout.length)[axis]
+    discretization = run.model.discretization
+    run.solver.points.x[row, axis] = (
+        discretization.length,
+        discretization.cells_up * discretization.h - discretization.base,
+        discretization.length,
+    )[axis]
     run.solver.sort()
 
 
@@ -196,7 +200,7 @@ def test_damage_is_found_within_one_look_and_named(case: Case, model: str, tmp_p
     for word in ("likely cause: ", "remedy: ", f"step {failure['step']}", "stage collapse"):
         assert word in scene.text
     if case.of_point:
-        near = np.abs(np.array(failure["position"]) - scene.place).max() < 4.0 * scene.run.scene.layout.h
+        near = np.abs(np.array(failure["position"]) - scene.place).max() < 4.0 * scene.run.model.discretization.h
         assert failure["point"] == scene.point or near
         assert f"point {failure['point']} at x = " in scene.text
 
@@ -235,10 +239,10 @@ def test_a_volume_lost_at_once_is_put_down_to_the_softness_of_what_falls(
 def test_a_time_step_too_long_is_found_within_a_few_looks(cfl: float, model: str, tmp_path: Path) -> None:
     """Loading under gravity, from the first step on; what it comes from is said, and what helps."""
     case = mpmcol.load_case(MODELS[model][0], [*MODELS[model][1:]])
-    run = set_up(case, build_scene(case), tmp_path / "run", 1, lambda stage, share: None, lambda line: None)
-    stage = run.scene.equilibrate
+    run = set_up(case, build_model(case), tmp_path / "run", 1, lambda stage, share: None, lambda line: None)
+    stage = run.model.equilibrate
     run.solver.clock[loop.DT] *= cfl / stage.settings.cfl
-    run.scene = replace(run.scene, equilibrate=replace(stage, settings=stage.settings._replace(cfl=cfl)))
+    run.model = replace(run.model, equilibrate=replace(stage, settings=stage.settings._replace(cfl=cfl)))
     with pytest.raises(NumericalFailure, match="a time step too long") as stopped:
         run.go()
     failure = stopped.value.failure
@@ -308,7 +312,7 @@ def test_grains_far_ahead_are_told_of_and_no_fault(tmp_path: Path) -> None:
 @pytest.mark.parametrize("model", ["plane", "quarter"])
 def test_a_node_is_found_by_its_address(model: str, tmp_path: Path) -> None:
     case = mpmcol.load_case(MODELS[model][0], [*MODELS[model][1:]])
-    grid = build_scene(case).grid
+    grid = build_model(case).grid
     i, j, k = 5, 3, 2 if grid.n_z > 1 else 0
     grid.nodes[grid.ax[i] + grid.ay[j] + grid.az[k]] = 7.0
     (address,) = np.flatnonzero(grid.nodes == 7.0)
