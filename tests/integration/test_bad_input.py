@@ -7,28 +7,20 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
 
 from mpmcol.case import load_case
 from mpmcol.case.schema import leaf_values
-from mpmcol.cli import main
 from mpmcol.errors import CaseError
 from mpmcol.studies.pareto.study import load_study
 from mpmcol.units import LARGEST, SMALLEST, to_unit
 from tests.soak import case_values, command_lines, toml_bytes
 from tests.support.bad_input import judge, wrong_with_reading
+from tests.support.cli import invoke
+
+pytestmark = pytest.mark.usefixtures("in_empty_folder")
 
 DEEP, LONG = 30_000, 30_000
 TIMES_AND_SHARES = ("--checkpoint", "--max-wall", "--accuracy")
-
-
-@pytest.fixture(autouse=True)
-def in_empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-
-
-def invoke(*arguments: str) -> Result:
-    return CliRunner().invoke(main, list(arguments))
 
 
 def refusal(text: str) -> str:

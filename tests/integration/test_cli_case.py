@@ -9,22 +9,16 @@ from pathlib import Path
 
 import click
 import pytest
-from click.testing import CliRunner, Result
+from click.testing import CliRunner
 
 import mpmcol
 from mpmcol.case import load_case, shipped_cases
 from mpmcol.cli import COMMANDS, main
+from tests.support.cli import invoke
+
+pytestmark = pytest.mark.usefixtures("in_empty_folder")
 
 ROOT = Path(mpmcol.__file__).parents[1]
-
-
-@pytest.fixture(autouse=True)
-def in_empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-
-
-def invoke(*arguments: str) -> Result:
-    return CliRunner().invoke(main, list(arguments))
 
 
 def test_check_of_a_good_case() -> None:

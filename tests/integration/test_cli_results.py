@@ -10,22 +10,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
 
 from mpmcol.case import Case, load_case, resolved_toml
-from mpmcol.cli import main
 from mpmcol.io.results import HISTORY, write_history, write_result
 from mpmcol.io.snapshot import Snapshot, write_snapshot
 from mpmcol.plotting import run_charts
+from tests.support.cli import invoke
 
 TIMES = (0.0, 0.1, 0.2, 0.3)
 SIZE = 0.0025
 
 Profiles = list[tuple[float, bool]]
-
-
-def invoke(*arguments: object) -> Result:
-    return CliRunner().invoke(main, [str(argument) for argument in arguments])
 
 
 def column(case: Case) -> np.ndarray:

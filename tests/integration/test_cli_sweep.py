@@ -2,78 +2,33 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import os
 import shlex
 import signal
 import subprocess
-import sys
-import time
-from collections.abc import Callable
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
 
-from mpmcol.cli import main
 from mpmcol.io.atomic import is_locked
 from mpmcol.io.results import Results
 from mpmcol.io.run_status import read_state
+from tests.support.cli import invoke, set_options, start
+from tests.support.processes import child_processes, wait_until
+from tests.support.sweeps import final_positions, measured_table
 
-TINY = ("--set", "grid.spacing=0.0194", "--set", "stages.collapse.max_time_factor=0.5", "--set", "output.snapshots=2")
-ENDLESS = (
-    *("--set", "grid.spacing=0.0194", "--set", "stages.collapse.max_time_factor=10000"),
-    *("--set", "stages.collapse.end=time", "--set", "output.snapshots=20000"),
+pytestmark = pytest.mark.usefixtures("in_empty_folder")
+TINY = set_options(("grid.spacing=0.0194", "stages.collapse.max_time_factor=0.5", "output.snapshots=2"))
+ENDLESS = set_options(
+    (
+        *("grid.spacing=0.0194", "stages.collapse.max_time_factor=10000"),
+        *("stages.collapse.end=time", "output.snapshots=20000"),
+    )
 )
 SWEEP = ("sweep", "--aspect", "1,2", *TINY)
-
-
-@pytest.fixture(autouse=True)
-def in_empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-
-
-def invoke(*words: str | Path) -> Result:
-    return CliRunner().invoke(main, [str(word) for word in words])
-
-
-def start(*words: str) -> subprocess.Popen[str]:
-    command = [sys.executable, "-m", "mpmcol", *words]
-    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-
-
-def children(parent: int) -> list[int]:
-    """Processes of a parent, from /proc."""
-    found = []
-    for path in Path("/proc").glob("[0-9]*/stat"):
-        try:
-            if int(path.read_text().rpartition(")")[2].split()[1]) == parent:
-                found.append(int(path.parent.name))
-        except OSError:
-            continue
-    return found
-
-
-def await_(condition: Callable[[], object], seconds: float = 120.0) -> None:
-    deadline = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
-
-
-def measured(folder: Path) -> list[dict[str, str]]:
-    """The table without what may differ from one time to the next: names of folders, and cost."""
-    with (folder / "table.csv").open(newline="") as file:
-        rows = list(csv.DictReader(file))
-    cost = ("second", "ns_", "memory")
-    return [{name: value for name, value in row.items() if not any(word in name for word in cost)} for row in rows]
-
-
-def last_positions(folder: Path) -> list[np.ndarray]:
-    return [Results(path.parent).snapshot(-1).arrays["position"] for path in sorted(folder.glob("*/result.json"))]
 
 
 def modified(folder: Path) -> dict[str, int]:
@@ -88,7 +43,7 @@ def test_a_sweep_its_files_and_its_rerun() -> None:
     assert "a1 done" in first.stderr and "a2 done" in first.stderr
     assert first.stdout.splitlines()[1].split()[0] == "a1" and "not at rest" in first.stdout
     assert f"in {out}: table.csv, table.h5, zeta.png, beta.png" in first.stdout
-    (one, two) = measured(out)
+    (one, two) = measured_table(out)
     assert (one["geometry.aspect"], two["a"], one["status"]) == ("1.0", "2.0", "done")
     run = Results(out / one["folder"])
     assert float(one["zeta.front_max"]) == run.summary["zeta"]["front_max"]
@@ -117,12 +72,12 @@ def test_killed_with_all_its_runs_it_completes_with_equal_results() -> None:
     words = ("sweep", "--aspect", "2,3", *TINY[:-1], "output.snapshots=40", "--jobs", "2")
     killed, whole = Path("killed"), Path("whole")
     with start(*words, "--out", str(killed)) as sweep:
-        await_(lambda: list(killed.glob("*/run.vtkhdf")))
-        runs = children(sweep.pid)
+        wait_until(lambda: list(killed.glob("*/run.vtkhdf")))
+        runs = child_processes(sweep.pid)
         os.kill(sweep.pid, signal.SIGKILL)
         for run in runs:
             os.kill(run, signal.SIGKILL)
-    await_(lambda: not any(map(is_locked, killed.glob("a*"))))
+    wait_until(lambda: not any(map(is_locked, killed.glob("a*"))))
     states = [read_state(path).name for path in killed.glob("a*")]
     assert runs and "unfinished" in states, states
     told = invoke("status", killed)
@@ -130,8 +85,8 @@ def test_killed_with_all_its_runs_it_completes_with_equal_results() -> None:
     for out in (killed, whole):
         done = invoke(*words, "--out", out)
         assert done.exit_code == 0, done.output
-    assert measured(killed) == measured(whole)
-    for mine, other in zip(last_positions(killed), last_positions(whole), strict=True):
+    assert measured_table(killed) == measured_table(whole)
+    for mine, other in zip(final_positions(killed), final_positions(whole), strict=True):
         assert np.array_equal(mine, other)
 
 
@@ -139,7 +94,7 @@ def test_killed_with_all_its_runs_it_completes_with_equal_results() -> None:
 def test_interrupted_it_ends_its_runs(number: signal.Signals) -> None:
     out = Path("out")
     with start("sweep", "--aspect", "3,4", *ENDLESS, "--jobs", "2", "--out", str(out)) as sweep:
-        await_(lambda: len(list(out.glob("*/run.vtkhdf"))) == 2)
+        wait_until(lambda: len(list(out.glob("*/run.vtkhdf"))) == 2)
         state = json.loads(invoke("status", out, "--json").stdout)
         assert state["counts"] == {"running": 2} and all(point["share"] < 0.5 for point in state["points"])
         (run,) = {path.parent for path in out.glob("a3-*/run.vtkhdf")}
@@ -156,7 +111,7 @@ def test_two_sweeps_in_one_folder_at_once() -> None:
     sweeps = [start(*SWEEP, "--out", "out", "--jobs", "2") for _ in range(2)]
     outputs = [sweep.communicate(timeout=300) for sweep in sweeps]
     assert [sweep.returncode for sweep in sweeps] == [0, 0], outputs
-    assert len(measured(Path("out"))) == 2
+    assert len(measured_table(Path("out"))) == 2
 
 
 def test_a_point_that_diverges_does_not_stop_the_others() -> None:
@@ -168,7 +123,7 @@ def test_a_point_that_diverges_does_not_stop_the_others() -> None:
         assert ("2 of them ended before" in done.stderr) == (attempt == 1)
     quiet = invoke(*words, "--quiet")
     assert (quiet.exit_code, quiet.stdout) == (3, "") and " failed: " in quiet.stderr
-    good, bad = measured(Path("out"))
+    good, bad = measured_table(Path("out"))
     assert (good["status"], bad["status"], bad["zeta.front_max"]) == ("done", "failed", "")
     assert "1 done, 1 failed" in invoke("status", "out").stdout
 

@@ -10,21 +10,18 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from click.testing import CliRunner
 
 import mpmcol
-from mpmcol.cli import main
 from mpmcol.errors import OutputError
 from mpmcol.integrity import verify
 from mpmcol.io.atomic import DIGEST_FILE, LOCK, RESULT_FILE, locked
 from mpmcol.io.checkpoint import write_checkpoint
 from mpmcol.io.results import Results
 from mpmcol.simulation import restart
-from tests.integration.test_restart import same
 from tests.soak import damage, disks, writes
+from tests.support.cli import invoke, set_options
 from tests.support.faulty_disk import Disk, PowerLost
-
-TINY = ("grid.spacing=0.015", "output.snapshots=3", "stages.collapse.max_time_factor=1.0")
+from tests.support.runs import TINY, assert_equal_runs
 
 
 class Killed(Exception):
@@ -48,8 +45,7 @@ def killed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def go_on(folder: Path, *more: str) -> Any:
-    words = [word for value in TINY for word in ("--set", value)]
-    return CliRunner().invoke(main, ["run", "quickstart", *words, "--out", str(folder), *more])
+    return invoke("run", "quickstart", *set_options(TINY), "--out", folder, *more)
 
 
 @pytest.mark.parametrize("how", ["flip", "truncate", "remove"])
@@ -176,7 +172,7 @@ def test_a_clock_that_is_set_forth_and_back_changes_nothing(tmp_path: Path, monk
     monkeypatch.setattr(restart, "write_checkpoint", count)
     mpmcol.run(case, tmp_path / "set", threads=1, max_wall=600.0)
     assert not states
-    same(tmp_path / "plain", tmp_path / "set")
+    assert_equal_runs(tmp_path / "plain", tmp_path / "set")
     mpmcol.run(case, tmp_path / "again", threads=1, checkpoint_seconds=0.0)
     assert len(states) > 10
 

@@ -8,34 +8,17 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
-from click.testing import CliRunner
 
 import mpmcol
-from mpmcol.cli import main
 from mpmcol.errors import Interrupted, UsageError
 from mpmcol.io.atomic import CHECKPOINT_FILES
 from mpmcol.io.results import Results
 from mpmcol.mpm import solver
 from mpmcol.simulation import run
 from mpmcol.simulation.interrupt import StopRequest
-
-SHORT = ("stages.collapse.max_time_factor=1.2", "output.snapshots=4")
-CASES = {
-    "plane": ("lube-channel", "grid.spacing=0.015"),
-    "softening": ("lube-channel-dense", "grid.spacing=0.015"),
-    "lifted gate": ("quickstart", "grid.spacing=0.0125", "stages.gate_speed=0.5"),
-    "axisymmetric": ("lube-cylinder", "grid.spacing=0.0139"),
-    "base deactivated": ("lube-cylinder", "grid.spacing=0.0139", "method.deactivate_base=true"),
-    "quarter": ("lube-quarter", "grid.spacing=0.0194", "geometry.aspect=0.4", "stages.initial_stress=k0"),
-    "musl": ("lube-cylinder", "grid.spacing=0.0194", "method.stress_order=musl", "method.transfer=apic"),
-}
-
-
-def case_of(name: str, *more: str) -> mpmcol.Case:
-    source, *values = CASES[name]
-    return mpmcol.load_case(source, [*values, *SHORT, *more])
+from tests.support.cli import invoke
+from tests.support.runs import SMALL_CASES, assert_equal_runs, small_case
 
 
 @pytest.fixture
@@ -62,24 +45,9 @@ def stop_after(monkeypatch: pytest.MonkeyPatch) -> Any:
     return set_left
 
 
-def same(one: Path, other: Path) -> None:
-    """Two runs left equal snapshots, histories and results; times of the machine apart."""
-    mine, others = Results(one), Results(other)
-    assert [path.name for path in mine.snapshots] == [path.name for path in others.snapshots]
-    for i in range(len(mine.snapshots)):
-        a, b = mine.snapshot(i), others.snapshot(i)
-        assert (a.time, a.stage) == (b.time, b.stage)
-        for name, array in a.arrays.items():
-            assert np.array_equal(array, b.arrays[name]), (i, name)
-    assert (one / "history.csv").read_bytes() == (other / "history.csv").read_bytes()
-    differing = {"wall_s", "core_seconds", "ns_per_point_step", "peak_memory_bytes", "continued", "threads"}
-    kept = [{k: v for k, v in run.summary.items() if k not in differing} for run in (mine, others)]
-    assert kept[0] == kept[1]
-
-
-@pytest.mark.parametrize("name", list(CASES))
+@pytest.mark.parametrize("name", list(SMALL_CASES))
 def test_stopped_again_and_again_it_ends_with_equal_bits(name: str, stop_after: Any, tmp_path: Path) -> None:
-    case, whole, cut = case_of(name), tmp_path / "whole", tmp_path / "cut"
+    case, whole, cut = small_case(name), tmp_path / "whole", tmp_path / "cut"
     stop_after(10**9)
     mpmcol.run(case, whole, threads=1)
     stops, pauses = 0, 2
@@ -92,7 +60,7 @@ def test_stopped_again_and_again_it_ends_with_equal_bits(name: str, stop_after: 
             stops, pauses = stops + 1, pauses + 5
             assert Results(cut).status == "stopped" and Results(cut).snapshot(-1).stage == "stopped"
     assert stops >= 3
-    same(whole, cut)
+    assert_equal_runs(whole, cut)
     steps = [entry["step"] for entry in Results(cut).summary["continued"]]
     assert len(steps) == stops and steps == sorted(set(steps))
     assert not any((cut / file).exists() for file in CHECKPOINT_FILES)
@@ -100,7 +68,7 @@ def test_stopped_again_and_again_it_ends_with_equal_bits(name: str, stop_after: 
 
 def test_killed_it_goes_on_from_the_last_checkpoint(stop_after: Any, tmp_path: Path) -> None:
     """What was written after the checkpoint is written again; a damaged checkpoint is left for the one before."""
-    case, whole, cut = case_of("plane"), tmp_path / "whole", tmp_path / "cut"
+    case, whole, cut = small_case("plane"), tmp_path / "whole", tmp_path / "cut"
     stop_after(10**9)
     mpmcol.run(case, whole)
     steps = 0
@@ -119,7 +87,7 @@ def test_killed_it_goes_on_from_the_last_checkpoint(stop_after: Any, tmp_path: P
     mpmcol.run(case, cut, say=told.append)
     assert f"note: {newest} is damaged; going on from the one before" in told
     assert any(line.startswith("going on from step ") for line in told)
-    same(whole, cut)
+    assert_equal_runs(whole, cut)
 
 
 def test_another_case_or_code_is_refused_with_the_difference(
@@ -127,16 +95,16 @@ def test_another_case_or_code_is_refused_with_the_difference(
 ) -> None:
     stop_after(3)
     with pytest.raises(Interrupted, match=r"stopped by the test at step \d+, t = .*same command goes on"):
-        mpmcol.run(case_of("plane"), tmp_path)
+        mpmcol.run(small_case("plane"), tmp_path)
     stop_after(10**9)
-    other = case_of("plane", "stages.collapse.damping=0.1", 'title="another"')
+    other = small_case("plane", "stages.collapse.damping=0.1", 'title="another"')
     with pytest.raises(UsageError, match=r"damping: 0.05 there, 0.1 here\n(.*)--fresh(.*)--out(.*)--go-on"):
         mpmcol.run(other, tmp_path)
     with pytest.raises(UsageError, match="other points than this case makes"):
-        mpmcol.run(case_of("plane", "grid.points_per_cell=9"), tmp_path, go_on=True)
+        mpmcol.run(small_case("plane", "grid.points_per_cell=9"), tmp_path, go_on=True)
     monkeypatch.setattr("mpmcol.simulation.restart.code_version", lambda: "0+other")
     with pytest.raises(UsageError, match=r"made by mpmcol .*, this is 0\+other"):
-        mpmcol.run(case_of("plane"), tmp_path)
+        mpmcol.run(small_case("plane"), tmp_path)
     done = mpmcol.run(other, tmp_path, go_on=True).summary
     assert done["status"] == "done" and done["continued"][0]["version"] == "0+other"
 
@@ -144,27 +112,23 @@ def test_another_case_or_code_is_refused_with_the_difference(
 def test_without_a_whole_checkpoint_it_begins_anew(stop_after: Any, tmp_path: Path) -> None:
     stop_after(3)
     with pytest.raises(Interrupted):
-        mpmcol.run(case_of("plane"), tmp_path)
+        mpmcol.run(small_case("plane"), tmp_path)
     for file in CHECKPOINT_FILES:
         (tmp_path / file).write_bytes(b"")
     stop_after(10**9)
-    assert mpmcol.run(case_of("plane"), tmp_path).summary["continued"] == []
+    assert mpmcol.run(small_case("plane"), tmp_path).summary["continued"] == []
 
 
 def test_the_limit_of_time_and_the_exit_codes(tmp_path: Path) -> None:
-    words = ["run", "quickstart", "--set", "grid.spacing=0.01", "--out", str(tmp_path / "run")]
-
-    def invoke(*more: str) -> Any:
-        return CliRunner().invoke(main, [*words, *more])
-
-    first = invoke("--max-wall", "0.001s", "--quiet")
+    command = ("run", "quickstart", "--set", "grid.spacing=0.01", "--out", tmp_path / "run")
+    first = invoke(*command, "--max-wall", "0.001s", "--quiet")
     assert first.exit_code == 75 and "stopped by the limit of time at step" in first.stderr
-    assert invoke("--max-wall", "0.001s", "--requeue-code", "99").exit_code == 99
-    done = invoke("--json")
+    assert invoke(*command, "--max-wall", "0.001s", "--requeue-code", "99").exit_code == 99
+    done = invoke(*command, "--json")
     assert done.exit_code == 0 and len(json.loads(done.stdout)["continued"]) == 2
 
 
 @pytest.mark.parametrize("text", ["5 years", "-1s", "0", "nan", ""])
 def test_a_time_is_a_number_with_a_unit(text: str) -> None:
-    done = CliRunner().invoke(main, ["run", "quickstart", "--max-wall", text])
+    done = invoke("run", "quickstart", "--max-wall", text)
     assert done.exit_code == 2 and "expected a time such as 90s, 5min, 2h or 1.5d" in done.output

@@ -8,15 +8,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 import mpmcol
-from mpmcol.cli import main
 from mpmcol.errors import NumericalFailure
 from mpmcol.io.results import Results
 from mpmcol.mpm.lanes import VX
 from mpmcol.simulation import run, stages
 from mpmcol.simulation.stages import Run
+from tests.support.cli import invoke, set_options
 
 TINY = ("grid.spacing=0.015", "output.snapshots=8", "stages.collapse.max_time_factor=1.0")
 HARSH = (*TINY, "time.cfl=1.0")  # fails while it is loaded
@@ -39,10 +38,10 @@ def bad_above(cfl: float, monkeypatch: pytest.MonkeyPatch, lane: int = VX, value
 
 
 def test_what_fails_by_default_is_done_with_half_the_time_step(tmp_path: Path) -> None:
-    words = ["run", "quickstart", *(part for value in HARSH for part in ("--set", value)), "--out", str(tmp_path / "a")]
-    stopped = CliRunner().invoke(main, words)
+    command = ("run", "quickstart", *set_options(HARSH), "--out", tmp_path / "a")
+    stopped = invoke(*command)
     assert stopped.exit_code == 3 and "energy came from nowhere" in stopped.stderr
-    done = CliRunner().invoke(main, [*words, "--on-instability", "retry"])
+    done = invoke(*command, "--on-instability", "retry")
     assert done.exit_code == 0 and "on with time.cfl = 0.5 (retry 1 of at most 4)" in done.stdout
     (told,) = Results(tmp_path / "a").summary["retries"]
     assert told["cfl"] == 1.0 and told["new_cfl"] == 0.5 and told["check"] == "energy"

@@ -7,35 +7,21 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
 
 import mpmcol
 from mpmcol.case import load_case
-from mpmcol.cli import main
 from mpmcol.errors import NumericalFailure, OutputError, UsageError
 from mpmcol.io.atomic import locked
 from mpmcol.io.results import HISTORY, Results
 from mpmcol.io.snapshot import read_meta
 from mpmcol.setup.discretization import discretize, require_memory_for
 from mpmcol.setup.model import build_model
-
-TINY = ("grid.spacing=0.015", "output.snapshots=3", "stages.collapse.max_time_factor=1.0")
-
-
-def invoke(*arguments: str) -> Result:
-    return CliRunner().invoke(main, list(arguments))
+from tests.support.cli import invoke, set_options
+from tests.support.runs import TINY
 
 
 def tiny(*more: str) -> list[str]:
-    return [part for override in (*TINY, *more) for part in ("--set", override)]
-
-
-@pytest.fixture(scope="module")
-def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("runs") / "tiny"
-    result = invoke("run", "quickstart", *tiny(), "--out", str(folder))
-    assert result.exit_code == 0, result.output
-    return folder
+    return set_options((*TINY, *more))
 
 
 def test_folder_holds_everything(finished: Path) -> None:

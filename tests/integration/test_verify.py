@@ -11,27 +11,14 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
 
 import mpmcol
-from mpmcol.cli import main
 from mpmcol.errors import Interrupted
 from mpmcol.integrity import verify
 from mpmcol.io.atomic import CHECKPOINT_FILES, locked
 from mpmcol.io.snapshot import write_index
-
-TINY = ("grid.spacing=0.015", "output.snapshots=3", "stages.collapse.max_time_factor=1.0")
-
-
-def invoke(*words: str | Path) -> Result:
-    return CliRunner().invoke(main, [str(word) for word in words])
-
-
-@pytest.fixture(scope="module")
-def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("runs") / "tiny"
-    mpmcol.run(mpmcol.load_case("quickstart", TINY), folder)
-    return folder
+from tests.support.cli import invoke
+from tests.support.runs import TINY
 
 
 @pytest.fixture

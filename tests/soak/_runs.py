@@ -15,8 +15,9 @@ from pathlib import Path
 from mpmcol.io.atomic import CHECKPOINT_FILES
 from mpmcol.io.results import Results
 from mpmcol.io.run_status import read_state
-from tests.integration.test_restart import CASES, SHORT, same
 from tests.soak.figures import PACKAGE, digest
+from tests.support.cli import set_options
+from tests.support.runs import SHORT, SMALL_CASES, assert_equal_runs
 
 ROOT = PACKAGE.parent
 KEPT = ROOT / "build" / "soak" / "kept"
@@ -42,8 +43,8 @@ def keep(name: str, make: Callable[[Path], object]) -> Path:
 
 def words(name: str) -> list[str]:
     """The command that runs the case of this name, without --out."""
-    source, *values = CASES[name]
-    return ["run", source, *(word for value in (*values, *SHORT) for word in ("--set", value))]
+    source, *values = SMALL_CASES[name]
+    return ["run", source, *set_options((*values, *SHORT))]
 
 
 def start(
@@ -125,7 +126,7 @@ def finish(name: str, folder: Path, threads: int, environment: Mapping[str, str]
 def compare(whole: Path, other: Path) -> str | None:
     """How two finished runs differ; None if they left equal bits, and nothing of what was half written."""
     try:
-        same(whole, other)
+        assert_equal_runs(whole, other)
     except AssertionError as difference:
         return f"{other} differs from {whole}: {difference}"
     if Results(whole).summary["state_sha256"] != Results(other).summary["state_sha256"]:

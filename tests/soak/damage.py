@@ -7,12 +7,10 @@ import shutil
 import time
 from pathlib import Path
 
-from click.testing import CliRunner
-
-from mpmcol.cli import main
 from mpmcol.io.results import Results
-from tests.integration.test_restart import same
 from tests.soak.writes import BEGINNINGS, CASE, undisturbed
+from tests.support.cli import invoke, set_options
+from tests.support.runs import assert_equal_runs
 
 COUNT = 10_000
 DRAW = 60
@@ -78,20 +76,20 @@ def commands(seed: int, draw: random.Random, run: Path) -> list[list[str | Path]
     if seed % PLOTTED == 0:
         chosen.append(["plot", run])
     if seed % RUN == 0 or seed % RUN == 1:
-        chosen.append(["run", source, *(word for value in values for word in ("--set", value)), "--out", run])
+        chosen.append(["run", source, *set_options(values), "--out", run])
     return chosen
 
 
 def command(*words: str | Path) -> tuple[int, str]:
     """Exit code, and what is said."""
-    done = CliRunner().invoke(main, [str(word) for word in words])
+    done = invoke(*words)
     return done.exit_code, done.output
 
 
 def differs(run: Path) -> str | None:
     """How a run that was completed differs from the one that nothing happened to."""
     try:
-        same(undisturbed(), run)
+        assert_equal_runs(undisturbed(), run)
     except AssertionError as difference:
         return str(difference)
     return None if Results(run).status == "done" else "it is not done"

@@ -13,13 +13,11 @@ from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from click.testing import CliRunner
-
-from mpmcol.cli import main
 from mpmcol.io.results import Results
-from tests.integration.test_restart import same
 from tests.soak.writes import CASE, changes, look, undisturbed
+from tests.support.cli import invoke, set_options
 from tests.support.faulty_disk import Disk
+from tests.support.runs import assert_equal_runs
 
 COUNT = 200
 DRAW = 8
@@ -94,7 +92,7 @@ def tried(run: Path, words: str, mend_it: Callable[[], object], moved: Path | No
         if code:
             return f"going on ended with exit code {code}: {said}"
     try:
-        same(undisturbed(), run)
+        assert_equal_runs(undisturbed(), run)
     except AssertionError as difference:
         return f"other bits: {difference}"
     return look(run) or (None if Results(run).status == "done" else "it is not done")
@@ -103,8 +101,8 @@ def tried(run: Path, words: str, mend_it: Callable[[], object], moved: Path | No
 def command(run: Path) -> tuple[int, str]:
     """Exit code of the run's command and what it says."""
     source, values = CASE
-    words = ["run", source, *(word for value in values for word in ("--set", value)), "--checkpoint", "0.002s"]
-    done = CliRunner().invoke(main, [*words, "--threads", "1", "--out", str(run)])
+    command = ["run", source, *set_options(values), "--checkpoint", "0.002s", "--threads", "1", "--out", run]
+    done = invoke(*command)
     return done.exit_code, done.output
 
 

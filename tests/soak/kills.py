@@ -9,7 +9,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 from mpmcol.io.run_status import read_state
-from tests.soak._runs import CASES, await_, finish, seconds, start, stop, words
+from tests.soak._runs import await_, finish, seconds, start, stop, words
+from tests.support.runs import SMALL_CASES
 
 COUNT = 200
 DRAW = 4
@@ -24,7 +25,7 @@ FILES = (
 
 def trial(seed: int, folder: Path) -> str | None:
     """Kill a run some times, change the number of threads on the way, and let it end."""
-    draw, name = random.Random(seed), list(CASES)[seed % len(CASES)]
+    draw, name = random.Random(seed), list(SMALL_CASES)[seed % len(SMALL_CASES)]
     run_folder, pace, environment = folder / "run", seconds(name), {}
     if seed % COLD == COLD - 1:
         pace, environment = COMPILATION, {"MPMCOL_CACHE_DIR": str(folder / "cache")}

@@ -9,8 +9,9 @@ from pathlib import Path
 from mpmcol.io.atomic import is_locked
 from mpmcol.io.run_status import read_state
 from mpmcol.simulation.interrupt import SIGNALS
-from tests.soak._runs import CASES, STOPPED, await_, described, finish, seconds, start, stop, words
+from tests.soak._runs import STOPPED, await_, described, finish, seconds, start, stop, words
 from tests.soak.kills import moment
+from tests.support.runs import SMALL_CASES
 
 COUNT = 100
 DRAW = 3
@@ -19,7 +20,7 @@ WITHIN = 2.0  # s of a core
 
 def trial(seed: int, folder: Path) -> str | None:
     """Stop a run some times with any of the signals, and let it end with another number of threads."""
-    draw, name = random.Random(seed), list(CASES)[seed % len(CASES)]
+    draw, name = random.Random(seed), list(SMALL_CASES)[seed % len(SMALL_CASES)]
     run_folder, pace = folder / "run", seconds(name)
     for _ in range(draw.randint(1, 3)):
         threads, number = draw.randint(1, 2), draw.choice(SIGNALS)

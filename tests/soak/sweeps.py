@@ -17,8 +17,9 @@ from pathlib import Path
 
 from mpmcol.io.results import Results
 from mpmcol.io.run_status import read_state
-from tests.integration.test_cli_sweep import children, measured
 from tests.soak._runs import PATIENCE, carry_out, cpu_time, described, keep, start
+from tests.support.processes import child_processes
+from tests.support.sweeps import measured_table
 
 COUNT = 60
 DRAW = 3
@@ -43,7 +44,7 @@ def trial(seed: int, folder: Path) -> str | None:
     after = finished(out)
     if again := [name for name, times in before.items() if after[name] != times]:
         return f"done again: {again}"
-    if digests(out) != digests(whole) or measured(out) != measured(whole):
+    if digests(out) != digests(whole) or measured_table(out) != measured_table(whole):
         return "other results than without being disturbed"
     took = timed(out)
     if finished(out) != after:
@@ -56,7 +57,7 @@ def kill_runs(draw: random.Random, out: Path) -> str | None:
     sweep, due = begin(out), dict[int, float]()
     while sweep.poll() is None:
         now = time.monotonic()
-        for run in children(sweep.pid):
+        for run in child_processes(sweep.pid):
             due.setdefault(run, now + (draw.random() * SOON if draw.random() < KILLED else PATIENCE))
             if now > due[run]:
                 kill(run)
@@ -70,7 +71,7 @@ def kill_parent(draw: random.Random, out: Path) -> str | None:
     try:
         sweep.wait(draw.random() * PARENT_WITHIN)
     except subprocess.TimeoutExpired:
-        runs = children(sweep.pid)
+        runs = child_processes(sweep.pid)
         sweep.kill()
         for run in runs:
             if draw.random() < KILLED:

@@ -15,13 +15,13 @@ import mpmcol
 from mpmcol.errors import Interrupted, MpmcolError
 from mpmcol.integrity import verify
 from mpmcol.io.results import Results
-from tests.integration.test_restart import same
 from tests.soak._runs import keep
 from tests.support.faulty_disk import Disk, PowerLost
+from tests.support.runs import TINY, assert_equal_runs
 
 COUNT = 2400
 DRAW = 12
-CASE = ("quickstart", ("grid.spacing=0.015", "output.snapshots=3", "stages.collapse.max_time_factor=1.0"))
+CASE = ("quickstart", TINY)
 
 
 def trial(seed: int, folder: Path) -> str | None:
@@ -40,7 +40,7 @@ def trial(seed: int, folder: Path) -> str | None:
     if fresh or not finished.exists() or Results(run).status != "done":
         go(run, fresh)
     try:
-        same(undisturbed(), run)
+        assert_equal_runs(undisturbed(), run)
     except AssertionError as difference:
         return f"{begin}, change {disk.dies_at}: {difference}"
     return look(run)

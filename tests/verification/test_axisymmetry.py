@@ -21,6 +21,7 @@ from mpmcol.failure_modes.toolkit import (
     walled_grid,
 )
 from mpmcol.mpm.grid import node_records
+from tests.support.breathing_cylinder import bessel, breathing_root
 
 H = 0.1
 FREE = WEIGHTLESS._replace(axisymmetric=True)
@@ -105,25 +106,6 @@ def test_an_elastic_cylinder_dropped_on_its_end_shows_no_spike_at_the_axis() -> 
     for largest in (stress, rate):
         columns = [largest[np.isclose(x[:, 0], (k + 0.5) * H / 2)].max() for k in range(4)]
         assert columns[0] == pytest.approx(np.mean(columns[1:]), rel=0.05)
-
-
-def bessel(order: int, z: np.ndarray | float) -> np.ndarray:
-    """J_n(z) by Bessel's integral."""
-    t = (np.arange(200) + 0.5) * np.pi / 200
-    return np.cos(order * t - np.multiply.outer(z, np.sin(t))).mean(axis=-1)
-
-
-def breathing_root() -> float:
-    """Smallest z with z J0(z) = (1 - 2 nu) / (1 - nu) J1(z): no radial stress at r = R, omega = z c_p / R."""
-
-    def stress(z: float) -> float:
-        return float(z * bessel(0, z) - (1.0 - 2.0 * NU) / (1.0 - NU) * bessel(1, z))
-
-    low, high = 1.0, 3.0
-    for _ in range(50):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if stress(middle) > 0.0 else (low, middle)
-    return low
 
 
 def breathing_period(cells: int) -> float:

@@ -16,7 +16,7 @@ from mpmcol.mpm.settings import PAPER, Scheme
 from mpmcol.mpm.shape_functions import SHAPE_FUNCTIONS
 from mpmcol.mpm.shape_functions.quadratic import base_node
 from mpmcol.mpm.solver import Solver
-from tests.verification.test_energy import DAMPED, collapse, ledger_of
+from tests.support.sand_column import DAMPED, collapse, ledger_of
 
 DIMENSIONS = pytest.mark.parametrize("d", [2, 3])
 WHOLE_DOMAIN = 1000  # tiles: with this margin all points are active

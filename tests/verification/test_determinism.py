@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
 import subprocess
 import sys
@@ -10,31 +9,17 @@ from pathlib import Path
 
 import pytest
 
-from mpmcol.failure_modes.toolkit import advance_steps
-from mpmcol.mpm.settings import PAPER, Scheme
-from tests.verification.test_energy import DAMPED, collapse
+from tests.support.sand_column import OTHER_SCHEME, state_digest
 
 ROOT = Path(__file__).absolute().parents[2]
-STEPS = 400
 IN_ANOTHER_PROCESS = """
 from mpmcol.mpm.jit import set_threads
-from tests.verification.test_determinism import OTHER, fingerprint
+from tests.support.sand_column import OTHER_SCHEME, state_digest
 for threads in (1, 2, 4):
-    print(set_threads(threads), fingerprint(2), fingerprint(3), fingerprint(2, scheme=OTHER), fingerprint(3, margin=1))
+    count = set_threads(threads)
+    other = state_digest(2, scheme=OTHER_SCHEME)
+    print(count, state_digest(2), state_digest(3), other, state_digest(3, margin=1))
 """
-OTHER = Scheme(stress_order="musl", affine=True, basis="cubic", volumetric_strain="cell")
-
-
-def fingerprint(d: int, chunk: int = STEPS, scheme: Scheme = PAPER, margin: int = 0) -> str:
-    """Hash of all points, the clock and the ledger after STEPS steps in d dimensions, `chunk` steps a call."""
-    solver = collapse(DAMPED, d, scheme=scheme, margin=margin)
-    for done in range(0, STEPS, chunk):
-        advance_steps(solver, min(chunk, STEPS - done))
-    assert solver.steps == STEPS
-    state = hashlib.sha256()
-    for array in (solver.points.rows, solver.clock, solver.ledger):
-        state.update(array.tobytes())
-    return state.hexdigest()
 
 
 def test_equal_for_1_2_and_4_threads() -> None:
@@ -49,15 +34,15 @@ def test_equal_for_1_2_and_4_threads() -> None:
     )
     threads, *prints = zip(*(line.split() for line in run.stdout.splitlines()), strict=True)
     assert threads == ("1", "2", "4")
-    here = [fingerprint(2), fingerprint(3), fingerprint(2, scheme=OTHER), fingerprint(3, margin=1)]
+    here = [state_digest(2), state_digest(3), state_digest(2, scheme=OTHER_SCHEME), state_digest(3, margin=1)]
     assert [set(each) for each in prints] == [{each} for each in here]
     assert len(set(here)) == len(here)
 
 
 @pytest.mark.parametrize("d", [2, 3])
 def test_equal_however_the_calls_are_cut(d: int) -> None:
-    assert fingerprint(d, chunk=1) == fingerprint(d, chunk=7) == fingerprint(d)
+    assert state_digest(d, chunk=1) == state_digest(d, chunk=7) == state_digest(d)
 
 
 def test_so_is_another_scheme() -> None:
-    assert fingerprint(2, 7, OTHER) == fingerprint(2, scheme=OTHER)
+    assert state_digest(2, 7, OTHER_SCHEME) == state_digest(2, scheme=OTHER_SCHEME)

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import cache
-from types import ModuleType
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pytest
 
 from mpmcol.failure_modes.toolkit import K_ACTIVE, NU, PHI, WEIGHTLESS, E, elastic_body, sand_body
-from mpmcol.mpm.jit import driver, variant
-from mpmcol.mpm.kernels import stress_2d, stress_3d
 from mpmcol.mpm.solver import Body
+from tests.support.strain_path import make_path
 
 SHEAR = E / (2.0 * (1.0 + NU))
 BULK = E / (3.0 * (1.0 - 2.0 * NU))
@@ -25,24 +21,6 @@ class Driven(NamedTuple):
 
     sigma: np.ndarray
     J: float
-
-
-@cache
-def make_path(d: int, law: ModuleType) -> Callable[..., Any]:
-    """The compiled loop over steps of equal strain."""
-    formula = (stress_2d if d == 2 else stress_3d).make_formula(law)
-
-    @driver
-    @variant(d, law)
-    def path(sigma, gradient, params, settings, steps):
-        J, opening, history = 1.0, 0.0, (0.0, 0.0)
-        for _ in range(steps):
-            sigma, J, opening, history, _ = formula(
-                sigma, gradient, 1.0, J, opening, history, params, settings, 1.0 / steps
-            )
-        return sigma, J
-
-    return path
 
 
 def driven(d: int, body: Body, strain: np.ndarray, steps: int, sigma: tuple[float, ...] = (0.0,) * 4) -> Driven:

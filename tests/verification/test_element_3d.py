@@ -7,7 +7,7 @@ import pytest
 
 from mpmcol.failure_modes.toolkit import K_ACTIVE, NU, PHI, WEIGHTLESS, E, elastic_body, sand_body
 from mpmcol.mpm.solver import Body
-from tests.verification.test_element import make_path
+from tests.support.strain_path import make_path
 
 N_PHI = 1.0 / K_ACTIVE
 G2 = E / (1.0 + NU)

@@ -28,7 +28,7 @@ from mpmcol.measure import FRONTS
 from mpmcol.mpm.particles import BASE, Points
 from mpmcol.mpm.solver import Solver
 from mpmcol.setup.model import build_model, close_walls
-from tests.verification.test_axisymmetry import bessel, breathing_root
+from tests.support.breathing_cylinder import bessel, breathing_root
 
 COARSE = ("grid.spacing=0.0194", "stages.equilibrate.law=mohr-coulomb")
 POINTS = {"axisymmetric": "grid.points_per_cell=4"}

@@ -1,0 +1,43 @@
+"""Small cases that run in a fraction of a second, and the comparison of two runs bit by bit."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+import mpmcol
+from mpmcol.io.results import Results
+
+TINY = ("grid.spacing=0.015", "output.snapshots=3", "stages.collapse.max_time_factor=1.0")  # of the case quickstart
+SHORT = ("stages.collapse.max_time_factor=1.2", "output.snapshots=4")
+SMALL_CASES = {  # name -> shipped case and overrides, to be cut short with SHORT
+    "plane": ("lube-channel", "grid.spacing=0.015"),
+    "softening": ("lube-channel-dense", "grid.spacing=0.015"),
+    "lifted gate": ("quickstart", "grid.spacing=0.0125", "stages.gate_speed=0.5"),
+    "axisymmetric": ("lube-cylinder", "grid.spacing=0.0139"),
+    "base deactivated": ("lube-cylinder", "grid.spacing=0.0139", "method.deactivate_base=true"),
+    "quarter": ("lube-quarter", "grid.spacing=0.0194", "geometry.aspect=0.4", "stages.initial_stress=k0"),
+    "musl": ("lube-cylinder", "grid.spacing=0.0194", "method.stress_order=musl", "method.transfer=apic"),
+}
+MACHINE_DEPENDENT = {"wall_s", "core_seconds", "ns_per_point_step", "peak_memory_bytes", "continued", "threads"}
+
+
+def small_case(name: str, *overrides: str) -> mpmcol.Case:
+    """One of SMALL_CASES, cut short."""
+    source, *values = SMALL_CASES[name]
+    return mpmcol.load_case(source, [*values, *SHORT, *overrides])
+
+
+def assert_equal_runs(one: Path, other: Path) -> None:
+    """Snapshots, histories and results of two runs are equal bit by bit, except for times and threads."""
+    mine, others = Results(one), Results(other)
+    assert [path.name for path in mine.snapshots] == [path.name for path in others.snapshots]
+    for k in range(len(mine.snapshots)):
+        a, b = mine.snapshot(k), others.snapshot(k)
+        assert (a.time, a.stage) == (b.time, b.stage)
+        for name, array in a.arrays.items():
+            assert np.array_equal(array, b.arrays[name]), (k, name)
+    assert (one / "history.csv").read_bytes() == (other / "history.csv").read_bytes()
+    summaries = [{k: v for k, v in run.summary.items() if k not in MACHINE_DEPENDENT} for run in (mine, others)]
+    assert summaries[0] == summaries[1]

@@ -1,0 +1,109 @@
+"""The collapse of a small column of sand on an elastic base, its energy ledger, and a digest of its state."""
+
+from __future__ import annotations
+
+import hashlib
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+
+from mpmcol.failure_modes.toolkit import (
+    PLAIN,
+    G,
+    advance_steps,
+    advance_to,
+    elastic_body,
+    elastic_energy,
+    joined,
+    kinetic_energy,
+    lattice,
+    make_solver,
+    points_at,
+    potential_energy,
+    sand_body,
+    walled_grid,
+)
+from mpmcol.mpm.kernels.loop import L_DAMPING, L_GRID, L_NODE_WORK, L_WALLS, L_WORK
+from mpmcol.mpm.particles import COLUMN
+from mpmcol.mpm.settings import PAPER, Scheme, Settings
+from mpmcol.mpm.solver import Solver
+
+WIDTH, HEIGHT, BASE = 0.08, 0.16, 0.02
+LENGTH, SPACING = {2: 0.5, 3: 0.24}, {2: 0.01, 3: 0.02}
+YOUNG = 1e6
+DAMPED = PLAIN._replace(alpha_d=0.05)
+STEPS = 400  # of a state digest
+OTHER_SCHEME = Scheme(stress_order="musl", affine=True, basis="cubic", volumetric_strain="cell")
+
+
+def collapse(settings: Settings, d: int = 2, h: float | None = None, scheme: Scheme = PAPER, margin: int = 0) -> Solver:
+    """An unstressed column of sand on an elastic base, free to collapse: beside a wall, in 3D in a corner of two.
+
+    If `margin` > 0, the base is inactive beyond `margin` tiles from the column.
+    """
+    h = h or SPACING[d]
+    axisymmetric, length = settings.axisymmetric, LENGTH[d]
+    below = lattice((0.0, -BASE, 0.0)[:d], (length, 0.0, length)[:d], h / 2)
+    above = lattice((0.0,) * d, (WIDTH, HEIGHT, WIDTH)[:d], h / 2)
+    base = points_at(below, h / 2, axisymmetric=axisymmetric)
+    column = points_at(above, h / 2, COLUMN, axisymmetric=axisymmetric)
+    cells = round(length / h), round(0.24 / h), round(length / h)
+    grid = walled_grid((0.0, -BASE, 0.0)[:d], h, cells[:d], rollers="left right back front", no_slip="bottom")
+    soft = {"youngs_modulus": YOUNG}
+    solver = make_solver(joined(base, column), grid, settings, sand_body(**soft), elastic_body(**soft), scheme)
+    solver.margin = margin
+    return solver
+
+
+class Ledger(NamedTuple):
+    """All over the initial potential energy of the column above the base."""
+
+    potential: float
+    kinetic: float
+    work: float
+    damping: float
+    walls: float
+    transfer: float
+    stored: float
+    jump: float  # the share of `transfer` that is work of the stress
+
+    @property
+    def residual(self) -> float:
+        return self.potential + self.kinetic + self.work + self.damping + self.walls + self.transfer
+
+
+@cache
+def ledger_of(
+    settings: Settings, d: int = 2, h: float | None = None, scheme: Scheme = PAPER, margin: int = 0
+) -> Ledger:
+    solver = collapse(settings, d, h, scheme, margin)
+    points, column = solver.points, solver.points.kind == COLUMN
+    scale = G * points.m[column] @ points.x[column, 1]
+    potential, kinetic = potential_energy(points), kinetic_energy(points)
+    advance_to(solver, 0.5)
+    sums, change = solver.ledger, kinetic_energy(solver.points) - kinetic
+    jump = sums[L_NODE_WORK] - sums[L_WORK]
+    parts = (
+        potential_energy(solver.points) - potential,
+        change,
+        sums[L_WORK],
+        sums[L_DAMPING],
+        sums[L_WALLS],
+        sums[L_GRID] - change + jump,
+        elastic_energy(solver.points, YOUNG),
+        jump,
+    )
+    return Ledger(*(np.array(parts) / scale))
+
+
+def state_digest(d: int, chunk: int = STEPS, scheme: Scheme = PAPER, margin: int = 0) -> str:
+    """Hash of all points, the clock and the ledger after STEPS steps in d dimensions, `chunk` steps a call."""
+    solver = collapse(DAMPED, d, scheme=scheme, margin=margin)
+    for done in range(0, STEPS, chunk):
+        advance_steps(solver, min(chunk, STEPS - done))
+    assert solver.steps == STEPS
+    state = hashlib.sha256()
+    for array in (solver.points.rows, solver.clock, solver.ledger):
+        state.update(array.tobytes())
+    return state.hexdigest()
