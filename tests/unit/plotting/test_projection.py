@@ -3,7 +3,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mpmcol.plotting.projection import HIDDEN, TOP, circle, silhouette, viewed_from, visible, whole
+from mpmcol.plotting.render.projection import (
+    HIDDEN_DEPTH,
+    TOP,
+    circle,
+    complete_by_symmetry,
+    silhouette,
+    view_projection,
+    visible,
+)
 
 SIZE = 0.01
 
@@ -21,44 +29,44 @@ def area(outline: np.ndarray) -> float:
 
 @pytest.mark.parametrize(("azimuth", "elevation"), [(0, 0), (35, 28), (225, -10), (0, 90)])
 def test_projection_is_a_rotation(azimuth: float, elevation: float):
-    projection = viewed_from(azimuth, elevation)
+    projection = view_projection(azimuth, elevation)
     assert projection @ projection.T == pytest.approx(np.eye(3), abs=1e-15)
     assert np.linalg.det(projection) == pytest.approx(1)
-    assert projection[0, 1] == 0  # horizontal lengths across the picture are true
+    assert projection[0, 1] == 0  # horizontal lengths across the image are preserved
 
 
-def test_viewer_stands_where_the_angles_say():
-    assert viewed_from(0, 0) == pytest.approx(np.eye(3))
-    assert viewed_from(90, 0)[2] == pytest.approx([1, 0, 0])
-    assert viewed_from(0, 90) == pytest.approx(TOP)
-    assert viewed_from(45, 30)[2] == pytest.approx(np.array([np.sqrt(1.5), 1, np.sqrt(1.5)]) / 2)
+def test_viewing_direction_has_the_given_angles():
+    assert view_projection(0, 0) == pytest.approx(np.eye(3))
+    assert view_projection(90, 0)[2] == pytest.approx([1, 0, 0])
+    assert view_projection(0, 90) == pytest.approx(TOP)
+    assert view_projection(45, 30)[2] == pytest.approx(np.array([np.sqrt(1.5), 1, np.sqrt(1.5)]) / 2)
 
 
-def test_quarter_is_mirrored_at_both_planes():
-    x, index = whole(np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]), "quarter")
+def test_quarter_is_mirrored_at_both_symmetry_planes():
+    x, index = complete_by_symmetry(np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]), "quarter")
     expected = {(i * a, b, k * c) for a, b, c in ((1, 2, 3), (4, 5, 6)) for i in (-1, 1) for k in (-1, 1)}
     assert {tuple(point) for point in x} == expected
     assert np.abs(x[:, 0]) == pytest.approx(np.array([1, 4])[index])
 
 
-def test_full_model_is_whole_already():
+def test_full_model_is_unchanged():
     points = lattice(3, 2, 3) - 0.01
-    x, index = whole(points, "full")
+    x, index = complete_by_symmetry(points, "full")
     assert np.array_equal(x, points) and np.array_equal(index, np.arange(len(points)))
 
 
 def test_inner_points_are_hidden():
     block = lattice(20, 20, 20)
-    for projection in (TOP, viewed_from(35, 28)):
+    for projection in (TOP, view_projection(35, 28)):
         projected = block @ projection.T
         seen = visible(projected, SIZE)
         facing = ((block > SIZE * 19) & (projection[2] > 1e-9)).any(axis=1)
         assert seen[facing].all()
         depth = np.min((SIZE * 19.5 - block) / np.maximum(projection[2], 1e-9), axis=1)  # behind the nearest face
-        assert not seen[depth > (HIDDEN + 4) * SIZE].any() and seen.mean() < 0.6
+        assert not seen[depth > (HIDDEN_DEPTH + 4) * SIZE].any() and seen.mean() < 0.6
 
 
-def test_one_can_look_through_a_hole():
+def test_points_at_the_bottom_of_a_hole_are_visible():
     block = lattice(20, 20, 20)
     in_hole = (np.abs(block[:, [0, 2]] - 10 * SIZE) < 3 * SIZE).all(axis=1)
     block = block[~in_hole | (block[:, 1] < SIZE)]
@@ -72,13 +80,13 @@ def test_silhouette_of_a_cube():
     cube = lattice(10, 10, 10)
     edge = 10 * SIZE
     assert area(silhouette(cube, TOP, SIZE)) == pytest.approx(edge**2)
-    corner = viewed_from(45, np.degrees(np.arctan(np.sqrt(0.5))))  # along the diagonal it is a regular hexagon
+    corner = view_projection(45, np.degrees(np.arctan(np.sqrt(0.5))))  # along the diagonal it is a regular hexagon
     assert area(silhouette(cube, corner, SIZE)) == pytest.approx(np.sqrt(3) * edge**2)
 
 
 def test_silhouette_of_a_cylinder():
     rims = np.concatenate([circle(0.3, 0.0), circle(0.3, 0.5)])
     assert area(silhouette(rims, TOP, 0.0)) == pytest.approx(np.pi * 0.09, rel=1e-3)
-    assert area(silhouette(rims, viewed_from(20, 0), 0.0)) == pytest.approx(0.6 * 0.5, rel=1e-3)
+    assert area(silhouette(rims, view_projection(20, 0), 0.0)) == pytest.approx(0.6 * 0.5, rel=1e-3)
     slanted = np.pi * 0.09 * np.sin(0.5) + 0.6 * 0.5 * np.cos(0.5)  # both ends make one ellipse
-    assert area(silhouette(rims, viewed_from(20, np.degrees(0.5)), 0.0)) == pytest.approx(slanted, rel=1e-3)
+    assert area(silhouette(rims, view_projection(20, np.degrees(0.5)), 0.0)) == pytest.approx(slanted, rel=1e-3)

@@ -16,11 +16,10 @@ from PIL.ImageSequence import Iterator
 from mpmcol.cli.render import render as command
 from mpmcol.errors import OutputError, UsageError
 from mpmcol.io.snapshot import Meta, Snapshot, list_snapshots, read_snapshot, write_snapshot
-from mpmcol.plotting import frame as frame_module
-from mpmcol.plotting import render as module
-from mpmcol.plotting.frame import View, canvas_size
-from mpmcol.plotting.render import render
-from mpmcol.plotting.side_view import frame
+from mpmcol.plotting.render import backends, render
+from mpmcol.plotting.render import frame as frame_module
+from mpmcol.plotting.render.frame import View, canvas_size
+from mpmcol.plotting.render.side import fit_view
 
 SIZE = (480, 270)
 STEPS = 4
@@ -34,7 +33,7 @@ META: Meta = {
     "h_i": 0.1,
 }
 
-needs_egl = pytest.mark.skipif(not module._has_egl(), reason="this machine has no libEGL")
+needs_egl = pytest.mark.skipif(not backends.has_egl(), reason="this machine has no libEGL")
 
 
 def block(right: float, bottom: float, top: float) -> np.ndarray:
@@ -44,7 +43,7 @@ def block(right: float, bottom: float, top: float) -> np.ndarray:
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A column that shears and flattens on a base which is much longer than the deposit."""
+    """A column that shears and flattens on a base much longer than the deposit."""
     path = tmp_path_factory.mktemp("run")
     column, base = block(0.05, 0, 0.1), block(0.5, -0.02, 0)
     points = np.vstack([column, base])
@@ -64,7 +63,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def without_egl(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "_has_egl", lambda: False)
+    monkeypatch.setattr(backends, "has_egl", lambda: False)
 
 
 def pixels(path: Path) -> np.ndarray:
@@ -72,20 +71,20 @@ def pixels(path: Path) -> np.ndarray:
 
 
 def coloured(image: np.ndarray) -> np.ndarray:
-    """Mask of the pixels of the material's part of the picture that are neither white nor grey."""
+    """Mask of the pixels above the scales that are neither white nor grey."""
     saturation = np.ptp(image, axis=2) > 40
     saturation[canvas_size(SIZE)[1] + int(0.1 * SIZE[1]) :] = False
     return saturation
 
 
-def assert_good_picture(path: Path, folder: Path) -> None:
-    """The deposit's box is where the geometry says, equally scaled in x and y, above a grey base."""
+def assert_correct_image(path: Path, folder: Path) -> None:
+    """The deposit has the expected position and size, equally scaled in x and y, above a grey base."""
     image = pixels(path)
     assert image.shape == (SIZE[1], SIZE[0], 3)
     assert image.std() > 20
     rows, columns = np.nonzero(coloured(image))
     last = list_snapshots(folder)[-1]
-    left, right, _, _ = frame([last], SIZE).extent
+    left, right, _, _ = fit_view([last], SIZE).extent
     spread = 1 + (STEPS - 1) / STEPS
     scale = SIZE[0] / (right - left)
     assert columns.min() == pytest.approx(-left * scale, abs=4)
@@ -96,23 +95,23 @@ def assert_good_picture(path: Path, folder: Path) -> None:
 
 
 @needs_egl
-def test_pyvista_picture(folder: Path, tmp_path: Path):
+def test_pyvista_image(folder: Path, tmp_path: Path):
     rendered = render(folder, gif=False, size=SIZE, out=tmp_path / "a.png")
     assert rendered == ([tmp_path / "a.png"], "pyvista", "")
-    assert_good_picture(tmp_path / "a.png", folder)
+    assert_correct_image(tmp_path / "a.png", folder)
 
 
-def test_matplotlib_picture(folder: Path, tmp_path: Path, without_egl: None):
+def test_matplotlib_image(folder: Path, tmp_path: Path, without_egl: None):
     rendered = render(folder, gif=False, size=SIZE, out=tmp_path / "a.png")
     assert (rendered.paths, rendered.backend) == ([tmp_path / "a.png"], "matplotlib")
     assert "no libEGL" in rendered.note and "install libegl1" in rendered.note
-    assert_good_picture(tmp_path / "a.png", folder)
+    assert_correct_image(tmp_path / "a.png", folder)
 
 
 @needs_egl
-def test_both_painters_agree(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_both_back_ends_agree(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     render(folder, gif=False, size=SIZE, out=tmp_path / "pyvista.png")
-    monkeypatch.setattr(module, "_has_egl", lambda: False)
+    monkeypatch.setattr(backends, "has_egl", lambda: False)
     render(folder, gif=False, size=SIZE, out=tmp_path / "matplotlib.png")
     ours, theirs = (pixels(tmp_path / f"{name}.png") for name in ("pyvista", "matplotlib"))
     both = coloured(ours) & coloured(theirs)
@@ -120,16 +119,16 @@ def test_both_painters_agree(folder: Path, tmp_path: Path, monkeypatch: pytest.M
     assert np.abs(ours[both] - theirs[both]).mean() < 30
 
 
-@pytest.mark.parametrize("painter", [pytest.param("pyvista", marks=needs_egl), "matplotlib"])
-def test_gif_has_every_snapshot(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, painter: str):
-    monkeypatch.setattr(module, "_has_egl", lambda: painter == "pyvista")
+@pytest.mark.parametrize("backend", [pytest.param("pyvista", marks=needs_egl), "matplotlib"])
+def test_gif_has_every_snapshot(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, backend: str):
+    monkeypatch.setattr(backends, "has_egl", lambda: backend == "pyvista")
     rendered = render(folder, gif=True, size=SIZE, out=tmp_path / "a.png")
-    assert (rendered.paths, rendered.backend) == ([tmp_path / "a.png", tmp_path / "a.gif"], painter)
+    assert (rendered.paths, rendered.backend) == ([tmp_path / "a.png", tmp_path / "a.gif"], backend)
     with Image.open(tmp_path / "a.gif") as animation:
         assert animation.size == SIZE
         frames = [coloured(np.asarray(page.convert("RGB")).astype(int)) for page in Iterator(animation)]
     assert len(frames) == STEPS
-    widths = [np.ptp(np.nonzero(picture)[1]) for picture in frames]
+    widths = [np.ptp(np.nonzero(mask)[1]) for mask in frames]
     assert widths == sorted(widths) and widths[-1] > 1.5 * widths[0]
 
 
@@ -151,25 +150,25 @@ def test_chosen_snapshot_and_default_names(folder: Path, tmp_path: Path, without
         ("raise ImportError('no pyvista here')", "no pyvista here", "pip install pyvista"),
     ],
 )
-def test_a_dying_child_is_replaced(
+def test_matplotlib_replaces_a_crashed_worker(
     folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, program: str, reason: str, remedy: str
 ):
-    monkeypatch.setattr(module, "_has_egl", lambda: True)
-    monkeypatch.setattr(module, "CHILD", (sys.executable, "-c", program))
+    monkeypatch.setattr(backends, "has_egl", lambda: True)
+    monkeypatch.setattr(backends, "WORKER", (sys.executable, "-c", program))
     rendered = render(folder, gif=False, size=SIZE, out=tmp_path / "a.png")
     assert rendered.backend == "matplotlib"
     assert reason in rendered.note and remedy in rendered.note and "\n" not in rendered.note
-    assert_good_picture(tmp_path / "a.png", folder)
+    assert_correct_image(tmp_path / "a.png", folder)
 
 
-def test_relative_folder_from_elsewhere(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_relative_folder_from_another_working_directory(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.chdir(folder.parent)
     rendered = render(Path(folder.name), gif=False, size=SIZE, out=tmp_path / "a.png")
-    assert rendered.backend == ("pyvista" if module._has_egl() else "matplotlib")
-    assert_good_picture(tmp_path / "a.png", folder)
+    assert rendered.backend == ("pyvista" if backends.has_egl() else "matplotlib")
+    assert_correct_image(tmp_path / "a.png", folder)
 
 
-def test_wrong_requests_are_named(folder: Path, tmp_path: Path, without_egl: None):
+def test_invalid_requests_are_rejected(folder: Path, tmp_path: Path, without_egl: None):
     with pytest.raises(OutputError, match="give the results folder of a run"):
         render(tmp_path, gif=False)
     for wrong in (STEPS, -STEPS - 1):
@@ -182,9 +181,9 @@ def test_wrong_requests_are_named(folder: Path, tmp_path: Path, without_egl: Non
 
 
 def drawn_lines(snapshots: Path, release: str = "one-sided") -> tuple[View, list[Line2D], Figure]:
-    """The view of the last snapshot, and what is drawn around its points."""
+    """The view of the last snapshot, and the lines drawn around its points."""
     path = list_snapshots(snapshots)[-1]
-    view = frame([path], SIZE)
+    view = fit_view([path], SIZE)
     view = replace(view, meta=view.meta | {"release": release})
     figures: list[Figure] = []
     with pytest.MonkeyPatch.context() as patch:
@@ -193,14 +192,14 @@ def drawn_lines(snapshots: Path, release: str = "one-sided") -> tuple[View, list
     return view, list(figures[0].axes[0].lines), figures[0]
 
 
-def test_the_column_as_released_is_in_the_picture(folder: Path):
+def test_the_view_contains_the_column_at_release(folder: Path):
     _, right, bottom, top = (view := drawn_lines(folder)[0]).extent
     column = read_snapshot(list_snapshots(folder)[-1]).x[:, 1].max()
     assert column < 0.06 < META["h_i"] < top  # though the deposit itself is lower
     assert right > META["r_i"] and bottom < -0.0175 and view.meta["h_i"] == META["h_i"]
 
 
-def test_a_half_model_has_an_axis_of_symmetry_and_says_so(folder: Path):
+def test_a_half_model_has_an_axis_of_symmetry_and_a_note(folder: Path):
     styles = {}
     for release in ("one-sided", "two-sided"):
         _, lines, figure = drawn_lines(folder, release)
@@ -209,26 +208,26 @@ def test_a_half_model_has_an_axis_of_symmetry_and_says_so(folder: Path):
     assert styles == {"one-sided": "-", "two-sided": "-."}
 
 
-def test_floor_is_a_line_where_there_is_no_base(folder: Path, tmp_path: Path):
+def test_rigid_floor_is_a_line(folder: Path, tmp_path: Path):
     last = read_snapshot(list_snapshots(folder)[-1])
     column = {name: values[last.column] for name, values in last.arrays.items()}
     write_snapshot(tmp_path, 0, Snapshot(0.3, 3, "rest", column), META)
-    floors = [[line for line in drawn_lines(place)[1] if not np.any(line.get_ydata())] for place in (folder, tmp_path)]
+    floors = [[line for line in drawn_lines(run)[1] if not np.any(line.get_ydata())] for run in (folder, tmp_path)]
     assert [len(found) for found in floors] == [0, 1]
     assert max(floors[1][0].get_xdata()) > last.x[last.column, 0].max()
 
 
-def test_base_ends_before_the_border_of_the_picture(folder: Path, tmp_path: Path, without_egl: None):
+def test_base_ends_before_the_border_of_the_image(folder: Path, tmp_path: Path, without_egl: None):
     render(folder, gif=False, size=SIZE, out=tmp_path / "a.png")
     image = pixels(tmp_path / "a.png")
     below = image[np.nonzero(coloured(image))[0].max() + 10]
-    left, right, _, _ = frame(list_snapshots(folder)[-1:], SIZE).extent
+    left, right, _, _ = fit_view(list_snapshots(folder)[-1:], SIZE).extent
     end = SIZE[0] * (1 + left / 2 / (right - left))  # half of the left margin is free
     assert end < SIZE[0] - 5
     assert np.flatnonzero(below.mean(axis=1) < 220).max() == pytest.approx(end, abs=4)
 
 
-def test_snapshot_without_what_a_picture_needs(tmp_path: Path, without_egl: None):
+def test_snapshot_without_the_required_metadata(tmp_path: Path, without_egl: None):
     arrays: dict[str, np.ndarray] = {
         "position": np.ones((3, 3)),
         "displacement": np.ones((3, 3)),
@@ -236,18 +235,18 @@ def test_snapshot_without_what_a_picture_needs(tmp_path: Path, without_egl: None
         "id": np.arange(3),
     }
     write_snapshot(tmp_path, 0, Snapshot(0.0, 0, "collapse", arrays), {"title": "a", "model": "plane"})
-    with pytest.raises(OutputError, match="does not say its h_i, point_size, r_i"):
+    with pytest.raises(OutputError, match="metadata h_i, point_size, r_i missing"):
         render(tmp_path, gif=False)
 
 
-def test_points_without_a_place_are_left_out(folder: Path, tmp_path: Path, without_egl: None):
-    """The last state of a failed run is the one to look at."""
+def test_points_at_non_finite_positions_are_omitted(folder: Path, tmp_path: Path, without_egl: None):
+    """The last state of a failed run can be rendered."""
     last = list_snapshots(folder)[-1]
     snapshot = read_snapshot(last)
     snapshot.arrays["position"][::50] = np.nan
     snapshot.arrays["displacement"][::50] = np.nan
     write_snapshot(tmp_path, 0, replace(snapshot, stage="failed"), META)
-    assert frame(list_snapshots(tmp_path), SIZE).limit == frame([last], SIZE).limit
+    assert fit_view(list_snapshots(tmp_path), SIZE).limit == fit_view([last], SIZE).limit
     render(tmp_path, gif=False, size=SIZE)
     assert coloured(pixels(tmp_path / "snapshot-000000.png")).any()
 
@@ -259,12 +258,12 @@ def test_command(folder: Path, tmp_path: Path, without_egl: None):
     assert result.exit_code == 0
     assert result.stdout.split() == [str(target), str(target.with_suffix(".gif"))]
     assert "libegl1" in result.stderr
-    with Image.open(target) as picture:
-        assert picture.size == (400, 300)
+    with Image.open(target) as image:
+        assert image.size == (400, 300)
 
 
 @pytest.mark.parametrize("size", ["1280", "0x0", "ax3", "1280x-3", "99999x300", ""])
-def test_command_refuses_a_wrong_size(folder: Path, size: str):
+def test_command_rejects_an_invalid_size(folder: Path, size: str):
     result = CliRunner().invoke(command, [str(folder), "--size", size])
     assert result.exit_code == 2 and "expected WIDTHxHEIGHT" in result.stderr
 

@@ -1,8 +1,8 @@
-"""Pictures in space and from above, of a heap whose form is known.
+"""Cutaway and top views of a heap of known shape.
 
-The column of radius r and height h slides off a core that stays: a truncated cone of radius CORE at the top and
-2 CORE at the base. A point at a distance d outside it moves outward by d, and at the top as much downward, in STEPS
-steps.
+A column of radius R and height H slides off an undisturbed core, a truncated cone of radius CORE at the top and
+2 CORE at the base. A point at a distance d outside the core moves outward by d and, at the top, downward by d, in
+STEPS steps.
 """
 
 from __future__ import annotations
@@ -24,12 +24,11 @@ from mpmcol.errors import OutputError, UsageError
 from mpmcol.io.results import CASE_FILE, OWN_FILES
 from mpmcol.io.snapshot import Meta, Snapshot, list_snapshots, write_snapshot
 from mpmcol.measure import Measurement
-from mpmcol.plotting import frame, perspective, projection
 from mpmcol.plotting import render as module
-from mpmcol.plotting.frame import canvas_size, read_drawable
-from mpmcol.plotting.projection import TOP
-from mpmcol.plotting.render import render
-from mpmcol.plotting.top_view import MOVED_COLOR, STILL_COLOR, top_view
+from mpmcol.plotting.render import backends, cutaway, frame, projection, render
+from mpmcol.plotting.render.frame import canvas_size, read_for_rendering
+from mpmcol.plotting.render.projection import TOP
+from mpmcol.plotting.render.top import MOVED_COLOR, UNDISTURBED_COLOR, draw_top_view
 
 SIZE = (480, 270)
 STEPS = 3
@@ -38,8 +37,10 @@ R, H, CORE = 0.05, 0.04, 0.02
 FRONT = R + (R - CORE)  # of the last step
 META: Meta = {"title": "Heap", "model": "quarter", "spacing": 2 * POINT, "point_size": POINT, "r_i": R, "h_i": H}
 
-needs_egl = pytest.mark.skipif(not module._has_egl(), reason="this machine has no libEGL")
-painters = pytest.mark.parametrize("painter", [pytest.param("pyvista", marks=needs_egl), "matplotlib"], indirect=True)
+needs_egl = pytest.mark.skipif(not backends.has_egl(), reason="this machine has no libEGL")
+both_backends = pytest.mark.parametrize(
+    "backend", [pytest.param("pyvista", marks=needs_egl), "matplotlib"], indirect=True
+)
 
 
 def lattice(left: float, right: float, bottom: float, top: float, flat: bool) -> np.ndarray:
@@ -83,7 +84,7 @@ def quarter(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def axisymmetric(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """With a case, too, which a measurement needs."""
+    """With a case file, which the measurement requires."""
     folder = fabricate(tmp_path_factory.mktemp("axisymmetric"), "axisymmetric")
     text = (Path(__file__).parents[3] / "cases/lube-cylinder.toml").read_text()
     (folder / CASE_FILE).write_text(
@@ -93,9 +94,9 @@ def axisymmetric(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def painter(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
+def backend(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
     name: str = getattr(request, "param", "matplotlib")
-    monkeypatch.setattr(module, "_has_egl", lambda: name == "pyvista")
+    monkeypatch.setattr(backends, "has_egl", lambda: name == "pyvista")
     return name
 
 
@@ -106,25 +107,25 @@ def drawn(folder: Path, out: Path, snapshot: int = -1) -> np.ndarray:
 
 
 def coloured(image: np.ndarray) -> np.ndarray:
-    """Mask of the pixels of the material's part that are neither white nor grey."""
+    """Mask of the pixels above the scales that are neither white nor grey."""
     mask = np.ptp(image, axis=2) > 25
     mask[canvas_size(SIZE)[1] + int(0.1 * SIZE[1]) :] = False
     return mask
 
 
-def pixel(point: tuple[float, float, float], view: perspective.SolidView) -> tuple[int, int]:
-    """Row and column of a place in space in the frame."""
+def pixel(point: tuple[float, float, float], view: cutaway.CutawayView) -> tuple[int, int]:
+    """Row and column in the image of a position in space."""
     left, right, bottom, top = view.extent
     width, height = canvas_size(SIZE)
-    x, y, _ = perspective.VIEWER @ point
+    x, y, _ = cutaway.VIEWER @ point
     return int(0.1 * SIZE[1]) + round((top - y) / (top - bottom) * height), round((x - left) / (right - left) * width)
 
 
-@painters
-def test_column_has_its_size(quarter: Path, tmp_path: Path, painter: str):
-    """Seen at the elevation e: as wide as it is, and as high as its height times cos e and its top times sin e."""
+@both_backends
+def test_column_has_the_expected_size(quarter: Path, tmp_path: Path, backend: str):
+    """At the elevation e the width is 2 R; the height combines H cos e and the depth of the top times sin e."""
     rows, columns = np.nonzero(coloured(drawn(quarter, tmp_path / "a.png", 0)))
-    view = perspective.frame(list_snapshots(quarter)[:1], SIZE)
+    view = cutaway.fit_view(list_snapshots(quarter)[:1], SIZE)
     scale = SIZE[0] / (view.extent[1] - view.extent[0])
     azimuth, elevation = np.radians((35, 28))
     front = R * np.sin(elevation) * np.cos(azimuth)  # the lower corner of the nearer cut
@@ -133,36 +134,36 @@ def test_column_has_its_size(quarter: Path, tmp_path: Path, painter: str):
     assert np.ptp(rows) == pytest.approx(height * scale, abs=7)
 
 
-@painters
-def test_cut_shows_the_core_that_stayed(quarter: Path, tmp_path: Path, painter: str):
+@both_backends
+def test_cut_shows_the_undisturbed_core(quarter: Path, tmp_path: Path, backend: str):
     image = drawn(quarter, tmp_path / "a.png")
-    view = perspective.frame(list_snapshots(quarter)[-1:], SIZE)
-    still = np.array([68, 1, 84])
+    view = cutaway.fit_view(list_snapshots(quarter)[-1:], SIZE)
+    undisturbed = np.array([68, 1, 84])
     top = image[pixel((-CORE / 3, H, -CORE / 3), view)]
-    assert np.abs(top - still).max() < 40
-    for shade, x, z in zip(perspective.CUT_SHADES, (0, CORE), (CORE, 0), strict=True):
-        assert np.abs(image[pixel((x, H / 3, z), view)] - still).max() < 40
+    assert np.abs(top - undisturbed).max() < 40
+    for shade, x, z in zip(cutaway.CUT_SHADES, (0, CORE), (CORE, 0), strict=True):
+        assert np.abs(image[pixel((x, H / 3, z), view)] - undisturbed).max() < 40
         row, column = pixel((x, -2 * POINT, z), view)
         base = image[row - 2 : row + 3, column - 2 : column + 3]
         assert np.ptp(base, axis=2).max() < 12 and base.mean() == pytest.approx(181 * shade, rel=0.1)
     edge = np.array([[-0.25 * R, H, 0.7 * R]])
-    assert image[pixel(*(edge + displaced(edge)), view)][1] > 80  # the green of what slid, where the core has 1
+    assert image[pixel(*(edge + displaced(edge)), view)][1] > 80  # green channel of displaced material; 1 in the core
 
 
 @needs_egl
-def test_both_painters_agree(quarter: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_both_back_ends_agree(quarter: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     ours = drawn(quarter, tmp_path / "pyvista.png")
-    monkeypatch.setattr(module, "_has_egl", lambda: False)
+    monkeypatch.setattr(backends, "has_egl", lambda: False)
     theirs = drawn(quarter, tmp_path / "matplotlib.png")
     both = coloured(ours) & coloured(theirs)
     assert both.sum() > 0.9 * coloured(theirs).sum()
     assert np.abs(ours[both] - theirs[both]).mean() < 30
 
 
-@painters
-def test_animation(quarter: Path, tmp_path: Path, painter: str):
+@both_backends
+def test_animation(quarter: Path, tmp_path: Path, backend: str):
     rendered = render(quarter, gif=True, size=SIZE, out=tmp_path / "a.png")
-    assert (rendered.paths, rendered.backend) == ([tmp_path / "a.png", tmp_path / "a.gif"], painter)
+    assert (rendered.paths, rendered.backend) == ([tmp_path / "a.png", tmp_path / "a.gif"], backend)
     with Image.open(tmp_path / "a.gif") as animation:
         frames = [coloured(np.asarray(page.convert("RGB")).astype(int)) for page in Iterator(animation)]
     widths = [np.ptp(np.nonzero(mask)[1]) for mask in frames]
@@ -170,52 +171,54 @@ def test_animation(quarter: Path, tmp_path: Path, painter: str):
     assert widths[-1] / widths[0] == pytest.approx(FRONT / R, rel=0.05)
 
 
-def test_points_not_drawn_are_not_missed(quarter: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, painter: str):
+def test_omitting_hidden_points_does_not_change_the_image(
+    quarter: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, backend: str
+):
     fast = drawn(quarter, tmp_path / "a.png")
-    view = perspective.frame(list_snapshots(quarter)[-1:], SIZE)
-    snapshot, _ = read_drawable(list_snapshots(quarter)[-1])
+    view = cutaway.fit_view(list_snapshots(quarter)[-1:], SIZE)
+    snapshot, _ = read_for_rendering(list_snapshots(quarter)[-1])
     few = len(view.points(snapshot)[0])
-    monkeypatch.setattr(projection, "HIDDEN", np.inf)
+    monkeypatch.setattr(projection, "HIDDEN_DEPTH", np.inf)
     assert few < 0.5 * len(view.points(snapshot)[0])
     assert (np.abs(drawn(quarter, tmp_path / "b.png") - fast).max(axis=2) > 8).mean() < 1e-3
 
 
-def test_a_quarter_is_drawn_like_the_whole(quarter: Path, tmp_path: Path, painter: str):
+def test_a_quarter_is_drawn_like_the_full_model(quarter: Path, tmp_path: Path, backend: str):
     full = drawn(fabricate(tmp_path / "run", "full"), tmp_path / "a.png")
     heading = int(0.1 * SIZE[1])
     assert np.array_equal(full[heading:], drawn(quarter, tmp_path / "b.png")[heading:])
 
 
-def test_title_says_what_is_shown(quarter: Path):
-    view = perspective.frame(list_snapshots(quarter), SIZE)
+def test_note_states_mirroring_and_cut(quarter: Path):
+    view = cutaway.fit_view(list_snapshots(quarter), SIZE)
     assert view.note == " (quarter mirrored, cut open)"
     assert replace(view, meta={**view.meta, "model": "full"}).note == " (cut open)"
 
 
 @pytest.mark.parametrize("square", [False, True])
 def test_outline_of_the_released_column(tmp_path: Path, square: bool):
-    snapshot, meta = read_drawable(list_snapshots(fabricate(tmp_path, square=square))[-1])
+    snapshot, meta = read_for_rendering(list_snapshots(fabricate(tmp_path, square=square))[-1])
     x, y = frame.released_outline(snapshot, meta, TOP).T
     assert 0.5 * abs(np.sum(x[:-1] * y[1:] - x[1:] * y[:-1])) == pytest.approx(
         (4 if square else np.pi) * R**2, rel=1e-3
     )
 
 
-def test_rigid_floor_is_drawn(tmp_path: Path, painter: str):
+def test_rigid_floor_is_drawn(tmp_path: Path, backend: str):
     image = drawn(fabricate(tmp_path, has_base=False), tmp_path / "a.png")
-    view = perspective.frame(list_snapshots(tmp_path)[-1:], SIZE)
+    view = cutaway.fit_view(list_snapshots(tmp_path)[-1:], SIZE)
     beside = image[pixel((-0.04, 0, FRONT), view)]
     assert np.ptp(beside) < 12 and 120 < beside.mean() < 220
     assert (image[pixel((0.04, 0, FRONT), view)] == 255).all()  # cut away
 
 
 def top_axes(folder: Path, undisturbed: float | None) -> tuple[np.ndarray, Figure]:
-    """The view from above of the last snapshot, as an array and as what it was drawn from."""
+    """Top view of the last snapshot, as an array and as a figure."""
     figures: list[Figure] = []
-    snapshot, meta = read_drawable(list_snapshots(folder)[-1])
+    snapshot, meta = read_for_rendering(list_snapshots(folder)[-1])
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(frame, "Figure", lambda **options: figures.append(Figure(**options)) or figures[0])
-        image = top_view(snapshot, meta, (640, 360), undisturbed)
+        image = draw_top_view(snapshot, meta, (640, 360), undisturbed)
     return np.asarray(image).astype(int), figures[0]
 
 
@@ -224,23 +227,23 @@ def is_color(image: np.ndarray, color: str) -> np.ndarray:
 
 
 @pytest.mark.parametrize("model", ["quarter", "full", "axisymmetric"])
-def test_top_view_shows_the_whole_circle(tmp_path: Path, model: str):
-    """What moved by 1 mm begins 1 mm / sqrt 2 outside the core, whose side can be seen between drawn-out points."""
+def test_top_view_shows_the_complete_circle(tmp_path: Path, model: str):
+    """Displacements of 1 mm begin 1 mm / sqrt 2 outside the core, visible between points that moved apart."""
     image, figure = top_axes(fabricate(tmp_path, model), None)
     box = figure.axes[0].get_window_extent()
     mm = box.width / np.ptp(figure.axes[0].get_xlim())
     assert box.width == pytest.approx(box.height)
     image = image[360 - round(box.y1) : 360 - round(box.y0), round(box.x0) : round(box.x1)]
-    still, moved = is_color(image, STILL_COLOR), is_color(image, MOVED_COLOR)
-    radius = np.sqrt([still.sum() / np.pi, (still.sum() + moved.sum()) / np.pi]) / mm
+    undisturbed, moved = is_color(image, UNDISTURBED_COLOR), is_color(image, MOVED_COLOR)
+    radius = np.sqrt([undisturbed.sum() / np.pi, (undisturbed.sum() + moved.sum()) / np.pi]) / mm
     assert radius[0] == pytest.approx(1000 * CORE + np.sqrt(0.5), abs=1500 * POINT)
     assert radius[1] == pytest.approx(1000 * FRONT, rel=0.06)
     for turned in (image[::-1], image[:, ::-1], image.transpose(1, 0, 2)):
         assert (is_color(turned, MOVED_COLOR) != moved).mean() < 0.03
 
 
-@pytest.mark.parametrize(("millimetres", "color"), [(0.9, STILL_COLOR), (1.1, MOVED_COLOR)])
-def test_top_view_tells_what_moved_by_1_mm(tmp_path: Path, millimetres: float, color: str):
+@pytest.mark.parametrize(("millimetres", "color"), [(0.9, UNDISTURBED_COLOR), (1.1, MOVED_COLOR)])
+def test_top_view_marks_displacements_of_1_mm(tmp_path: Path, millimetres: float, color: str):
     points = lattice(0, R, 0, H, flat=False)
     arrays: dict[str, np.ndarray] = {
         "position": points,
@@ -261,11 +264,11 @@ def test_circles_of_the_top_view(quarter: Path):
         for line, radius in zip(lines, radii, strict=True):
             assert np.hypot(*line.get_data()) == pytest.approx(1000 * radius)
     labels = [text.get_text() for text in top_axes(quarter, 0.0213)[1].legends[0].get_texts()]
-    assert labels[-2:] == ["released, $r_i$ = 50 mm", "undisturbed radius, 21 mm"]
+    assert labels[-2:] == ["column at release, $r_i$ = 50 mm", "undisturbed radius, 21 mm"]
     assert labels[0] == "moved by 1 mm or more"
 
 
-def test_nothing_of_the_top_view_is_cut_off(quarter: Path):
+def test_axes_and_legend_of_the_top_view_fit_the_page(quarter: Path):
     _, figure = top_axes(quarter, 0.0213)
     page = figure.bbox
     for part in (figure.axes[0].get_tightbbox(), figure.legends[0].get_window_extent()):
@@ -275,7 +278,7 @@ def test_nothing_of_the_top_view_is_cut_off(quarter: Path):
 
 def test_top_view_of_a_run(axisymmetric: Path, monkeypatch: pytest.MonkeyPatch):
     radii: list[float | None] = []
-    monkeypatch.setattr(module, "top_view", lambda *given: radii.append(given[-1]) or top_view(*given))
+    monkeypatch.setattr(module, "draw_top_view", lambda *given: radii.append(given[-1]) or draw_top_view(*given))
     rendered = render(axisymmetric, gif=False, view="top", size=(300, 500))
     assert rendered == ([axisymmetric / "topview.png"], "matplotlib", "")
     assert radii == [pytest.approx(CORE, abs=1.01 * POINT)]
@@ -296,16 +299,16 @@ def test_measured_radius_of_a_3d_run_is_drawn(quarter: Path, tmp_path: Path, mon
     assert images[0] != images[1]
 
 
-def test_views_that_make_no_sense(quarter: Path, axisymmetric: Path, tmp_path: Path):
-    with pytest.raises(UsageError, match="no side view of a model of kind quarter; choose 3d or top"):
+def test_unavailable_views_are_rejected(quarter: Path, axisymmetric: Path, tmp_path: Path):
+    with pytest.raises(UsageError, match="no side view for the quarter model; choose 3d or top"):
         render(quarter, gif=False, view="side")
-    with pytest.raises(UsageError, match="no 3d view of a model of kind axisymmetric; choose side or top"):
+    with pytest.raises(UsageError, match="no 3d view for the axisymmetric model; choose side or top"):
         render(axisymmetric, gif=False, view="3d")
-    with pytest.raises(UsageError, match="no top view of a model of kind plane; choose side$"):
+    with pytest.raises(UsageError, match="no top view for the plane model; choose side$"):
         render(fabricate(tmp_path / "plane", "plane"), gif=False, view="top")
-    with pytest.raises(UsageError, match="the top view is drawn as PNG only"):
+    with pytest.raises(UsageError, match="the top view is available as PNG only"):
         render(quarter, gif=True, view="top")
-    with pytest.raises(OutputError, match="its model 'sphere' is none of plane, axisymmetric"):
+    with pytest.raises(OutputError, match='model = "sphere", expected one of plane, axisymmetric'):
         render(fabricate(tmp_path / "sphere", "sphere"), gif=False)
 
 

@@ -1,4 +1,4 @@
-"""Child process of `mpmcol.plotting.render`: reads a job (JSON) from stdin and draws the points of each file."""
+"""Child process of `mpmcol.plotting.render.backends`: reads a job (JSON) from stdin and draws points with pyvista."""
 
 from __future__ import annotations
 
@@ -9,13 +9,12 @@ from typing import Any
 import numpy as np
 import pyvista
 
-# Painted this much finer than asked for; the picture scales it down, which smooths the edges.
-FINER = 2
+OVERSAMPLING = 2  # The caller scales the image down, which smooths the edges.
 
 
-def paint(job: dict[str, Any]) -> None:
-    """Paint the points of each of `points` into the file of the same place in `images`, nothing around them."""
-    window = [FINER * pixels for pixels in job["size"]]
+def draw(job: dict[str, Any]) -> None:
+    """Draw each file of `points` into the file with the same index in `images`."""
+    window = [OVERSAMPLING * pixels for pixels in job["size"]]
     plotter: Any = pyvista.Plotter(off_screen=True, window_size=window)
     plotter.set_background("white")
     for points, image in zip(job["points"], job["images"], strict=True):
@@ -28,21 +27,21 @@ def paint(job: dict[str, Any]) -> None:
 def _add_points(plotter: Any, file: str, job: dict[str, Any]) -> None:
     with np.load(file) as arrays:
         x, colors = arrays["x"], arrays["colors"]
-    _look_at(plotter, job["extent"], x[:, 2].min(), x[:, 2].max())
+    _set_camera(plotter, job["extent"], x[:, 2].min(), x[:, 2].max())
     plotter.add_mesh(
         pyvista.PolyData(x),
         scalars=colors,
         rgb=True,
         style="points",
         render_points_as_spheres=True,
-        point_size=FINER * job["point_pixels"],
+        point_size=OVERSAMPLING * job["point_pixels"],
         ambient=0.6,
         diffuse=0.5,
         reset_camera=False,
     )
 
 
-def _look_at(plotter: Any, extent: list[float], rear: float, front: float) -> None:
+def _set_camera(plotter: Any, extent: list[float], rear: float, front: float) -> None:
     left, right, bottom, top = extent
     x, y = (left + right) / 2, (bottom + top) / 2
     distance = right - left  # from the nearest point
@@ -53,4 +52,4 @@ def _look_at(plotter: Any, extent: list[float], rear: float, front: float) -> No
 
 
 if __name__ == "__main__":
-    paint(json.load(sys.stdin))
+    draw(json.load(sys.stdin))

@@ -1,4 +1,4 @@
-"""The side view of a model in two dimensions: the plane of the model, with the wall or axis at its left."""
+"""Side view of a two-dimensional model: the plane of the model, with the wall or axis on the left."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from mpmcol.io.snapshot import Snapshot
-from mpmcol.plotting.frame import EDGE, RELEASED, View, canvas_size, fit, read_drawable
+from mpmcol.plotting.render.frame import EDGE, RELEASED, View, canvas_size, fit, read_for_rendering
 
 
 class SideView(View):
@@ -17,16 +17,16 @@ class SideView(View):
 
     @property
     def note(self) -> str:
-        """That the title of a half model must say so."""
+        """That a two-sided release is modelled as one half."""
         return " (half model by symmetry)" if self._is_half else ""
 
     def points(self, snapshot: Snapshot) -> tuple[np.ndarray, np.ndarray]:
-        """All points, those of the base first: the column is drawn over it."""
+        """All points, base points first, so that the column is drawn over the base."""
         order = np.argsort(snapshot.column, kind="stable")
         return snapshot.arrays["position"][order], self.colors(snapshot)[order]
 
     def draw_surroundings(self, axes: Axes, snapshot: Snapshot) -> None:
-        """Where the column stood (dashed), the wall (solid) or the axis of symmetry (dash-dot), and the floor."""
+        """Add the column at release (dashed), the wall (solid) or axis of symmetry (dash-dot), and the floor."""
         r_i, h_i = float(self.meta["r_i"]), float(self.meta["h_i"])
         axes.plot([0, r_i, r_i], [h_i, h_i, 0], **RELEASED)
         symmetric = self.meta["model"] == "axisymmetric" or self._is_half
@@ -34,9 +34,9 @@ class SideView(View):
         self._add_floor(axes, has_base=not snapshot.column.all())
 
     def _add_floor(self, axes: Axes, has_base: bool) -> None:
-        """A line where there is no base; a base, which goes on beyond the picture, gets a torn edge."""
+        """Add a line for a rigid floor; an elastic base, which extends beyond the image, gets a zigzag edge."""
         left, right, bottom, _ = self.extent
-        end = right + left / 2  # beyond the material by half of the margin that is left of the wall
+        end = right + left / 2  # half of the margin on the left of the wall
         if not has_base:
             axes.plot([0, end], [0, 0], **EDGE)
             return
@@ -49,11 +49,11 @@ class SideView(View):
         return self.meta.get("release") == "two-sided"
 
 
-def frame(paths: Iterable[Path], size: tuple[int, int]) -> SideView:
-    """The view that holds the column as released and in all the snapshots, and the full depth of the base."""
+def fit_view(paths: Iterable[Path], size: tuple[int, int]) -> SideView:
+    """The view that contains the column at release and in all snapshots, and the full depth of the base."""
     boxes, limit = [], 0.0
     for path in paths:
-        snapshot, meta = read_drawable(path)
+        snapshot, meta = read_for_rendering(path)
         column = snapshot.x[snapshot.column]
         boxes.append([*column.max(axis=0), -snapshot.x[:, 1].min()])
         limit = max(limit, float(snapshot.displacement_magnitude[snapshot.column].max()))

@@ -1,8 +1,8 @@
-"""The view of a 3D model: the heap seen from above at an angle, cut open toward the viewer.
+"""Cutaway view of a 3D model: the heap from an elevated viewpoint, with the quarter toward the viewer removed.
 
-A quarter is mirrored to the whole and the front quarter is left out of it: one picture then shows the round heap, as
-the experiments do, and in the two cut faces the section, with the core that stayed and the material that slid.
-The projection is parallel, so that the scale holds for horizontal lengths across the picture.
+A quarter model is first completed by symmetry. The image then shows the whole heap, as experiments do, and on the two
+cut faces the vertical section, with the undisturbed core. The projection is parallel, so that the scale bar holds for
+horizontal lengths across the image.
 """
 
 from __future__ import annotations
@@ -16,35 +16,46 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 
 from mpmcol.io.snapshot import Snapshot
-from mpmcol.plotting.frame import BASE_COLOR, RELEASED, View, canvas_size, fit, read_drawable, released_outline
-from mpmcol.plotting.projection import circle, viewed_from, visible, whole
+from mpmcol.plotting.render.frame import (
+    BASE_COLOR,
+    RELEASED,
+    View,
+    canvas_size,
+    fit,
+    read_for_rendering,
+    released_outline,
+)
+from mpmcol.plotting.render.projection import circle, complete_by_symmetry, view_projection, visible
 
-VIEWER = viewed_from(azimuth=35.0, elevation=28.0)
-CUT_SHADES = (0.8, 0.65)  # brightness of the cut faces x = 0 and z = 0: tells them from the surface and each other
-BASE_MARGIN = 1.12  # radius of the base that is shown, over that of the heap
+VIEWER = view_projection(azimuth=35.0, elevation=28.0)
+CUT_SHADES = (0.8, 0.65)  # brightness of the cut faces x = 0 and z = 0, relative to the surface
+BASE_MARGIN = 1.12  # radius of the base shown over the radius of the heap
 
 
 @dataclass(frozen=True)
-class SolidView(View):
-    """Besides what every view has: `base_radius`, m, as far as the base is shown, and `released`, outline (m, 2)."""
+class CutawayView(View):
+    """View with the quarter x > 0, z > 0 removed.
+
+    base_radius: radius to which the base is shown, m. released: outline (m, 2) of the column at release.
+    """
 
     base_radius: float
     released: np.ndarray
 
     @property
     def note(self) -> str:
-        """What the picture shows that was not modelled, and what it leaves out."""
+        """That a quarter model is mirrored and that the heap is cut open."""
         return " (quarter mirrored, cut open)" if self.meta["model"] == "quarter" else " (cut open)"
 
     def points(self, snapshot: Snapshot) -> tuple[np.ndarray, np.ndarray]:
-        """The points that can be seen, projected."""
+        """The visible points, projected."""
         size = float(self.meta["point_size"])
         x, colors = snapshot.arrays["position"], self.colors(snapshot)
         shown = snapshot.column | (np.hypot(x[:, 0], x[:, 2]) < self.base_radius)
-        x, index = whole(x[shown], str(self.meta["model"]))
+        x, index = complete_by_symmetry(x[shown], str(self.meta["model"]))
         colors = colors[shown][index]
         if snapshot.column.all():
-            floor = _layer(self.base_radius, size)
+            floor = _floor_points(self.base_radius, size)
             x, colors = np.vstack([x, floor]), np.vstack([colors, np.tile(to_rgb(BASE_COLOR), (len(floor), 1))])
         behind = _behind_cut(x)
         x, colors = x[behind], colors[behind]
@@ -53,18 +64,18 @@ class SolidView(View):
         return projected[seen], colors[seen] * _shade(x[seen], size)[:, None]
 
     def draw_surroundings(self, axes: Axes, snapshot: Snapshot) -> None:
-        """Where the column stood."""
+        """Add the outline of the column at release."""
         axes.plot(*self.released.T, **RELEASED)
 
 
-def frame(paths: Sequence[Path], size: tuple[int, int]) -> SolidView:
-    """The view that holds the whole column as released and in all the snapshots, on a round piece of its base."""
+def fit_view(paths: Sequence[Path], size: tuple[int, int]) -> CutawayView:
+    """The view that contains the column at release and in all snapshots, on a circular part of the base."""
     limit = radius = depth = 0.0
     corners = []
     for path in paths:
-        snapshot, meta = read_drawable(path)
+        snapshot, meta = read_for_rendering(path)
         position, column = snapshot.arrays["position"], snapshot.column
-        x, _ = whole(position[column], str(meta["model"]))
+        x, _ = complete_by_symmetry(position[column], str(meta["model"]))
         projected = x @ VIEWER[:2].T
         corners += [projected.min(axis=0), projected.max(axis=0)]
         radius = max(radius, BASE_MARGIN * float(np.hypot(x[:, 0], x[:, 2]).max()))
@@ -74,22 +85,22 @@ def frame(paths: Sequence[Path], size: tuple[int, int]) -> SolidView:
     released = released_outline(snapshot, meta, VIEWER)
     corners += [*released, *_base_outline(radius, depth)]
     (left, bottom), (right, top) = np.min(corners, axis=0), np.max(corners, axis=0)
-    return SolidView(fit((left, right, bottom, top), canvas_size(size)), limit, size, meta, radius, released)
+    return CutawayView(fit((left, right, bottom, top), canvas_size(size)), limit, size, meta, radius, released)
 
 
 def _base_outline(radius: float, depth: float) -> np.ndarray:
-    """Rim (m, 2) of the base, top and bottom, projected, without the quarter that is cut away."""
+    """Projected rims (m, 2) of the base, top and bottom, without the removed quarter."""
     rims = np.concatenate([circle(radius, 0.0), circle(radius, -depth)])
     return rims[_behind_cut(rims)] @ VIEWER[:2].T
 
 
 def _behind_cut(x: np.ndarray) -> np.ndarray:
-    """Mask (n,) of the points that are not in the quarter that is cut away."""
+    """Mask (n,) of the points outside the removed quarter."""
     return (x[:, 0] <= 0.0) | (x[:, 2] <= 0.0)
 
 
-def _layer(radius: float, point_size: float) -> np.ndarray:
-    """Points (m, 3) just below y = 0: a rigid floor has none of its own."""
+def _floor_points(radius: float, point_size: float) -> np.ndarray:
+    """Points (m, 3) just below y = 0 that represent a rigid floor, which has no material points."""
     line = point_size * (np.arange(-np.ceil(radius / point_size), np.ceil(radius / point_size)) + 0.5)
     x, z = (values.ravel() for values in np.meshgrid(line, line))
     inside = np.hypot(x, z) < radius
@@ -97,6 +108,6 @@ def _layer(radius: float, point_size: float) -> np.ndarray:
 
 
 def _shade(x: np.ndarray, point_size: float) -> np.ndarray:
-    """Brightness (n,) of the points: less in the outermost layer of the cut faces."""
+    """Brightness (n,) of the points: reduced in the outermost layer of the cut faces."""
     faces = [(np.abs(x[:, i]) < point_size) & (x[:, 2 - i] > 0.0) for i in (0, 2)]
     return np.select(faces, CUT_SHADES, 1.0)

@@ -1,0 +1,126 @@
+"""Images and animations of a run: its material points from the side, in a cutaway view or from above.
+
+The side and cutaway views are coloured by displacement; the top view shows where the surface of the deposit moved.
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from PIL import Image
+
+from mpmcol.errors import OutputError, UsageError
+from mpmcol.io.atomic import atomic_write
+from mpmcol.io.results import Results, measure_snapshot
+from mpmcol.io.snapshot import list_snapshots
+from mpmcol.plotting.render import cutaway, side
+from mpmcol.plotting.render.backends import draw_frames
+from mpmcol.plotting.render.frame import View, read_for_rendering
+from mpmcol.plotting.render.top import draw_top_view
+
+FitView = Callable[[Sequence[Path], tuple[int, int]], View]
+
+FIT_VIEW: dict[str, FitView] = {"side": side.fit_view, "3d": cutaway.fit_view}
+# The default of each model comes first.
+VIEWS = {"plane": ("side",), "axisymmetric": ("side", "top"), "quarter": ("3d", "top"), "full": ("3d", "top")}
+FRAME_MS, LAST_FRAME_MS = 120, 1500
+
+
+class Rendered(NamedTuple):
+    """The files written, the back end that drew the points ("pyvista" or "matplotlib"), and what to install, if any."""
+
+    paths: list[Path]
+    backend: str
+    note: str
+
+
+def render(
+    results_folder: Path,
+    *,
+    gif: bool,
+    view: str | None = None,
+    snapshot: int = -1,
+    size: tuple[int, int] = (1280, 720),
+    out: Path | None = None,
+) -> Rendered:
+    """Draw one snapshot as a PNG and, with `gif`, all snapshots as an animation.
+
+    Args:
+        results_folder: of the run.
+        gif: also write the animation, beside the PNG.
+        view: "side", "3d" or "top", if the model of the run has it (default: "side" in 2D, "3d" in 3D).
+        snapshot: index of the snapshot; negative indices count from the end.
+        size: width and height, pixels.
+        out: the PNG (default: `snapshot-<number>.png`, or `topview.png`, in the results folder). The animation takes
+            the same name with the suffix .gif (default: `collapse.gif`).
+
+    Raises:
+        UsageError: the model has no such view, the run no such snapshot, or `out` is not a PNG.
+        OutputError: a file cannot be read or written.
+    """
+    paths = list_snapshots(results_folder)
+    chosen = _choose_snapshot(paths, snapshot, results_folder)
+    view = _choose_view(view, gif, chosen)
+    target = _target(out or results_folder / ("topview.png" if view == "top" else f"snapshot-{chosen.stem}.png"))
+    if view == "top":
+        atomic_write(target, _encode([_top_view_of(results_folder, chosen, size)], "PNG"))
+        return Rendered([target], "matplotlib", "")
+    images, note = draw_frames([chosen], FIT_VIEW[view]([chosen], size))
+    atomic_write(target, _encode(images, "PNG"))
+    written = [target]
+    if gif:
+        images, note = draw_frames(paths, FIT_VIEW[view](paths, size))
+        written.append(out.with_suffix(".gif") if out else results_folder / "collapse.gif")
+        atomic_write(written[-1], _animate(images))
+    return Rendered(written, "matplotlib" if note else "pyvista", note)
+
+
+def _choose_snapshot(paths: Sequence[Path], snapshot: int, folder: Path) -> Path:
+    if not paths:
+        raise OutputError(f"{folder}: no snapshots/*.vtkhdf here; give the results folder of a run")
+    if not -len(paths) <= snapshot < len(paths):
+        raise UsageError(f"there is no snapshot {snapshot}: {folder} has 0 to {len(paths) - 1} (-1 is the last)")
+    return paths[snapshot]
+
+
+def _choose_view(requested: str | None, gif: bool, path: Path) -> str:
+    model = str(read_for_rendering(path)[1]["model"])
+    views = VIEWS.get(model)
+    if views is None:
+        raise OutputError(f'{path}: cannot be rendered; model = "{model}", expected one of {", ".join(VIEWS)}')
+    view = requested or views[0]
+    if view not in views:
+        raise UsageError(f"no {view} view for the {model} model; choose {' or '.join(views)}")
+    if gif and view == "top":
+        raise UsageError("the top view is available as PNG only; omit --gif or choose another view")
+    return view
+
+
+def _target(path: Path) -> Path:
+    if path.suffix != ".png":
+        raise UsageError(f"{path}: images are written as PNG; give a file name that ends in .png")
+    if not path.parent.exists():
+        raise OutputError(f"{path}: the folder {path.parent} does not exist; create it or choose another one")
+    return path
+
+
+def _top_view_of(folder: Path, path: Path, size: tuple[int, int]) -> Image.Image:
+    snapshot, meta = read_for_rendering(path)
+    undisturbed = measure_snapshot(snapshot, Results(folder).shape).undisturbed_radius
+    return draw_top_view(snapshot, meta, size, undisturbed)
+
+
+def _animate(images: Sequence[Image.Image]) -> bytes:
+    # MAXCOVERAGE, because the colour bar has few pixels but needs all of its colours.
+    frames = [image.quantize(256, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE) for image in images]
+    durations = [FRAME_MS] * (len(frames) - 1) + [LAST_FRAME_MS]
+    return _encode(frames, "GIF", save_all=True, append_images=frames[1:], duration=durations, loop=0)
+
+
+def _encode(images: Sequence[Image.Image], kind: str, **options: Any) -> bytes:
+    buffer = io.BytesIO()
+    images[0].save(buffer, kind, **options)
+    return buffer.getvalue()
