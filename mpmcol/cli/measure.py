@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from itertools import groupby
+from math import sqrt
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +14,7 @@ import click
 if TYPE_CHECKING:
     from mpmcol.experiments import ProfileScore, Score
     from mpmcol.io.results import Results
-    from mpmcol.measure import Array, ColumnShape, Measurement
+    from mpmcol.measure import ColumnShape, Measurement
 
 EMPTY = "none"
 
@@ -79,31 +79,19 @@ def _state(results: Results, snapshot: int) -> State:
 
 
 def _stop_time(results: Results) -> float | None:
-    """When the front came within a cell of its end, in sqrt(h_i / g); None, with a note, without its history."""
-    from mpmcol.io.results import HISTORY_FILE
-    from mpmcol.measure import stop_time
-
-    history = _collapse_history(results)
-    if history is None:
-        path = results.folder / HISTORY_FILE
-        wrong = "is damaged: rows or columns in it are missing or cut short" if path.exists() else "is missing"
-        click.echo(f"note: {path} {wrong}; the time at which the front stops is left out", err=True)
-        return None
-    stop = stop_time(*history, results.shape.spacing)
-    gravity: float = results.case.geometry.gravity
-    return None if stop is None else stop / (results.shape.h_i / gravity) ** 0.5
-
-
-def _collapse_history(results: Results) -> tuple[Array, Array] | None:
-    """Times (s) and front_height (m) since the release, or None if they cannot be read."""
+    """Time at which the front stops, in sqrt(h_i / g); None, with a note, if the history cannot be read."""
     from mpmcol.errors import OutputError
+    from mpmcol.io.names import HISTORY_FILE
+    from mpmcol.io.results import measure_stop_time
 
+    fall_time = sqrt(results.shape.h_i / results.case.geometry.gravity)
     try:
-        history = results.history
+        return measure_stop_time(results.history, results.shape.spacing, fall_time)
     except OutputError:
+        path = results.folder / HISTORY_FILE
+        problem = "is damaged: rows or columns are missing or truncated" if path.exists() else "is missing"
+        click.echo(f"note: {path} {problem}; the stop time of the front is omitted", err=True)
         return None
-    collapse = history["stage"] != "equilibrate"
-    return (history["time"][collapse], history["front_height"][collapse]) if collapse.any() else None
 
 
 def _scores(measured: Measurement, shape: ColumnShape, stop: float | None) -> tuple[list[Score], list[ProfileScore]]:
@@ -129,23 +117,16 @@ def _record(
 
 def _csv(state: State, measured: Measurement, stop: float | None, scores: list[Score]) -> str:
     """Columns depend on the kind of column only, so that the rows of many runs can be put together."""
+    from mpmcol.io.values import flatten
+
     row: dict[str, Any] = state.as_dict() | {"at_rest": str(state.at_rest).lower()}
-    row |= dict(_flat("", measured.scalars()))
+    row |= dict(flatten(measured.scalars()))
     row["stop_time"] = stop
     for score in scores:
         if score.quantity != "stop_time":
             words = ("error", score.experiment, score.quantity, score.front_definition)
             row[".".join(filter(None, words))] = score.error
     return ",".join(row) + "\n" + ",".join(map(_cell, row.values()))
-
-
-def _flat(prefix: str, values: dict[str, Any]) -> Iterator[tuple[str, Any]]:
-    """The entries of nested dictionaries under their dotted names."""
-    for name, value in values.items():
-        if isinstance(value, dict):
-            yield from _flat(f"{prefix}{name}.", value)
-        else:
-            yield f"{prefix}{name}", value
 
 
 def _cell(value: Any) -> str:

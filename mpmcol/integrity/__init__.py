@@ -10,11 +10,11 @@ from mpmcol.errors import OutputError
 from mpmcol.integrity.finding import Finding, Report
 from mpmcol.integrity.readable import READERS, unreadable
 from mpmcol.integrity.run import check_run
-from mpmcol.io.atomic import CASE_FILE, CHECKPOINT_FILES, DIGEST_FILE, GIVEN_CASE_FILE, HISTORY_FILE, RESULT_FILE
+from mpmcol.io.names import CASE_FILE, CHECKPOINT_FILES, CHECKSUM_FILE, GIVEN_CASE_FILE, HISTORY_FILE, RESULT_FILE
 
 __all__ = ["Finding", "Report", "verify"]
 
-OF_A_RUN = {RESULT_FILE, DIGEST_FILE, HISTORY_FILE, CASE_FILE, GIVEN_CASE_FILE, "snapshots", *CHECKPOINT_FILES}
+OF_A_RUN = {RESULT_FILE, CHECKSUM_FILE, HISTORY_FILE, CASE_FILE, GIVEN_CASE_FILE, "snapshots", *CHECKPOINT_FILES}
 
 
 def verify(folder: Path) -> list[Report]:

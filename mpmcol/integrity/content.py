@@ -12,7 +12,7 @@ import numpy as np
 
 from mpmcol.case import case_hash, load_case
 from mpmcol.errors import CaseError, OutputError
-from mpmcol.io.atomic import CASE_FILE, INDEX_FILES
+from mpmcol.io.names import CASE_FILE, INDEX_FILES
 from mpmcol.io.results import RESULT_SCHEMA, read_history
 from mpmcol.io.snapshot import DAMAGE, Snapshot, list_snapshots, read_snapshot
 

@@ -10,20 +10,20 @@ from typing import Any
 from mpmcol.integrity.content import case_problem, history_problem, index_problem, result_problem, snapshot_problems
 from mpmcol.integrity.finding import Finding, Report
 from mpmcol.integrity.readable import unreadable
-from mpmcol.io.atomic import (
+from mpmcol.io.atomic import temporary_files
+from mpmcol.io.checkpoint import FORMAT, damaged_snapshots, read_checkpoints
+from mpmcol.io.checksums import has_checksum, read_checksums
+from mpmcol.io.names import (
     CASE_FILE,
     CHECKPOINT_FILES,
-    DIGEST_FILE,
+    CHECKSUM_FILE,
     GIVEN_CASE_FILE,
     HISTORY_FILE,
     INDEX_FILES,
-    LOCK,
+    LOCK_FILE,
     RESULT_FILE,
-    leftovers,
 )
-from mpmcol.io.checkpoint import FORMAT, lost_snapshots, read_checkpoints
-from mpmcol.io.checksums import has_digest, read_digests
-from mpmcol.io.run_status import read_state
+from mpmcol.io.run_status import read_status
 from mpmcol.io.snapshot import list_snapshots
 
 Problems = Mapping[str, str]  # name of a file: what is wrong with it
@@ -33,10 +33,10 @@ FOREIGN = "it is not of this run"
 
 def check_run(folder: Path) -> Report:
     """Check all files of the folder of a run, which need not have ended."""
-    files = [path for path in sorted(folder.rglob("*")) if path.is_file() and path.name != LOCK]
-    state = read_state(folder)
+    files = [path for path in sorted(folder.rglob("*")) if path.is_file() and path.name != LOCK_FILE]
+    state = read_status(folder)
     if state.name == "running":
-        note = Finding(LOCK, "a run is writing here", "verify it when it has ended", is_damage=False)
+        note = Finding(LOCK_FILE, "a run is writing here", "verify it when it has ended", is_damage=False)
         return Report(folder, state.name, len(files), (note,))
     if (folder / RESULT_FILE).exists():  # it is written last
         digests, problems = _changed(folder)
@@ -50,16 +50,16 @@ def check_run(folder: Path) -> Report:
 def _changed(folder: Path) -> tuple[dict[str, str], dict[str, str]]:
     """The digests of a run that has ended, and the files that are not as it wrote them."""
     try:
-        digests = read_digests(folder)
+        digests = read_checksums(folder)
     except FileNotFoundError:
-        return {}, {DIGEST_FILE: "it is missing, and without it a changed byte cannot be found"}
+        return {}, {CHECKSUM_FILE: "it is missing, and without it a changed byte cannot be found"}
     except (OSError, ValueError) as error:
-        return {}, {DIGEST_FILE: f"it is damaged ({error}), and without it a changed byte cannot be found"}
+        return {}, {CHECKSUM_FILE: f"it is damaged ({error}), and without it a changed byte cannot be found"}
     problems = {}
     for name, digest in digests.items():
         if not (folder / name).exists():
             problems[name] = "it is missing"
-        elif not has_digest(folder / name, digest):
+        elif not has_checksum(folder / name, digest):
             problems[name] = "its bytes are not those that the run wrote"
     for path in list_snapshots(folder):
         if (name := path.relative_to(folder).as_posix()) not in digests:
@@ -69,9 +69,9 @@ def _changed(folder: Path) -> tuple[dict[str, str], dict[str, str]]:
 
 def _lost(folder: Path) -> dict[str, str]:
     """Snapshots that the states of an unfinished run need and that are not as they were."""
-    known = [state for state in read_checkpoints(folder)[0] if state.meta.get("format") == FORMAT]
+    known = [state for state in read_checkpoints(folder)[0] if state.values.get("format") == FORMAT]
     what = "it is missing, or its bytes are not those that the run wrote"
-    return {name: what for state in known for name in lost_snapshots(folder, state)}
+    return {name: what for state in known for name in damaged_snapshots(folder, state)}
 
 
 def _content(folder: Path, digests: Problems, known: Problems, result: dict[str, Any] | None) -> dict[str, str]:
@@ -129,6 +129,6 @@ def _charts(folder: Path) -> Iterator[Finding]:
 
 
 def _rests(folder: Path) -> Iterator[Finding]:
-    for path in leftovers(folder):
+    for path in temporary_files(folder):
         what, remedy = "a process was killed while it wrote this", "delete it; a run here removes it, too"
         yield Finding(path.relative_to(folder).as_posix(), what, remedy, is_damage=False)

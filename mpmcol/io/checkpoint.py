@@ -1,4 +1,4 @@
-"""The whole state of a run in two files of its folder that are written in turn: one of them is always whole."""
+"""Checkpoint files: the state of a run in two files of its folder that are written alternately; one is always valid."""
 
 from __future__ import annotations
 
@@ -12,27 +12,28 @@ from typing import Any
 
 import numpy as np
 
-from mpmcol.io.atomic import CHECKPOINT_FILES, atomic_write
-from mpmcol.io.checksums import has_digest
+from mpmcol.io.atomic import atomic_write
+from mpmcol.io.checksums import has_checksum
+from mpmcol.io.names import CHECKPOINT_FILES
 
-DIGEST = hashlib.sha256().digest_size  # bytes at the end of a file
-FORMAT = 4  # in the meta of a state; the program goes on from no other
-META = "meta"  # name of the array that holds what is not an array, as JSON
+CHECKSUM_SIZE = hashlib.sha256().digest_size  # bytes at the end of a file
+FORMAT = 4  # a run resumes from checkpoints of this format only
+VALUES = "meta"  # name of the array that holds the plain values as JSON
 
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """A state: arrays, and everything else as plain values. The larger `serial` is the later one."""
+    """A saved state: arrays, and all other values in a form that JSON holds. The newer one has the larger `serial`."""
 
     serial: int
-    meta: Mapping[str, Any]
+    values: Mapping[str, Any]
     arrays: Mapping[str, np.ndarray]
 
 
 def write_checkpoint(folder: Path, checkpoint: Checkpoint) -> Path:
-    """Write a state over the one before the last, whole or not at all; raises OutputError."""
-    meta = json.dumps({"serial": checkpoint.serial, **checkpoint.meta}).encode()
-    arrays: dict[str, Any] = {META: np.frombuffer(meta, np.uint8), **checkpoint.arrays}
+    """Write a checkpoint atomically in place of the older of the two files; return its path. Raises OutputError."""
+    values = json.dumps({"serial": checkpoint.serial, **checkpoint.values}).encode()
+    arrays: dict[str, Any] = {VALUES: np.frombuffer(values, np.uint8), **checkpoint.arrays}
     buffer = io.BytesIO()
     np.savez(buffer, **arrays)
     buffer.write(hashlib.sha256(buffer.getbuffer()).digest())
@@ -42,7 +43,7 @@ def write_checkpoint(folder: Path, checkpoint: Checkpoint) -> Path:
 
 
 def read_checkpoints(folder: Path) -> tuple[list[Checkpoint], list[str]]:
-    """The whole states in a folder, the latest first; and the names of files that are damaged."""
+    """The valid checkpoints in a folder, the newest first, and the names of damaged files."""
     found, damaged = [], []
     for name in CHECKPOINT_FILES:
         try:
@@ -51,20 +52,20 @@ def read_checkpoints(folder: Path) -> tuple[list[Checkpoint], list[str]]:
             continue
         except (OSError, ValueError, KeyError):
             damaged.append(name)
-    return sorted(found, key=lambda one: one.serial, reverse=True), damaged
+    return sorted(found, key=lambda checkpoint: checkpoint.serial, reverse=True), damaged
 
 
-def lost_snapshots(folder: Path, state: Checkpoint) -> list[str]:
-    """Names of the snapshots taken before a state of this FORMAT that are missing or not as they were written."""
-    digests: dict[str, str] = state.meta["recorder"]["snapshots"]
-    return [name for name, digest in digests.items() if not has_digest(folder / name, digest)]
+def damaged_snapshots(folder: Path, checkpoint: Checkpoint) -> list[str]:
+    """Names of the snapshots written before a checkpoint of this FORMAT that are now missing or changed."""
+    checksums: dict[str, str] = checkpoint.values["recorder"]["snapshots"]
+    return [name for name, checksum in checksums.items() if not has_checksum(folder / name, checksum)]
 
 
 def _read(path: Path) -> Checkpoint:
     content = path.read_bytes()
-    if hashlib.sha256(memoryview(content)[:-DIGEST]).digest() != content[-DIGEST:]:
-        raise ValueError("its digest is another")
+    if hashlib.sha256(memoryview(content)[:-CHECKSUM_SIZE]).digest() != content[-CHECKSUM_SIZE:]:
+        raise ValueError("its checksum does not match")
     with np.load(io.BytesIO(content), allow_pickle=False) as file:
         arrays = {name: file[name] for name in file.files}
-    meta = json.loads(arrays.pop(META).tobytes())
-    return Checkpoint(meta.pop("serial"), meta, arrays)
+    values = json.loads(arrays.pop(VALUES).tobytes())
+    return Checkpoint(values.pop("serial"), values, arrays)

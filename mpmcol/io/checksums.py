@@ -1,4 +1,4 @@
-"""SHA256SUMS: the digests of all files of a run, in the form that `sha256sum --check` reads."""
+"""SHA256SUMS: the SHA-256 of all files of a run, in the format of `sha256sum --check`."""
 
 from __future__ import annotations
 
@@ -7,11 +7,12 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from mpmcol.errors import OutputError
-from mpmcol.io.atomic import DIGEST_FILE, atomic_write
+from mpmcol.io.atomic import atomic_write
+from mpmcol.io.names import CHECKSUM_FILE
 
 
-def digest_of(path: Path) -> str:
-    """SHA-256 of a file, in hexadecimal. Raises OutputError if it cannot be read."""
+def checksum_of(path: Path) -> str:
+    """SHA-256 of a file in hexadecimal. Raises OutputError if the file cannot be read."""
     try:
         with path.open("rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest()
@@ -19,30 +20,30 @@ def digest_of(path: Path) -> str:
         raise OutputError(f"{path}: cannot be read: {error.strerror}; check the disk and the folder") from error
 
 
-def has_digest(path: Path, digest: str) -> bool:
-    """Whether a file is there, can be read, and holds what this is the digest of."""
+def has_checksum(path: Path, checksum: str) -> bool:
+    """Whether a file exists, is readable, and has this SHA-256."""
     try:
-        return digest_of(path) == digest
+        return checksum_of(path) == checksum
     except OutputError:
         return False
 
 
-def write_digests(folder: Path, digests: Mapping[str, str]) -> None:
-    """Write the digests of files, by their names inside the folder. Raises OutputError."""
-    atomic_write(folder / DIGEST_FILE, _text(digests))
+def write_checksums(folder: Path, checksums: Mapping[str, str]) -> None:
+    """Write the checksums of files, given by their path relative to the folder. Raises OutputError."""
+    atomic_write(folder / CHECKSUM_FILE, _text(checksums))
 
 
-def read_digests(folder: Path) -> dict[str, str]:
-    """What `write_digests` wrote; FileNotFoundError without it, ValueError if a single byte of it is another."""
-    content = (folder / DIGEST_FILE).read_bytes()
+def read_checksums(folder: Path) -> dict[str, str]:
+    """Read SHA256SUMS. Raises FileNotFoundError if it is missing, ValueError if any byte of it was changed."""
+    content = (folder / CHECKSUM_FILE).read_bytes()
     lines = [line.split("  ", 1) for line in content.decode().splitlines() if not line.startswith("#")]
-    digests = {name: digest for digest, name in lines}
-    if _text(digests) != content:
-        raise ValueError("the digest in its last line is another")
-    return digests
+    checksums = {name: checksum for checksum, name in lines}
+    if _text(checksums) != content:
+        raise ValueError("the checksum in its last line does not match")
+    return checksums
 
 
-def _text(digests: Mapping[str, str]) -> bytes:
-    """The last line, a comment for `sha256sum`, tells a damaged list from a damaged file."""
-    lines = "".join(f"{digest}  {name}\n" for name, digest in sorted(digests.items()))
+def _text(checksums: Mapping[str, str]) -> bytes:
+    """The list, closed by a comment line with its own checksum: a damaged list is distinguished from a damaged file."""
+    lines = "".join(f"{checksum}  {name}\n" for name, checksum in sorted(checksums.items()))
     return f"{lines}# {hashlib.sha256(lines.encode()).hexdigest()}  the lines above\n".encode()

@@ -1,4 +1,4 @@
-"""How far the run in a folder is, read from its files; needs no compiler and no case."""
+"""Status of the run in a folder, read from its files without compiler and without loading the case."""
 
 from __future__ import annotations
 
@@ -8,19 +8,21 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from mpmcol.io.atomic import CASE_FILE, HISTORY_FILE, RESULT_FILE, is_locked
+from mpmcol.io.lock import is_locked
+from mpmcol.io.names import CASE_FILE, HISTORY_FILE, RESULT_FILE
 
 BEFORE_RELEASE = "equilibrate"
+ENDINGS = ("done", "failed", "stopped")  # values of `status` in result.json
 
 Name = Literal["done", "failed", "running", "stopped", "unfinished", "damaged", "missing"]
 
 
 @dataclass(frozen=True)
-class State:
-    """How far a run is, with the content of its result.json where there is one.
+class RunStatus:
+    """Status of a run, with the content of its result.json where there is one.
 
-    "failed" it diverged, "stopped" by a signal, "unfinished" it was killed, "damaged" its result cannot be read,
-    "missing" nothing was begun.
+    name: "done"; "failed": it diverged; "running"; "stopped": by a signal or the wall-clock limit; "unfinished": its
+    process was killed; "damaged": its result cannot be read; "missing": it was not started.
     """
 
     name: Name
@@ -28,12 +30,12 @@ class State:
 
     @property
     def has_ended(self) -> bool:
-        """Whether running it again would change nothing: it is done, or it diverged, which it would do again."""
+        """Whether repeating the run would change nothing: it is done, or it diverged and would diverge again."""
         return self.name in ("done", "failed")
 
     @property
     def failure(self) -> str:
-        """Why it diverged and what to do; "" if it did not."""
+        """Cause and remedy of a failure; "" if the run did not fail."""
         if self.name != "failed" or self.result is None:
             return ""
         failure = self.result.get("failure", {})
@@ -41,28 +43,28 @@ class State:
 
     @property
     def seconds(self) -> float:
-        """What the run took, without compilation."""
+        """Wall-clock time of the run without compilation, s."""
         wall = self.result.get("wall_s", {}) if self.result else {}
         return float(sum(value for name, value in wall.items() if name != "compile"))
 
 
-def read_state(folder: Path) -> State:
-    """The state of the run in a folder, which need not exist."""
-    locked = is_locked(folder)  # first: a run writes its result before it lets go
+def read_status(folder: Path) -> RunStatus:
+    """Status of the run in a folder, which need not exist."""
+    locked = is_locked(folder)  # first, because a run writes its result before it releases the lock
     result = _read_result(folder / RESULT_FILE)
     if isinstance(result, dict) and result.get("status") == "done":
-        return State("done", result)
+        return RunStatus("done", result)
     if locked:
-        return State("running")
+        return RunStatus("running")
     if result is None:
-        return State("unfinished" if (folder / CASE_FILE).exists() else "missing")
-    if not isinstance(result, dict) or result.get("status") not in ("failed", "stopped"):
-        return State("damaged")
-    return State("failed" if result["status"] == "failed" else "stopped", result)
+        return RunStatus("unfinished" if (folder / CASE_FILE).exists() else "missing")
+    if not isinstance(result, dict) or result.get("status") not in ENDINGS:
+        return RunStatus("damaged")
+    return RunStatus("failed" if result["status"] == "failed" else "stopped", result)
 
 
 def _read_result(path: Path) -> Any:
-    """The content of result.json, None if it is not there, False if it cannot be read."""
+    """The content of result.json, None if it is missing, False if it cannot be read."""
     try:
         return json.loads(path.read_bytes())
     except FileNotFoundError:
@@ -71,8 +73,8 @@ def _read_result(path: Path) -> Any:
         return False
 
 
-def reached(folder: Path) -> float | None:
-    """Time since release, s, of the last row of a run's history; None before the release."""
+def time_reached(folder: Path) -> float | None:
+    """Time since release in the last row of a run's history, s; None before the release."""
     try:
         rows = (folder / HISTORY_FILE).read_text().splitlines()
         names, last = rows[0].split(","), rows[-1].split(",")
@@ -82,7 +84,7 @@ def reached(folder: Path) -> float | None:
 
 
 def running_for(folder: Path) -> float:
-    """Seconds since the run in a folder began; 0 if it has not."""
+    """Wall-clock time since the run in a folder started, s; 0 if it has not."""
     try:
         return max(time.time() - (folder / CASE_FILE).stat().st_mtime, 0.0)
     except OSError:

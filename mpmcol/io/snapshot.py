@@ -1,6 +1,6 @@
-"""Snapshots of the material points: one immutable VTKHDF file each, and an index over all of them.
+"""Snapshots of the material points: one immutable VTKHDF file each, and an index of all of them.
 
-ParaView opens one snapshot, or the run as a time series through `run.vtkhdf` or `run.vtkhdf.series`.
+ParaView opens a single snapshot, or the run as a time series by `run.vtkhdf` or `run.vtkhdf.series`.
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,8 +17,9 @@ import numpy as np
 
 from mpmcol.errors import OutputError
 from mpmcol.io import vtkhdf
-from mpmcol.io.atomic import INDEX_FILES, atomic_write, make_folder
-from mpmcol.io.checksums import has_digest, read_digests
+from mpmcol.io.atomic import atomic_write, make_folder
+from mpmcol.io.checksums import has_checksum, read_checksums
+from mpmcol.io.names import INDEX_FILES, SNAPSHOT_FOLDER
 
 SCHEMA = 1
 UNITS = {
@@ -43,13 +44,13 @@ Meta = Mapping[str, str | int | float]
 
 @dataclass(frozen=True)
 class Snapshot:
-    """The state of all n material points at one moment; in order of point id once it was read from a file.
+    """The state of all n material points at one time; stored snapshots are sorted by point id.
 
-    time: s since the release, or since the start if the run ended while equilibrating. arrays: "position" (n, 3) m,
-    "velocity" (n, 3) m/s, "displacement" since the release (n, 3) m,
-    "stress" (n, 6: xx yy zz xy yz xz) Pa, tension positive,
-    "volume_ratio" (n) J, "opening_strain" (n), "mass" (n) and "volume" (n) per metre or per radian, in 3D
-    of all that is modelled, "material" (n) 0 column and 1 base, "id" (n), and the law's history variables by name.
+    time: s since the release, or since the start if the run ended during equilibration. arrays: "position" (n, 3) m,
+    "velocity" (n, 3) m/s, "displacement" since the release (n, 3) m, "stress" (n, 6: xx yy zz xy yz xz) Pa, tension
+    positive, "volume_ratio" (n) J, "opening_strain" (n), "mass" (n) and "volume" (n) per metre in plane strain, per
+    radian in axisymmetry, of the modelled part in 3D, "material" (n) 0 column and 1 base, "id" (n), and the history
+    variables of the constitutive law by name.
     """
 
     time: float
@@ -59,35 +60,41 @@ class Snapshot:
 
     @property
     def x(self) -> np.ndarray:
-        """Positions, m: (n, 2) in the plane of a model of two dimensions, (n, 3) in three."""
+        """Positions, m: (n, 2) in two dimensions, (n, 3) in three."""
         position = self.arrays["position"]
         return position if position[:, 2].any() else position[:, :2]
 
     @property
     def column(self) -> np.ndarray:
-        """Mask (n) of the points of the column; the others are those of the base."""
+        """Mask (n) of the points of the column; all others are points of the base."""
         return self.arrays["material"] == 0
 
     @property
     def displacement_magnitude(self) -> np.ndarray:
-        """Length of the displacement since the release (n), m."""
+        """Magnitude of the displacement since the release (n), m."""
         return np.linalg.norm(self.arrays["displacement"], axis=1)
 
 
-def write_snapshot(folder: Path, index: int, snapshot: Snapshot, meta: Meta, compression: str = "none") -> Path:
-    """Write `folder/snapshots/<index>.vtkhdf` atomically, sorted by point id, reals as float32; return its path.
-
-    meta: what a reader needs to know about the run: model, spacing, point_size, r_i, h_i, title, case text,
-    versions, threads. compression: "none" or "gzip". Raises OutputError.
-    """
-    path = make_folder(folder / "snapshots", parents=False) / f"{index:06d}.vtkhdf"
+def as_stored(snapshot: Snapshot) -> Snapshot:
+    """The snapshot as it is stored and read back: sorted by point id, real numbers as float32."""
     order = np.argsort(snapshot.arrays["id"], kind="stable")
-    data = {name: _compact(values)[order] for name, values in snapshot.arrays.items()}
+    arrays = {name: _single_precision(values)[order] for name, values in snapshot.arrays.items()}
+    return replace(snapshot, arrays=arrays)
+
+
+def write_snapshot(folder: Path, index: int, snapshot: Snapshot, meta: Meta, compression: str = "none") -> Path:
+    """Write `folder/snapshots/<index>.vtkhdf` atomically in the form of `as_stored`; return its path.
+
+    meta: data of the run for readers: model, spacing, point_size, r_i, h_i, title, case text, versions, threads.
+    compression: "none" or "gzip". Raises OutputError.
+    """
+    path = make_folder(folder / SNAPSHOT_FOLDER, parents=False) / f"{index:06d}.vtkhdf"
+    data = dict(as_stored(snapshot).arrays)
     moment: Meta = {"time": snapshot.time, "step": snapshot.step, "stage": snapshot.stage}
-    marks = {name: _marks(name, PER.get(str(meta.get("model")), "")) for name in UNITS}
+    attributes = {name: _attributes(name, PER.get(str(meta.get("model")), "")) for name in UNITS}
     with vtkhdf.memory_file() as file:
         points = data.pop("position")
-        vtkhdf.write_points(file["VTKHDF"], points, data, {"Points": marks["position"], **marks}, compression)
+        vtkhdf.write_points(file["VTKHDF"], points, data, {"Points": attributes["position"], **attributes}, compression)
         file["VTKHDF/FieldData/TimeValue"] = [snapshot.time]
         for name, value in {**meta, "schema": SCHEMA, "units": "SI", **moment}.items():
             _write_plain(file, f"mpmcol/{name}", value)
@@ -97,7 +104,7 @@ def write_snapshot(folder: Path, index: int, snapshot: Snapshot, meta: Meta, com
 
 
 def read_snapshot(path: Path) -> Snapshot:
-    """Read back what `write_snapshot` wrote (reals as float32). Raises OutputError for any other file."""
+    """Read a snapshot file; real numbers are float32. Raises OutputError if it is damaged or not a snapshot."""
     with _opened(path) as file:
         arrays = {"position": file["VTKHDF/Points"][()]}
         arrays |= {name: dataset[()] for name, dataset in file["VTKHDF/PointData"].items()}
@@ -108,27 +115,27 @@ def read_snapshot(path: Path) -> Snapshot:
 
 
 def read_meta(path: Path) -> dict[str, str | int | float]:
-    """What a snapshot file says about its run: the `meta` of `write_snapshot`, and time, step and stage."""
+    """Data of the run in a snapshot file: the `meta` of `write_snapshot`, and time, step and stage."""
     with _opened(path) as file:
         return {name: _plain(dataset) for name, dataset in file["mpmcol"].items()}
 
 
 def list_snapshots(folder: Path) -> list[Path]:
-    """The snapshot files of a results folder, in the order in which they were taken."""
-    found = (path for path in (folder / "snapshots").glob("*.vtkhdf") if path.stem.isdecimal())
+    """The snapshot files of a results folder in the order of writing."""
+    found = (path for path in (folder / SNAPSHOT_FOLDER).glob("*.vtkhdf") if path.stem.isdecimal())
     return sorted(found, key=lambda path: int(path.stem))
 
 
 def write_index(folder: Path, steps: Sequence[vtkhdf.Step] | None = None) -> None:
-    """Rewrite `run.vtkhdf` and `run.vtkhdf.series`, the run as one time series, from the snapshots present.
+    """Write `run.vtkhdf` and `run.vtkhdf.series`, the run as one time series of its snapshots.
 
-    steps: what `describe_snapshot` says of each of them, where that is known already. Raises OutputError, also where
-    a snapshot is damaged or has another number of points than the first.
+    steps: `describe_snapshot` of each snapshot; by default the files are read. Raises OutputError, also if a snapshot
+    is damaged or differs from the first in the number of points.
     """
     if steps is None:
         steps = [describe_snapshot(path) for path in list_snapshots(folder)]
     if not steps:
-        raise OutputError(f"{folder / 'snapshots'}: no snapshot to index; write one first")
+        raise OutputError(f"{folder / SNAPSHOT_FOLDER}: no snapshot to index; write one first")
     series = [{"name": step.name, "time": step.time} for step in steps]
     text = json.dumps({"file-series-version": "1.0", "files": series}, indent=1)
     with vtkhdf.memory_file() as file:
@@ -139,22 +146,22 @@ def write_index(folder: Path, steps: Sequence[vtkhdf.Step] | None = None) -> Non
 
 
 def describe_snapshot(path: Path) -> vtkhdf.Step:
-    """What the index needs to know of a snapshot file. Raises OutputError."""
+    """The entry of a snapshot file in the index. Raises OutputError."""
     with _opened(path) as file:
-        return vtkhdf.describe(file["VTKHDF"], f"snapshots/{path.name}", _plain(file["mpmcol/time"]))
+        return vtkhdf.describe(file["VTKHDF"], f"{SNAPSHOT_FOLDER}/{path.name}", _plain(file["mpmcol/time"]))
 
 
-def _marks(name: str, per: str) -> dict[str, str | np.bytes_]:
+def _attributes(name: str, per: str) -> dict[str, str | np.bytes_]:
     units: dict[str, str | np.bytes_] = {"units": UNITS[name] + (per if name in EXTENSIVE else "")}
     return units | ({"Attribute": np.bytes_(ATTRIBUTES[name])} if name in ATTRIBUTES else {})
 
 
-def _compact(values: np.ndarray) -> np.ndarray:
+def _single_precision(values: np.ndarray) -> np.ndarray:
     return values.astype(np.float32) if values.dtype.kind == "f" else values
 
 
 def _write_plain(file: h5py.File, name: str, value: str | int | float) -> None:
-    """Text gets a fixed length: HDF5 may read a damaged heap, where texts of any length lie, for ever."""
+    """Write a scalar; strings have a fixed length, since HDF5 may loop forever in a damaged heap of variable ones."""
     if isinstance(value, str):
         text = value.encode()
         file.create_dataset(name, data=text, dtype=h5py.string_dtype("utf-8", max(len(text), 1)))
@@ -169,11 +176,11 @@ def _plain(dataset: h5py.Dataset) -> Any:
 
 @contextmanager
 def _opened(path: Path) -> Iterator[h5py.File]:
-    """The open snapshot file; whatever goes wrong inside becomes an OutputError that names the file."""
+    """The open snapshot file; any error while it is open becomes an OutputError with its path."""
     if not path.is_file():
-        raise OutputError(f"{path}: no such snapshot; they are in the folder `snapshots` of a results folder")
+        raise OutputError(f"{path}: no such snapshot; expected a file in `{SNAPSHOT_FOLDER}/` of a results folder")
     try:
-        _require_own_bytes(path)
+        _verify_checksum(path)
         with h5py.File(path, "r", locking=False) as file:
             if "VTKHDF" not in file or "mpmcol" not in file:
                 raise ValueError("it was not written by mpmcol (no group /VTKHDF or /mpmcol)")
@@ -182,17 +189,17 @@ def _opened(path: Path) -> Iterator[h5py.File]:
             yield file
     except DAMAGE as error:
         raise OutputError(
-            f"{path}: not a readable snapshot: {error}; the other snapshots stand alone, and the case run again with "
-            "--fresh makes it anew"
+            f"{path}: not a readable snapshot: {error}; the other snapshots are not affected; to restore this one, run "
+            "the case again with --fresh"
         ) from error
 
 
-def _require_own_bytes(path: Path) -> None:
-    """Raise ValueError if the run's list of digests knows other bytes: what HDF5 makes of damage is not foreseeable."""
+def _verify_checksum(path: Path) -> None:
+    """Raise ValueError if SHA256SUMS lists another checksum: HDF5 may crash or hang on damaged files."""
     folder = path.parent.parent
     try:
-        digest = read_digests(folder).get(path.relative_to(folder).as_posix())
+        checksum = read_checksums(folder).get(path.relative_to(folder).as_posix())
     except (OSError, ValueError):
-        return  # the run has not ended, or the list is damaged too
-    if digest is not None and not has_digest(path, digest):
-        raise ValueError("its bytes are not those that the run wrote")
+        return  # the run has not ended, or the list is damaged as well
+    if checksum is not None and not has_checksum(path, checksum):
+        raise ValueError("its checksum does not match")

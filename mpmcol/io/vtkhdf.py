@@ -1,7 +1,7 @@
-"""VTKHDF PolyData files of points (Kitware, "VTKHDF file format" 2.6): static meshes, and series of them.
+"""VTKHDF PolyData files of points (Kitware, "VTKHDF file format" 2.6): static meshes and time series of them.
 
-Readable by VTK >= 9.3, ParaView and pyvista. Files are built in memory, because HDF5 itself can leave a
-damaged file behind when the disk is full or the process is killed; the caller writes the image atomically.
+Readable by VTK >= 9.3, ParaView and pyvista. Files are built in memory, because HDF5 can leave a damaged file when the
+disk is full or the process is killed; the caller writes the file image atomically.
 """
 
 from __future__ import annotations
@@ -17,16 +17,16 @@ import numpy as np
 from mpmcol.errors import OutputError
 
 VERSION = (2, 6)
-# HDF5 2.0's own newest layout is unreadable for the HDF5 1.14 inside VTK, which then shows an empty mesh.
+# HDF5 1.14 inside VTK cannot read the newest file layout of HDF5 2.0 and shows an empty mesh.
 LIBVER = ("earliest", "v110")
-# The only filters that every VTK can read without extra set-up.
+# The only filters that every VTK reads without plug-ins.
 COMPRESSION: dict[str, dict[str, Any]] = {"none": {}, "gzip": {"compression": 1, "shuffle": True}}
 CELL_KINDS = ("Vertices", "Lines", "Polygons", "Strips")
 
 
 @dataclass(frozen=True)
 class Step:
-    """One static file as a series sees it: its name beside the index, its time, and its datasets.
+    """One static file of a series: its path relative to the index, its time, and its datasets.
 
     datasets: shape, type and attributes of "Points" and each "PointData/<name>".
     """
@@ -38,7 +38,7 @@ class Step:
 
 @contextmanager
 def memory_file() -> Iterator[h5py.File]:
-    """An HDF5 file that never touches the disk, with the marks of a VTKHDF PolyData file."""
+    """An HDF5 file in memory with the attributes of a VTKHDF PolyData file."""
     with h5py.File("memory", "w", driver="core", backing_store=False, libver=LIBVER) as file:
         group = file.create_group("VTKHDF")
         group.attrs["Version"] = VERSION
@@ -47,7 +47,7 @@ def memory_file() -> Iterator[h5py.File]:
 
 
 def image(file: h5py.File) -> bytes:
-    """The bytes that a file of this content has on disk."""
+    """The bytes of the file."""
     file.flush()
     return file.id.get_file_image()
 
@@ -56,12 +56,12 @@ def write_points(
     group: h5py.Group,
     points: np.ndarray,
     data: Mapping[str, np.ndarray],
-    marks: Mapping[str, Mapping[str, Any]],
+    attributes: Mapping[str, Mapping[str, Any]],
     compression: str,
 ) -> None:
-    """Write a static mesh: points (n, 3), their arrays (n, ...), and one poly-vertex cell that holds them all.
+    """Write a static mesh: points (n, 3), their arrays (n, ...), and one poly-vertex cell of all points.
 
-    Without that cell a viewer would have nothing to draw. marks: HDF5 attributes by array name or "Points".
+    Viewers draw cells only. attributes: HDF5 attributes by array name or "Points".
     """
     filters = COMPRESSION[compression]
     group["NumberOfPoints"] = [len(points)]
@@ -69,7 +69,7 @@ def write_points(
         _write_cells(group.create_group(kind), len(points) if kind == "Vertices" else 0, filters)
     for name, values in {"Points": points, **{f"PointData/{name}": data[name] for name in data}}.items():
         dataset = group.create_dataset(name, data=values, chunks=values.shape if filters else None, **filters)
-        dataset.attrs.update(marks.get(name.removeprefix("PointData/"), {}))
+        dataset.attrs.update(attributes.get(name.removeprefix("PointData/"), {}))
 
 
 def _write_cells(group: h5py.Group, n: int, filters: dict[str, Any]) -> None:
@@ -81,22 +81,22 @@ def _write_cells(group: h5py.Group, n: int, filters: dict[str, Any]) -> None:
 
 
 def describe(group: h5py.Group, name: str, time: float) -> Step:
-    """What a series must know of the static mesh in `group`, whose file is called `name` beside the index."""
+    """The step of a series for the static mesh in `group`; `name` is the path of its file relative to the index."""
     names = ["Points", *(f"PointData/{name}" for name in group["PointData"])]
     datasets = {name: (group[name].shape, group[name].dtype, dict(group[name].attrs)) for name in names}
     return Step(name, time, datasets)
 
 
 def write_series(group: h5py.Group, steps: Sequence[Step]) -> None:
-    """Write a time series whose content stays in the files of its steps (virtual datasets, external links).
+    """Write a time series of virtual datasets and external links to the files of its steps.
 
-    Raises OutputError where the steps differ in their number of points.
+    Raises OutputError if the steps differ in the number of points.
     """
     n = steps[0].datasets["Points"][0][0]
     group["NumberOfPoints"] = [n]
     for kind in CELL_KINDS:
         group[kind] = h5py.ExternalLink(steps[0].name, f"/VTKHDF/{kind}")
-    # A law's history may begin with the collapse: only what every step has can be one series.
+    # History variables may exist from the collapse on only; the series has the arrays that all steps share.
     common = sorted(set.intersection(*(set(step.datasets) for step in steps)))
     for name in common:
         _write_virtual(group, name, steps)
@@ -112,7 +112,7 @@ def _write_virtual(group: h5py.Group, name: str, steps: Sequence[Step]) -> None:
         if found != shape:
             raise OutputError(
                 f"{step.name}: {name} has shape {found}, but in {steps[0].name} it has {shape}: "
-                "the folder holds snapshots of different runs; keep those of one run"
+                "the folder holds snapshots of different runs; keep those of one run only"
             )
         source = h5py.VirtualSource(step.name, f"/VTKHDF/{name}", shape, dtype)
         layout[i * shape[0] : (i + 1) * shape[0]] = source
@@ -120,7 +120,7 @@ def _write_virtual(group: h5py.Group, name: str, steps: Sequence[Step]) -> None:
 
 
 def _write_times(group: h5py.Group, times: list[float], n: int, datasets: list[str]) -> None:
-    """The group `Steps`: the points move on by n a step, the cells are those of the first step throughout."""
+    """The group `Steps`: an offset of n points per step; all steps use the cells of the first."""
     count = len(times)
     offsets = n * np.arange(count)
     group.attrs["NSteps"] = count

@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 
 from mpmcol.case import Case, resolved_toml
-from mpmcol.io.atomic import INDEX_FILES, atomic_write, make_folder, remove
-from mpmcol.io.checksums import digest_of
-from mpmcol.io.results import CASE_FILE, write_history
+from mpmcol.io.atomic import atomic_write, make_folder, remove
+from mpmcol.io.checksums import checksum_of
+from mpmcol.io.names import CASE_FILE, INDEX_FILES
+from mpmcol.io.run_folder import write_history
 from mpmcol.io.snapshot import Snapshot, describe_snapshot, list_snapshots, write_index, write_snapshot
 from mpmcol.io.vtkhdf import Step
 from mpmcol.measure import Measurement, measure
@@ -102,7 +103,7 @@ class Recorder:
         taken = take_snapshot(self.case, self.solver, stage, self.released)
         path = write_snapshot(self.folder, len(self._written), taken, self._meta, self.case.output.compression)
         self._written.append(describe_snapshot(path))
-        self.digests[self._written[-1].name] = digest_of(path)
+        self.digests[self._written[-1].name] = checksum_of(path)
         write_index(self.folder, self._written)
         self._save_history()
         self.seconds += time.perf_counter() - started

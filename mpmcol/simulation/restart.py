@@ -18,8 +18,9 @@ import numpy as np
 from mpmcol.case import Case
 from mpmcol.case.schema import leaf_values
 from mpmcol.errors import OutputError, UsageError
-from mpmcol.io.atomic import CHECKPOINT_FILES, Lock
-from mpmcol.io.checkpoint import FORMAT, Checkpoint, lost_snapshots, read_checkpoints, write_checkpoint
+from mpmcol.io.checkpoint import FORMAT, Checkpoint, damaged_snapshots, read_checkpoints, write_checkpoint
+from mpmcol.io.lock import Lock
+from mpmcol.io.names import CHECKPOINT_FILES
 from mpmcol.mpm.grid import INACTIVE, WALLS, Tiles
 from mpmcol.mpm.kernels import loop
 from mpmcol.provenance import code_version
@@ -102,11 +103,11 @@ def last_state(folder: Path, say: Say) -> Checkpoint | None:
     states, damaged = read_checkpoints(folder)
     for name in damaged:
         say(f"note: {folder / name} is damaged; " + ("going on from the one before" if states else "beginning anew"))
-    if any(state.meta.get("format") != FORMAT for state in states):
+    if any(state.values.get("format") != FORMAT for state in states):
         raise UsageError(f"{folder} holds an unfinished run of another version's format; --fresh begins anew")
     lost: list[str] = []
     for state in states:
-        if not (lost := lost_snapshots(folder, state)):
+        if not (lost := damaged_snapshots(folder, state)):
             return state
         say(f"note: {folder / lost[0]} is damaged or missing, and step {step_of(state)} needs it")
     if not states:
@@ -130,7 +131,7 @@ def require_same_points(model: Model, checkpoint: Checkpoint) -> None:
 
 def restore(run: Run, checkpoint: Checkpoint) -> None:
     """Put a run that has just been set up into the state of a checkpoint of the same model."""
-    meta, arrays = checkpoint.meta, dict(checkpoint.arrays)
+    meta, arrays = checkpoint.values, dict(checkpoint.arrays)
     for k, other in enumerate(meta["good"]):
         prefix = f"good-{k}-"
         kept = {name.removeprefix(prefix): arrays.pop(name) for name in list(arrays) if name.startswith(prefix)}
@@ -205,7 +206,7 @@ def identity(case: Case) -> dict[str, Any]:
 
 def differences(checkpoint: Checkpoint, case: Case) -> list[str]:
     """How the run that a checkpoint is of differs from one of this case and this code, a line each."""
-    there, here = checkpoint.meta["identity"], identity(case)
+    there, here = checkpoint.values["identity"], identity(case)
     old, new = there["case"], here["case"]
     told = [f"{key}: {old.get(key)} there, {new.get(key)} here" for key in old | new if old.get(key) != new.get(key)]
     if there["version"] != here["version"]:

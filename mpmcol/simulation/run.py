@@ -10,9 +10,12 @@ from typing import Literal
 
 from mpmcol.case import Case
 from mpmcol.errors import Interrupted, NumericalFailure, OutputError, UsageError
-from mpmcol.io.atomic import CHECKPOINT_FILES, locked, remove
+from mpmcol.io.atomic import remove
 from mpmcol.io.checkpoint import Checkpoint
-from mpmcol.io.results import Results, prepare_folder, reopen_folder, write_result
+from mpmcol.io.lock import locked
+from mpmcol.io.names import CHECKPOINT_FILES
+from mpmcol.io.results import Results
+from mpmcol.io.run_folder import prepare_folder, reopen_folder, write_result
 from mpmcol.mpm.jit import set_threads
 from mpmcol.mpm.solver import Solver
 from mpmcol.setup.model import Model, build_model

@@ -9,7 +9,7 @@ from typing import Any
 
 from mpmcol.case import load_case
 from mpmcol.io.results import Results
-from mpmcol.io.run_status import read_state
+from mpmcol.io.run_status import read_status
 from mpmcol.sweep.engine import Outcome, run_points
 from mpmcol.sweep.runner import Watcher, conduct
 from mpmcol.sweep.runs import Point, make_point
@@ -80,7 +80,7 @@ def carry_out_members(
 def find_members(members: Iterable[Member], out: Path) -> tuple[list[Outcome], Found]:
     """As `carry_out_members`, but nothing is run: those that have ended in the folder `out`."""
     points = {member: member.point(out) for member in members}
-    ended = {member: point for member, point in points.items() if read_state(point.folder).has_ended}
+    ended = {member: point for member, point in points.items() if read_status(point.folder).has_ended}
     outcomes = list(run_points(list(ended.values())))
     return outcomes, _finished(list(ended), outcomes)
 

@@ -11,7 +11,7 @@ from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 
 from mpmcol.errors import Interrupted, MpmcolError, NumericalFailure, OutputError, UsageError
-from mpmcol.io.run_status import read_state
+from mpmcol.io.run_status import read_status
 from mpmcol.provenance import code_version
 from mpmcol.sweep.compile_cache import smallest_of_each
 from mpmcol.sweep.runs import Point, freeze
@@ -70,7 +70,7 @@ def run_points(
     left = []
     for point in points:
         freeze(point)
-        if read_state(point.folder).has_ended:
+        if read_status(point.folder).has_ended:
             yield Outcome(point, carry_out(Task(point.folder, 1, code_version())))
         else:
             left.append(point)

@@ -5,12 +5,12 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from math import isfinite
 from pathlib import Path
 from typing import Any
 
 from mpmcol.errors import OutputError, UsageError
 from mpmcol.io.atomic import atomic_write, make_folder
+from mpmcol.io.values import to_json, toml_word
 
 PLAN_FILE = "sweep.json"
 PLAN_SCHEMA = 1
@@ -38,16 +38,8 @@ class Plan:
 
 
 def as_json(value: Any) -> str:
-    """JSON as its standard has it, on one line: numbers that are not finite become the words of TOML, inf and nan."""
-    return json.dumps(_plain(value), allow_nan=False)
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, Mapping):
-        return {name: _plain(entry) for name, entry in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_plain(entry) for entry in value]
-    return str(value) if isinstance(value, float) and not isfinite(value) else value
+    """JSON of a plan or a report on one line; inputs that are not finite become the TOML words inf and nan."""
+    return to_json(value, toml_word)
 
 
 def write_plan(out: Path, plan: Plan) -> None:

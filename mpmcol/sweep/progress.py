@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from mpmcol.errors import OutputError
-from mpmcol.io.atomic import CASE_FILE, GIVEN_CASE_FILE
-from mpmcol.io.run_status import State, reached, read_state, running_for
+from mpmcol.io.names import CASE_FILE, GIVEN_CASE_FILE
+from mpmcol.io.run_status import RunStatus, read_status, running_for, time_reached
 from mpmcol.sweep.plan import PLAN_FILE, Plan, Planned, read_plan
 
 MOST_SHARE = 0.95  # a run that takes longer than usual is never told as over
@@ -19,7 +19,7 @@ class Part:
     """A point on its way."""
 
     point: Planned
-    state: State
+    state: RunStatus
     share: float  # of its work that is done
     seconds: float  # that it took so far
 
@@ -43,13 +43,13 @@ class Progress:
 
     def _look(self, point: Planned) -> Part:
         folder = self.out / point.folder
-        state = read_state(folder)
+        state = read_status(folder)
         if state.has_ended:
             self._ended[point.folder] = Part(point, state, 1.0, state.seconds)
             return self._ended[point.folder]
         if state.name != "running":
             return Part(point, state, 0.0, 0.0)
-        time = max(reached(folder) or 0.0, 0.0)
+        time = max(time_reached(folder) or 0.0, 0.0)
         return Part(point, state, min(time / point.end, MOST_SHARE), running_for(folder))
 
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from contextlib import ExitStack, closing
 from pathlib import Path
 
-from mpmcol.io.run_status import read_state
+from mpmcol.io.run_status import read_status
 from mpmcol.provenance import code_version
 from mpmcol.sweep.dask_engine import dask_pool
 from mpmcol.sweep.engine import Outcome, run_points
@@ -64,7 +64,7 @@ def conduct(
 
 def todo(points: Sequence[Point]) -> list[Point]:
     """The points that have not ended yet."""
-    return [point for point in points if not read_state(point.folder).has_ended]
+    return [point for point in points if not read_status(point.folder).has_ended]
 
 
 def make_plan(points: Sequence[Point], shares: Shares) -> Plan:

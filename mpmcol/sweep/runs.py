@@ -17,7 +17,8 @@ from mpmcol.case import Case, Problem, case_hash, load_case, resolved_toml
 from mpmcol.case.problem import case_error
 from mpmcol.case.schema import leaf_values
 from mpmcol.errors import CaseError, UsageError
-from mpmcol.io.atomic import GIVEN_CASE_FILE, atomic_write, make_folder
+from mpmcol.io.atomic import atomic_write, make_folder
+from mpmcol.io.names import GIVEN_CASE_FILE
 from mpmcol.provenance import code_version
 from mpmcol.setup.cost import durations
 from mpmcol.setup.discretization import Discretization, discretize, require_memory_for

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +16,8 @@ from mpmcol.case.fields import number_of
 from mpmcol.case.reference import field_at
 from mpmcol.experiments import find_experiment
 from mpmcol.io.atomic import atomic_write
-from mpmcol.io.run_status import read_state
+from mpmcol.io.run_status import read_status
+from mpmcol.io.values import flatten
 from mpmcol.io.vtkhdf import image
 from mpmcol.sweep.engine import Outcome
 
@@ -77,7 +78,7 @@ def _parts(outcome: Outcome) -> tuple[Row, ...]:
     """The row in parts: inputs, scene, measurements, laws, errors, cost, versions, how it ended."""
     point, ending = outcome.point, outcome.ending
     geometry = point.case.geometry
-    result = read_state(point.folder).result or {}
+    result = read_status(point.folder).result or {}
     measured = result if outcome.status == "done" else {}
     wall = result.get("wall_s", {})
     inputs = {"folder": point.folder.name, "status": ending.status, **point.inputs}
@@ -85,7 +86,7 @@ def _parts(outcome: Outcome) -> tuple[Row, ...]:
     return (
         inputs | {"model": geometry.model, "a": geometry.a},
         {name: result.get(name) for name in SCENE},
-        dict(_flat({name: measured[name] for name in MEASURED if name in measured})),
+        dict(flatten({name: measured[name] for name in MEASURED if name in measured}, unnamed=("mean",))),
         _laws(outcome),
         {_error_name(error): error["error"] for error in measured.get("errors", ())},
         {f"rms_mm.{score['experiment']}": score["rms_mm"] for score in measured.get("profile_scores", ())},
@@ -105,15 +106,6 @@ def _laws(outcome: Outcome) -> Row:
 
 def _error_name(error: Mapping[str, Any]) -> str:
     return ".".join(filter(None, ("error", error["experiment"], error["quantity"], error["front_definition"])))
-
-
-def _flat(values: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Entries of nested dictionaries under dotted names; of a mean and its range, the mean has no name of its own."""
-    for name, value in values.items():
-        if isinstance(value, dict):
-            yield from _flat(value, f"{prefix}{name}.")
-        else:
-            yield prefix.rstrip(".") if name == "mean" else prefix + name, value
 
 
 def _cell(value: Any) -> Any:

@@ -13,8 +13,9 @@ from pathlib import Path
 from typing import Literal
 
 from mpmcol.errors import Interrupted, NumericalFailure, OutputError, UsageError
-from mpmcol.io.atomic import GIVEN_CASE_FILE, LOG_FILE, is_locked
-from mpmcol.io.run_status import State, read_state
+from mpmcol.io.lock import is_locked
+from mpmcol.io.names import GIVEN_CASE_FILE, LOG_FILE
+from mpmcol.io.run_status import RunStatus, read_status
 from mpmcol.provenance import code_version
 
 RETRIES = 2
@@ -77,11 +78,11 @@ def carry_out(task: Task, halt: Halt = lambda: 0) -> Ending:
         attempts += 1
 
 
-def _when_free(folder: Path, halt: Halt) -> State:
+def _when_free(folder: Path, halt: Halt) -> RunStatus:
     """The state of a run once no process has it in hand, or when the task is to end."""
     while is_locked(folder) and not halt():
         time.sleep(POLL)
-    return read_state(folder)
+    return read_status(folder)
 
 
 def _attempt(task: Task, fresh: bool, halt: Halt) -> int:
@@ -104,7 +105,7 @@ def _attempt(task: Task, fresh: bool, halt: Halt) -> int:
     return int(run.returncode)
 
 
-def _ended(state: State, attempts: int) -> Ending:
+def _ended(state: RunStatus, attempts: int) -> Ending:
     if state.name == "done":
         return Ending("done", attempts)
     return Ending("failed", attempts, NumericalFailure.exit_code, state.failure)

@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 
 from mpmcol.case import Case, load_case, resolved_toml
-from mpmcol.io.results import HISTORY, write_history, write_result
+from mpmcol.io.results import HISTORY
+from mpmcol.io.run_folder import write_history, write_result
 from mpmcol.io.snapshot import Snapshot, write_snapshot
 from mpmcol.plotting import run_charts
 from tests.support.cli import invoke

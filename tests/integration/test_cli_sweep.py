@@ -13,9 +13,9 @@ import h5py
 import numpy as np
 import pytest
 
-from mpmcol.io.atomic import is_locked
+from mpmcol.io.lock import is_locked
 from mpmcol.io.results import Results
-from mpmcol.io.run_status import read_state
+from mpmcol.io.run_status import read_status
 from tests.support.cli import invoke, set_options, start
 from tests.support.processes import child_processes, wait_until
 from tests.support.sweeps import final_positions, measured_table
@@ -78,7 +78,7 @@ def test_killed_with_all_its_runs_it_completes_with_equal_results() -> None:
         for run in runs:
             os.kill(run, signal.SIGKILL)
     wait_until(lambda: not any(map(is_locked, killed.glob("a*"))))
-    states = [read_state(path).name for path in killed.glob("a*")]
+    states = [read_status(path).name for path in killed.glob("a*")]
     assert runs and "unfinished" in states, states
     told = invoke("status", killed)
     assert told.exit_code == 0 and "nothing is running; the same command again completes it" in told.stdout
@@ -103,7 +103,7 @@ def test_interrupted_it_ends_its_runs(number: signal.Signals) -> None:
         _, err = sweep.communicate(timeout=60)
     assert sweep.returncode == 75 and "Traceback" not in err
     assert "ending the runs" in err and "the same command again completes the sweep" in err
-    assert [read_state(path).name for path in out.glob("a*")] == ["stopped", "stopped"]
+    assert [read_status(path).name for path in out.glob("a*")] == ["stopped", "stopped"]
     assert Results(run).snapshot(-1).stage == "stopped"
 
 

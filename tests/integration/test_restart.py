@@ -12,7 +12,7 @@ import pytest
 
 import mpmcol
 from mpmcol.errors import Interrupted, UsageError
-from mpmcol.io.atomic import CHECKPOINT_FILES
+from mpmcol.io.names import CHECKPOINT_FILES
 from mpmcol.io.results import Results
 from mpmcol.mpm import solver
 from mpmcol.simulation import run

@@ -11,7 +11,7 @@ import pytest
 import mpmcol
 from mpmcol.case import load_case
 from mpmcol.errors import NumericalFailure, OutputError, UsageError
-from mpmcol.io.atomic import locked
+from mpmcol.io.lock import locked
 from mpmcol.io.results import HISTORY, Results
 from mpmcol.io.snapshot import read_meta
 from mpmcol.setup.discretization import discretize, require_memory_for
@@ -153,7 +153,7 @@ def test_divergence_stops_with_place_cause_and_remedy(tmp_path: Path) -> None:
     again = invoke("run", "quickstart", *tiny("time.cfl=1.9"), "--out", str(tmp_path / "a"))
     assert again.exit_code == 3 and "is replaced" not in again.output
     mended = invoke("run", "quickstart", *tiny(), "--out", str(tmp_path / "a"))
-    assert mended.exit_code == 0 and "note: a run of another case" in mended.output
+    assert mended.exit_code == 0 and "note: an incomplete run of another case" in mended.output
 
 
 def test_material_at_the_end_of_the_domain_is_refused(tmp_path: Path) -> None:

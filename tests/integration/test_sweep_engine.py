@@ -17,8 +17,9 @@ from pathlib import Path
 import pytest
 
 from mpmcol.errors import OutputError
-from mpmcol.io.atomic import GIVEN_CASE_FILE, is_locked, locked
-from mpmcol.io.run_status import reached, read_state
+from mpmcol.io.lock import is_locked, locked
+from mpmcol.io.names import GIVEN_CASE_FILE
+from mpmcol.io.run_status import read_status, time_reached
 from mpmcol.provenance import code_version
 from mpmcol.sweep import engine, task
 from mpmcol.sweep.axes import parse_axes
@@ -180,7 +181,7 @@ def test_a_damaged_result_is_replaced(tmp_path: Path) -> None:
     (point,) = make_points(tmp_path, "1")
     point.folder.mkdir()
     (point.folder / "result.json").write_text("{")
-    assert read_state(point.folder).name == "damaged"
+    assert read_status(point.folder).name == "damaged"
     assert run_command(point.folder, 2, fresh=True)[-3:] == ["--threads", "2", "--fresh"]
 
 
@@ -190,12 +191,12 @@ def test_interrupting_ends_the_runs_in_good_order(tmp_path: Path, acts: Acts) ->
     said: list[str] = []
 
     def interrupt() -> None:
-        if all((point.folder / "begun").exists() for point in points[:2]) and read_state(points[2].folder).has_ended:
+        if all((point.folder / "begun").exists() for point in points[:2]) and read_status(points[2].folder).has_ended:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
         list(run_points(points, Shares(3, 1), say=said.append, tick=interrupt))
-    assert [read_state(point.folder).name for point in points] == ["stopped", "stopped", "done"]
+    assert [read_status(point.folder).name for point in points] == ["stopped", "stopped", "done"]
     assert said[-1] == "ending the runs (Ctrl-C again: at once) ..."
 
 
@@ -208,7 +209,7 @@ def test_a_run_that_does_not_end_is_killed(tmp_path: Path, acts: Acts, monkeypat
         threading.Timer(1.0, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
         with pytest.raises(KeyboardInterrupt):
             next(runs)
-    assert read_state(point.folder).name == "missing" and not is_locked(point.folder)
+    assert read_status(point.folder).name == "missing" and not is_locked(point.folder)
 
 
 def test_leaving_the_loop_ends_the_runs(tmp_path: Path, acts: Acts) -> None:
@@ -217,7 +218,7 @@ def test_leaving_the_loop_ends_the_runs(tmp_path: Path, acts: Acts) -> None:
     with closing(run_points(points, Shares(3, 1))) as runs:
         next(runs)
         await_(lambda: (points[0].folder / "begun").exists())
-    assert read_state(points[0].folder).name == "stopped"
+    assert read_status(points[0].folder).name == "stopped"
 
 
 def test_a_run_in_other_hands_is_waited_for(tmp_path: Path, acts: Acts) -> None:
@@ -233,7 +234,7 @@ def test_a_run_in_other_hands_is_waited_for(tmp_path: Path, acts: Acts) -> None:
     thread = threading.Thread(target=other)
     thread.start()
     held.wait()
-    assert read_state(point.folder).name == "running"
+    assert read_status(point.folder).name == "running"
     (outcome,) = run_points([point])
     thread.join()
     assert (outcome.status, outcome.ending.attempts, tries(point)) == ("done", 0, 0)
@@ -377,4 +378,4 @@ def test_time_under_gravity_is_no_time_of_the_collapse(
     stage: str, time: float, share: float | None, tmp_path: Path
 ) -> None:
     (tmp_path / "history.csv").write_text(f"stage,step,time\nequilibrate,1,0.1\n{stage},9,{time}\n")
-    assert reached(tmp_path) == share
+    assert time_reached(tmp_path) == share

@@ -15,7 +15,8 @@ import pytest
 import mpmcol
 from mpmcol.errors import Interrupted
 from mpmcol.integrity import verify
-from mpmcol.io.atomic import CHECKPOINT_FILES, locked
+from mpmcol.io.lock import locked
+from mpmcol.io.names import CHECKPOINT_FILES
 from mpmcol.io.snapshot import write_index
 from tests.support.cli import invoke
 from tests.support.runs import TINY

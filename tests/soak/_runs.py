@@ -12,9 +12,9 @@ import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from mpmcol.io.atomic import CHECKPOINT_FILES
+from mpmcol.io.names import CHECKPOINT_FILES
 from mpmcol.io.results import Results
-from mpmcol.io.run_status import read_state
+from mpmcol.io.run_status import read_status
 from tests.soak.figures import PACKAGE, digest
 from tests.support.cli import set_options
 from tests.support.runs import SHORT, SMALL_CASES, assert_equal_runs
@@ -115,7 +115,7 @@ def finish(name: str, folder: Path, threads: int, environment: Mapping[str, str]
 
     Of a run that was killed after its result and before its last state was removed, too.
     """
-    if read_state(folder).name != "done" or any((folder / name).exists() for name in CHECKPOINT_FILES):
+    if read_status(folder).name != "done" or any((folder / name).exists() for name in CHECKPOINT_FILES):
         command = [*words(name), "--out", str(folder), "--threads", str(threads)]
         code, said = carry_out(command, {"NUMBA_NUM_THREADS": str(threads), **(environment or {})})
         if code != 0:

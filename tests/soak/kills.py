@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from mpmcol.io.run_status import read_state
+from mpmcol.io.run_status import read_status
 from tests.soak._runs import await_, finish, seconds, start, stop, words
 from tests.support.runs import SMALL_CASES
 
@@ -30,7 +30,7 @@ def trial(seed: int, folder: Path) -> str | None:
     if seed % COLD == COLD - 1:
         pace, environment = COMPILATION, {"MPMCOL_CACHE_DIR": str(folder / "cache")}
     for _ in range(draw.randint(1, MOST_KILLS)):
-        if read_state(run_folder).name == "done":
+        if read_status(run_folder).name == "done":
             break
         threads = draw.randint(1, 2)
         checkpoint = draw.choice(("0.001s", "0.05s", "5min"))

@@ -6,8 +6,8 @@ import random
 import signal
 from pathlib import Path
 
-from mpmcol.io.atomic import is_locked
-from mpmcol.io.run_status import read_state
+from mpmcol.io.lock import is_locked
+from mpmcol.io.run_status import read_status
 from mpmcol.simulation.interrupt import SIGNALS
 from tests.soak._runs import STOPPED, await_, described, finish, seconds, start, stop, words
 from tests.soak.kills import moment
@@ -29,7 +29,7 @@ def trial(seed: int, folder: Path) -> str | None:
         await_(run, moment(draw, run_folder, pace))
         begun = is_locked(run_folder)
         said, took = stop(run, number)
-        done = read_state(run_folder).name == "done"
+        done = read_status(run_folder).name == "done"
         allowed = (0, STOPPED) if begun and not done else (0, STOPPED, 130, -number)  # else there is nothing to keep
         if run.returncode not in allowed or took > WITHIN or "Traceback" in said:
             return f"{signal.Signals(number).name}: {described(run.returncode)} after {took:.2f} s: {said}"

@@ -16,7 +16,7 @@ from functools import partial
 from pathlib import Path
 
 from mpmcol.io.results import Results
-from mpmcol.io.run_status import read_state
+from mpmcol.io.run_status import read_status
 from tests.soak._runs import PATIENCE, carry_out, cpu_time, described, keep, start
 from tests.support.processes import child_processes
 from tests.support.sweeps import measured_table
@@ -120,7 +120,7 @@ def timed(out: Path) -> float:
 
 def finished(out: Path) -> dict[str, dict[str, int]]:
     """When the files of each point that is done were last changed, ns."""
-    done = [place for place in out.glob("a*-*") if read_state(place).name == "done"]
+    done = [place for place in out.glob("a*-*") if read_status(place).name == "done"]
     return {place.name: {str(path): path.stat().st_mtime_ns for path in place.rglob("*.*")} for place in done}
 
 

@@ -27,7 +27,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from mpmcol.errors import OutputError
-from mpmcol.io.run_status import read_state
+from mpmcol.io.run_status import read_status
 from mpmcol.measure import Array, Measurement
 from mpmcol.measure.profile_distance import area_between, mean_height, stations
 from mpmcol.studies.method_map.grid_points import Place
@@ -153,7 +153,7 @@ def judge(place: Place, outcome: Outcome | None, run: Finished | None, reference
 
 def _cause(outcome: Outcome) -> str:
     """The cause that the run itself names, or how it ended."""
-    result = read_state(outcome.point.folder).result or {}
+    result = read_status(outcome.point.folder).result or {}
     return str(result.get("failure", {}).get("cause") or outcome.ending.message)
 
 

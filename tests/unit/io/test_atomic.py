@@ -1,3 +1,5 @@
+"""Atomic writing: the old or the new content, and no temporary file, whatever fails."""
+
 from __future__ import annotations
 
 import errno
@@ -8,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from mpmcol.errors import OutputError
-from mpmcol.io.atomic import LOCK, atomic_write, locked, make_folder
+from mpmcol.io.atomic import atomic_write, make_folder
 
 
 def failing(code: int):
@@ -18,7 +20,7 @@ def failing(code: int):
     return fail
 
 
-def test_content_is_replaced_and_nothing_else_is_left(tmp_path: Path):
+def test_content_is_replaced_and_no_other_file_remains(tmp_path: Path):
     atomic_write(tmp_path / "a.txt", b"old, and longer")
     atomic_write(tmp_path / "a.txt", b"new")
     assert (tmp_path / "a.txt").read_bytes() == b"new"
@@ -30,7 +32,7 @@ def test_empty_content(tmp_path: Path):
     assert (tmp_path / "a.txt").read_bytes() == b""
 
 
-def test_permissions_are_those_of_any_new_file(tmp_path: Path):
+def test_permissions_equal_those_of_a_new_file(tmp_path: Path):
     (tmp_path / "plain").write_bytes(b"")
     atomic_write(tmp_path / "atomic", b"")
     plain, atomic = (stat.S_IMODE((tmp_path / name).stat().st_mode) for name in ("plain", "atomic"))
@@ -45,7 +47,7 @@ def test_short_writes_are_continued(tmp_path: Path, monkeypatch: pytest.MonkeyPa
 
 
 @pytest.mark.parametrize("call", ["open", "write", "fsync", "replace"])
-def test_failure_leaves_the_old_file_and_no_temporary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, call: str):
+def test_failure_leaves_the_old_file_and_no_temporary_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, call: str):
     target = tmp_path / "a.txt"
     atomic_write(target, b"old")
     monkeypatch.setattr(os, call, failing(errno.EIO))
@@ -76,7 +78,7 @@ def test_disk_full_half_way(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     assert os.listdir(tmp_path) == ["a.txt"]
 
 
-def test_interrupt_leaves_no_temporary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_interrupt_leaves_no_temporary_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     def interrupt(*args):
         raise KeyboardInterrupt
 
@@ -115,15 +117,3 @@ def test_make_folder(tmp_path: Path):
     (tmp_path / "file").touch()
     with pytest.raises(OutputError, match="file/b: cannot be written"):
         make_folder(tmp_path / "file" / "b")
-
-
-def test_what_a_killed_run_was_writing_is_cleared_away(tmp_path: Path):
-    names = (".checkpoint-1.npz.77.tmp", ".result.json.77.tmp", ".run.vtkhdf.77.tmp", "snapshots/.000003.vtkhdf.77.tmp")
-    others = (".case.toml.77.tmp", "snapshots/000002.vtkhdf", "checkpoint-0.npz")  # a sweep may be writing the first
-    (tmp_path / "snapshots").mkdir()
-    for name in (*names, *others):
-        (tmp_path / name).touch()
-    with locked(tmp_path), pytest.raises(OutputError, match="another run is writing here"), locked(tmp_path):
-        pass
-    left = {path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*") if path.is_file()}
-    assert left == {*others, LOCK}

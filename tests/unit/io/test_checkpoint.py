@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mpmcol.io.atomic import CHECKPOINT_FILES
 from mpmcol.io.checkpoint import Checkpoint, read_checkpoints, write_checkpoint
+from mpmcol.io.names import CHECKPOINT_FILES
 
 
 def state(serial: int) -> Checkpoint:
@@ -20,7 +20,7 @@ def state(serial: int) -> Checkpoint:
 def equal(one: Checkpoint, other: Checkpoint) -> bool:
     assert {name: array.dtype for name, array in one.arrays.items()} == {n: a.dtype for n, a in other.arrays.items()}
     same = all(np.array_equal(one.arrays[name], array) for name, array in other.arrays.items())
-    return same and (one.serial, one.meta) == (other.serial, other.meta)
+    return same and (one.serial, one.values) == (other.serial, other.values)
 
 
 def test_the_latest_is_read(tmp_path: Path) -> None:

@@ -1,3 +1,5 @@
+"""Snapshots and their index: read back by this package, by VTK and by pyvista with equal arrays."""
+
 from __future__ import annotations
 
 import json
@@ -8,7 +10,16 @@ import numpy as np
 import pytest
 
 from mpmcol.errors import OutputError
-from mpmcol.io.snapshot import Meta, Snapshot, list_snapshots, read_meta, read_snapshot, write_index, write_snapshot
+from mpmcol.io.snapshot import (
+    Meta,
+    Snapshot,
+    as_stored,
+    list_snapshots,
+    read_meta,
+    read_snapshot,
+    write_index,
+    write_snapshot,
+)
 
 N = 300
 META: Meta = {
@@ -18,7 +29,7 @@ META: Meta = {
     "threads": 2,
     "case": 'title = "a"\n[grid]\n',
 }
-# 0.1 + 0.2 is not 0.3: a reader that rounds times would find the wrong step.
+# 0.1 + 0.2 differs from 0.3: a reader that rounds times would find the wrong step.
 TIMES = (-0.25, 0.0, 0.1, 0.1 + 0.2, 1.5)
 
 
@@ -109,7 +120,7 @@ def test_every_step_through_the_index(run, pyvista, monkeypatch: pytest.MonkeyPa
     reader.UpdateInformation()
     times = reader.GetOutputInformation(0).Get(vtkStreamingDemandDrivenPipeline.TIME_STEPS())
     assert times == TIMES
-    # Backwards too: a viewer's time slider goes both ways.
+    # Forward and backward, as with the time slider of a viewer.
     for step in (*range(len(times)), *reversed(range(len(times)))):
         reader.UpdateTimeStep(times[step])
         assert_same_mesh(pyvista.wrap(reader.GetOutput()), snapshots[step])
@@ -135,7 +146,7 @@ def test_a_moved_run_still_opens(run, pyvista, tmp_path_factory: pytest.TempPath
     folder.mkdir()
 
 
-def test_points_are_written_in_order_of_id(tmp_path: Path):
+def test_points_are_sorted_by_id(tmp_path: Path):
     snapshot = make(1)
     shuffled = np.random.default_rng(7).permutation(N)
     arrays = {name: values[shuffled] for name, values in snapshot.arrays.items()}
@@ -144,7 +155,19 @@ def test_points_are_written_in_order_of_id(tmp_path: Path):
         assert np.array_equal(values, single(snapshot.arrays[name])), name
 
 
-def test_files_are_ordered_by_number_and_strangers_are_ignored(tmp_path: Path):
+def test_a_snapshot_in_memory_equals_the_one_read_back(tmp_path: Path):
+    snapshot = make(1)
+    shuffled = np.random.default_rng(7).permutation(N)
+    arrays = {name: values[shuffled] for name, values in snapshot.arrays.items()}
+    snapshot = Snapshot(0.1, 3, "collapse", arrays)
+    found, stored = read_snapshot(write_snapshot(tmp_path, 0, snapshot, META)), as_stored(snapshot)
+    assert (found.time, found.step, found.stage) == (stored.time, stored.step, stored.stage)
+    assert found.arrays.keys() == stored.arrays.keys()
+    for name, values in found.arrays.items():
+        assert values.dtype == stored.arrays[name].dtype and np.array_equal(values, stored.arrays[name]), name
+
+
+def test_files_are_ordered_by_number_and_other_files_are_ignored(tmp_path: Path):
     for index in (1000000, 2, 999999):
         write_snapshot(tmp_path, index, make(0), META)
     (tmp_path / "snapshots" / "notes.vtkhdf").touch()
@@ -171,7 +194,7 @@ def test_gzip_is_smaller_and_none_is_the_default(tmp_path: Path):
     assert write_snapshot(tmp_path, 0, snapshot, META).stat().st_size == sizes["none"]
 
 
-def test_history_that_begins_later_is_kept_in_its_files_only(tmp_path: Path, pyvista):
+def test_history_variables_that_not_all_snapshots_have_are_left_out_of_the_index(tmp_path: Path, pyvista):
     write_snapshot(tmp_path, 0, make(0), META)
     later = write_snapshot(tmp_path, 1, make(1, plastic_strain=np.ones(N)), META)
     write_index(tmp_path)
@@ -181,7 +204,7 @@ def test_history_that_begins_later_is_kept_in_its_files_only(tmp_path: Path, pyv
     assert np.array_equal(read_snapshot(later).arrays["plastic_strain"], np.ones(N))
 
 
-def test_index_follows_the_files_present(tmp_path: Path):
+def test_index_lists_the_files_present(tmp_path: Path):
     for step in (0, 1, 2):
         write_snapshot(tmp_path, step, make(step), META)
     write_index(tmp_path)
@@ -198,7 +221,7 @@ def test_index_follows_the_files_present(tmp_path: Path):
         assert np.array_equal(file["VTKHDF/Points"][N:], single(make(2).arrays["position"]))
 
 
-def test_index_refuses_what_is_not_one_run(tmp_path: Path):
+def test_snapshots_of_different_runs_are_not_indexed(tmp_path: Path):
     with pytest.raises(OutputError, match="no snapshot to index"):
         write_index(tmp_path)
     write_snapshot(tmp_path, 0, make(0), META)

@@ -1,3 +1,5 @@
+"""Damaged snapshot files and full disks are reported as OutputError."""
+
 from __future__ import annotations
 
 import errno
@@ -9,7 +11,7 @@ import numpy as np
 import pytest
 
 from mpmcol.errors import OutputError
-from mpmcol.io.checksums import digest_of, write_digests
+from mpmcol.io.checksums import checksum_of, write_checksums
 from mpmcol.io.snapshot import Meta, Snapshot, read_meta, read_snapshot, write_index, write_snapshot
 
 N = 20
@@ -26,7 +28,7 @@ SNAPSHOT = Snapshot(
 )
 
 
-def test_disk_full_spares_what_is_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_a_full_disk_leaves_existing_files_unchanged(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     path = write_snapshot(tmp_path, 0, SNAPSHOT, META)
     write_index(tmp_path)
     before = {name: (tmp_path / name).read_bytes() for name in ("run.vtkhdf", "run.vtkhdf.series")}
@@ -49,11 +51,13 @@ def test_truncated_file(tmp_path: Path):
     content = path.read_bytes()
     for size in (0, 7, 100, 2000, len(content) // 2, len(content) - 1):
         path.write_bytes(content[:size])
-        with pytest.raises(OutputError, match=r"000000.vtkhdf: not a readable snapshot: .*--fresh makes it anew"):
+        with pytest.raises(
+            OutputError, match=r"000000.vtkhdf: not a readable snapshot: .*run the case again with --fresh"
+        ):
             read_snapshot(path)
 
 
-def test_random_damage_never_ends_in_a_traceback(tmp_path: Path):
+def test_random_damage_raises_no_other_error(tmp_path: Path):
     path = write_snapshot(tmp_path, 0, SNAPSHOT, META)
     content, rng = path.read_bytes(), np.random.default_rng(3)
     refused = 0
@@ -68,7 +72,7 @@ def test_random_damage_never_ends_in_a_traceback(tmp_path: Path):
     assert refused > 50
 
 
-def test_foreign_and_newer_files(tmp_path: Path):
+def test_files_of_other_programs_and_other_schemas_are_refused(tmp_path: Path):
     path = tmp_path / "a.vtkhdf"
     with pytest.raises(OutputError, match="a.vtkhdf: no such snapshot"):
         read_snapshot(path)
@@ -92,19 +96,19 @@ def test_arrays_of_unequal_length_are_refused(tmp_path: Path):
         read_snapshot(path)
 
 
-def test_a_changed_byte_is_told_before_hdf5_meets_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_a_changed_byte_is_reported_before_hdf5_opens_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     path = write_snapshot(tmp_path, 0, SNAPSHOT, META)
-    write_digests(tmp_path, {"snapshots/000000.vtkhdf": digest_of(path)})
+    write_checksums(tmp_path, {"snapshots/000000.vtkhdf": checksum_of(path)})
     assert np.array_equal(read_snapshot(path).arrays["mass"], np.ones(N))
     content = bytearray(path.read_bytes())
     content[-1] ^= 1
     path.write_bytes(content)
     monkeypatch.setattr(h5py, "File", None)
-    with pytest.raises(OutputError, match="its bytes are not those that the run wrote"):
+    with pytest.raises(OutputError, match="its checksum does not match"):
         read_snapshot(path)
 
 
-def test_no_text_lies_in_a_heap_whose_damage_keeps_hdf5_busy_for_ever(tmp_path: Path):
+def test_strings_have_a_fixed_length(tmp_path: Path):
     path = write_snapshot(tmp_path, 0, SNAPSHOT, {**META, "title": "", "case": "Böschung, 33°\n"})
     assert read_meta(path).items() >= {"title": "", "case": "Böschung, 33°\n", "stage": "collapse"}.items()
     with h5py.File(path) as file:

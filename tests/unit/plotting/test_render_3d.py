@@ -21,7 +21,7 @@ from PIL.ImageSequence import Iterator
 
 from mpmcol.cli.render import render as command
 from mpmcol.errors import OutputError, UsageError
-from mpmcol.io.results import CASE_FILE, OWN_FILES
+from mpmcol.io.names import CASE_FILE, OWN_FILES
 from mpmcol.io.snapshot import Meta, Snapshot, list_snapshots, write_snapshot
 from mpmcol.measure import Measurement
 from mpmcol.plotting import render as module

@@ -9,7 +9,7 @@ import pytest
 
 from mpmcol.case import load_case
 from mpmcol.errors import CaseError
-from mpmcol.io.atomic import GIVEN_CASE_FILE
+from mpmcol.io.names import GIVEN_CASE_FILE
 from mpmcol.sweep import runs as module
 from mpmcol.sweep.axes import parse_axes
 from mpmcol.sweep.runs import Point, freeze, notes, plan_points

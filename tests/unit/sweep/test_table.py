@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from mpmcol.case import load_case
 from mpmcol.experiments import score
-from mpmcol.io.results import write_result
+from mpmcol.io.run_folder import write_result
 from mpmcol.sweep import charts
 from mpmcol.sweep.axes import parse_axes
 from mpmcol.sweep.engine import Outcome

@@ -1,0 +1,84 @@
+"""Exclusive use of a results folder by one process, by means of `flock`."""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import os
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+from mpmcol.errors import OutputError
+from mpmcol.io.atomic import cannot_write, make_folder, remove, temporary_files
+from mpmcol.io.names import LOCK_FILE
+
+PATIENCE = 0.5  # s to wait for the lock: `is_locked` in another process holds it for a moment
+
+
+class Lock:
+    """The lock of a folder that this process holds."""
+
+    def __init__(self, path: Path, descriptor: int) -> None:
+        self._path, self._descriptor = path, descriptor
+
+    def check(self) -> None:
+        """Raise OutputError if the folder is no longer the locked one; another process may then write to its path."""
+        try:
+            is_same = os.path.samestat(os.fstat(self._descriptor), os.stat(self._path))
+        except OSError:
+            is_same = False
+        if not is_same:
+            raise OutputError(
+                f"{self._path.parent}: the folder, or {LOCK_FILE} in it, was removed or replaced during the run; if it "
+                "was moved, repeat the command with --out NEW_FOLDER to resume; otherwise the run restarts from scratch"
+            )
+
+
+@contextlib.contextmanager
+def locked(folder: Path) -> Iterator[Lock]:
+    """Hold the lock of `folder`, which is created if missing, and remove temporary files of a process that was killed.
+
+    Raises OutputError if another process holds the lock, or if the folder is not writable.
+    """
+    path = make_folder(folder) / LOCK_FILE
+    try:
+        descriptor = os.open(path, os.O_WRONLY | os.O_CREAT, 0o666)
+    except OSError as error:
+        raise cannot_write(path, error) from error
+    try:
+        if not _acquire(descriptor):
+            raise OutputError(f"{folder}: another run is writing here; wait until it ends, or choose another folder")
+        for temporary in temporary_files(folder):  # that of a checkpoint may be gigabytes long
+            remove(temporary)
+        yield Lock(path, descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def is_locked(folder: Path) -> bool:
+    """Whether a process holds the lock of `folder`."""
+    try:
+        descriptor = os.open(folder / LOCK_FILE, os.O_RDONLY)
+    except OSError:
+        return False
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    finally:
+        os.close(descriptor)
+    return False
+
+
+def _acquire(descriptor: int) -> bool:
+    """Acquire the lock until the file is closed; False if another process holds it for longer than PATIENCE."""
+    deadline = time.monotonic() + PATIENCE
+    while True:
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            return True
+        except BlockingIOError:
+            if time.monotonic() > deadline:
+                return False
+        time.sleep(PATIENCE / 10.0)

@@ -1,0 +1,20 @@
+"""Names of the files in a results folder."""
+
+from __future__ import annotations
+
+CASE_FILE, RESULT_FILE, HISTORY_FILE = "case.resolved.toml", "result.json", "history.csv"
+SNAPSHOT_FOLDER = "snapshots"
+INDEX_FILES = ("run.vtkhdf", "run.vtkhdf.series")
+CHECKSUM_FILE = "SHA256SUMS"  # of all other files; written immediately before the result
+CHECKPOINT_FILES = ("checkpoint-0.npz", "checkpoint-1.npz")  # written alternately
+LOCK_FILE = ".lock"
+# Files that may be in the folder before the run starts: its input case and its log.
+GIVEN_CASE_FILE, LOG_FILE = "case.toml", "run.log"
+CHART_FILES = (
+    "profile.png", "front.png", "energy.png", "profile.svg", "front.svg", "energy.svg", "collapse.gif", "topview.png",
+    "snapshot-*.png",
+)  # fmt: skip
+# All files of a run, as patterns. The case is last, so that a partly emptied folder is still recognised as a run's.
+OWN_FILES = (
+    RESULT_FILE, CHECKSUM_FILE, HISTORY_FILE, *INDEX_FILES, SNAPSHOT_FOLDER, *CHART_FILES, *CHECKPOINT_FILES, CASE_FILE,
+)  # fmt: skip

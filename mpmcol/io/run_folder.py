@@ -1,0 +1,92 @@
+"""The results folder of a run: prepare it, reopen it to resume, write history.csv and result.json."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import io
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from mpmcol.case import Case, case_hash
+from mpmcol.errors import OutputError, UsageError
+from mpmcol.io.atomic import atomic_write, remove
+from mpmcol.io.checksums import checksum_of, write_checksums
+from mpmcol.io.names import (
+    CASE_FILE,
+    CHECKSUM_FILE,
+    GIVEN_CASE_FILE,
+    HISTORY_FILE,
+    INDEX_FILES,
+    LOCK_FILE,
+    LOG_FILE,
+    OWN_FILES,
+    RESULT_FILE,
+)
+from mpmcol.io.results import HISTORY, Results
+from mpmcol.io.run_status import ENDINGS
+from mpmcol.io.values import to_json
+
+
+def prepare_folder(folder: Path, case: Case, fresh: bool, notify: Callable[[str], None]) -> None:
+    """Remove the files of an earlier run: a failed or stopped one, or any if `fresh`.
+
+    notify: receives a line if the removed run was of another case.
+
+    Raises UsageError if the folder holds a finished run or files that are not a run's, OutputError if it cannot be
+    emptied.
+    """
+    if (folder / RESULT_FILE).exists() and not fresh:
+        if _is_finished(folder):
+            raise UsageError(f"{folder} holds a finished run; use --fresh to replace it, or --out for another folder")
+        if Results(folder).summary.get("case_hash") != case_hash(case):
+            notify(f"note: an incomplete run of another case in {folder} is replaced")
+    found = {path.name for path in folder.iterdir()} if folder.is_dir() else set()
+    if found - {LOCK_FILE, GIVEN_CASE_FILE, LOG_FILE} and CASE_FILE not in found:
+        raise UsageError(f"{folder} is not empty and holds no run; use --out for another folder")
+    for pattern in OWN_FILES:
+        for path in folder.glob(pattern):
+            remove(path)
+
+
+def reopen_folder(folder: Path) -> None:
+    """Remove the result of a stopped run, which is resumed. Raises OutputError."""
+    for name in (RESULT_FILE, CHECKSUM_FILE):
+        remove(folder / name)
+
+
+def _is_finished(folder: Path) -> bool:
+    if not (folder / CASE_FILE).exists():
+        return True
+    status = Results(folder).summary.get("status")
+    if status not in ENDINGS:
+        raise OutputError(
+            f"{folder / RESULT_FILE} is damaged: its status is {status!r}; use --fresh to replace the run"
+        )
+    return bool(status == "done")
+
+
+def write_history(folder: Path, rows: Sequence[Mapping[str, Any]]) -> None:
+    """Write history.csv. Raises OutputError."""
+    text = io.StringIO()
+    writer = csv.DictWriter(text, HISTORY, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    atomic_write(folder / HISTORY_FILE, text.getvalue().encode())
+
+
+def write_result(folder: Path, result: Mapping[str, Any], snapshots: Mapping[str, str] | None = None) -> None:
+    """Write result.json, and before it the checksums of all files of the run, including result.json.
+
+    snapshots: checksums of the snapshots at the time of writing, by file name. Raises OutputError, also if one of these
+    files is missing.
+    """
+    content = (to_json(result, indent=1) + "\n").encode()
+    for name in snapshots or ():
+        if not (folder / name).is_file():
+            raise OutputError(f"{folder / name} was removed during the run; run the case again with --fresh")
+    others = [name for name in (GIVEN_CASE_FILE, CASE_FILE, HISTORY_FILE, *INDEX_FILES) if (folder / name).exists()]
+    checksums = {name: checksum_of(folder / name) for name in others} | dict(snapshots or {})
+    write_checksums(folder, checksums | {RESULT_FILE: hashlib.sha256(content).hexdigest()})
+    atomic_write(folder / RESULT_FILE, content)
