@@ -84,14 +84,17 @@ def _stop_time(results: Results) -> float | None:
     from mpmcol.io.names import HISTORY_FILE
     from mpmcol.io.results import measure_stop_time
 
-    fall_time = sqrt(results.shape.h_i / results.case.geometry.gravity)
     try:
-        return measure_stop_time(results.history, results.shape.spacing, fall_time)
+        history = results.history
     except OutputError:
+        history = {}
+    if not len(history.get("time", ())):
         path = results.folder / HISTORY_FILE
         problem = "is damaged: rows or columns are missing or truncated" if path.exists() else "is missing"
         click.echo(f"note: {path} {problem}; the stop time of the front is omitted", err=True)
         return None
+    fall_time = sqrt(results.shape.h_i / results.case.geometry.gravity)
+    return measure_stop_time(history, results.shape.spacing, fall_time)
 
 
 def _scores(measured: Measurement, shape: ColumnShape, stop: float | None) -> tuple[list[Score], list[ProfileScore]]:
