@@ -52,7 +52,9 @@ def simulate(member: Member, out: Path, threads: int | None) -> Results:
         return Results(folder)
     print(folder.name, flush=True)
     overrides = [f"geometry.aspect={a}", f"grid.spacing={spacing}"]
-    return run(load_case(case, overrides), folder, threads=threads, fresh=True, say=lambda s: print(" ", s, flush=True))
+    return run(
+        load_case(case, overrides), folder, threads=threads, fresh=True, notify=lambda s: print(" ", s, flush=True)
+    )
 
 
 def make_row(member: Member, results: Results) -> dict[str, Any]:

@@ -18,7 +18,7 @@ from mpmcol.cli.duration import DURATION, duration
 from mpmcol.cli.option_types import THREADS
 from mpmcol.errors import Interrupted, NumericalFailure
 
-OF_ONE_RUN = ("fresh", "go_on", "checkpoint", "max_wall", "on_instability", "requeue_code", "dry_run")
+OF_ONE_RUN = ("fresh", "force_resume", "checkpoint", "max_wall", "on_instability", "requeue_code", "dry_run")
 
 
 @click.command()
@@ -29,7 +29,7 @@ OF_ONE_RUN = ("fresh", "go_on", "checkpoint", "max_wall", "on_instability", "req
 @click.option("--certify", is_flag=True, help="With --accuracy: zeta and beta with an error bar, from two spacings.")
 @click.option("--threads", type=THREADS, help="Number of threads; all cores by default.")
 @click.option("--fresh", is_flag=True, help="Begin anew: replace a finished run, forget an unfinished one.")
-@click.option("--go-on", is_flag=True, help="Go on with an unfinished run though case or code differ from its own.")
+@click.option("--force-resume", is_flag=True, help="Resume an unfinished run even if the case or the code has changed.")
 @click.option("--checkpoint", type=DURATION, default="5min", show_default=True, help="Time between two checkpoints.")
 @click.option("--max-wall", type=DURATION, help="Stop after this time, e.g. 2h; the same command goes on.")
 @click.option(
@@ -51,7 +51,7 @@ def run(
     certify: bool,
     threads: int | None,
     fresh: bool,
-    go_on: bool,
+    force_resume: bool,
     checkpoint: float,
     max_wall: float | None,
     on_instability: Literal["stop", "retry"],
@@ -97,9 +97,9 @@ def run(
     try:
         with reporter:
             results = simulate(
-                loaded, folder, threads=threads, fresh=fresh, go_on=go_on, checkpoint_seconds=checkpoint,
+                loaded, folder, threads=threads, fresh=fresh, force_resume=force_resume, checkpoint_seconds=checkpoint,
                 max_wall=inf if max_wall is None else max_wall, on_instability=on_instability,
-                progress=reporter.progress, say=reporter.say,
+                progress=reporter.progress, notify=reporter.say,
             )  # fmt: skip
     except Interrupted as end:
         if requeue_code is not None:

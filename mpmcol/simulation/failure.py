@@ -143,7 +143,7 @@ def message(failure: dict[str, Any], retries: Sequence[dict[str, Any]] = ()) -> 
     limit = "" if failure["limit"] is None else f", limit {failure['limit']:.4g}"
     tried = [f"time.cfl = {one['cfl']:g}: {one['cause']} at t = {one['time']:.4g} s" for one in retries]
     kept = (
-        f"kept: the last good state, snapshot {failure.get('last_good')}, and the one it stopped in, the last snapshot"
+        f"kept: the last good state, snapshot {failure.get('last_valid')}, and the one it stopped in, the last snapshot"
     )
     return "\n  ".join(
         [
@@ -152,6 +152,6 @@ def message(failure: dict[str, Any], retries: Sequence[dict[str, Any]] = ()) -> 
             f"likely cause: {failure['likely']}",
             f"remedy: {failure['remedy']}",
             *(f"tried before, {one}" for one in tried),
-            *([kept] if "last_good" in failure else []),
+            *([kept] if "last_valid" in failure else []),
         ]
     )

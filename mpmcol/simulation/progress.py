@@ -24,7 +24,7 @@ class Course:
     step_share: float = 1.0  # of time.cfl that is left after runs that went wrong with more
     retries: list[dict[str, Any]] = field(default_factory=list)  # where it went wrong, and with what it went on
     warnings: list[str] = field(default_factory=list)
-    continued: list[dict[str, Any]] = field(default_factory=list)  # steps from which it was taken up again
+    resumed: list[dict[str, Any]] = field(default_factory=list)  # steps from which it was taken up again
     wall_s: dict[str, float] = field(
         default_factory=lambda: dict.fromkeys(("compile", "equilibrate", "collapse", "output"), 0.0)
     )

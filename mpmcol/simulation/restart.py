@@ -27,7 +27,7 @@ from mpmcol.provenance import code_version
 from mpmcol.setup.model import Model, close_walls
 from mpmcol.simulation.interrupt import StopRequest
 from mpmcol.simulation.progress import Course
-from mpmcol.simulation.stages import Run, Say
+from mpmcol.simulation.stages import Notify, Run
 
 INTERVAL = 300.0  # s of the machine between two checkpoints
 GO_BACK = 2  # states that are kept to go back to, at KEEP_CHECKS of each other: the older one is before the trouble
@@ -94,22 +94,22 @@ def way_on(folder: Path) -> str:
     return f"no state is kept in {folder}: once that is mended, the same command begins anew"
 
 
-def last_state(folder: Path, say: Say) -> Checkpoint | None:
+def last_state(folder: Path, notify: Notify) -> Checkpoint | None:
     """The latest state in a folder that is whole, and whose snapshots are; None if there is no whole state.
 
-    say: is told what is damaged. Raises OutputError if there are states, but none has its snapshots, UsageError if they
+    notify: is told what is damaged. Raises OutputError if there are states, but none has its snapshots, UsageError if they
     are of a format that this version does not know.
     """
     states, damaged = read_checkpoints(folder)
     for name in damaged:
-        say(f"note: {folder / name} is damaged; " + ("going on from the one before" if states else "beginning anew"))
+        notify(f"note: {folder / name} is damaged; " + ("going on from the one before" if states else "beginning anew"))
     if any(state.values.get("format") != FORMAT for state in states):
         raise UsageError(f"{folder} holds an unfinished run of another version's format; --fresh begins anew")
     lost: list[str] = []
     for state in states:
         if not (lost := damaged_snapshots(folder, state)):
             return state
-        say(f"note: {folder / lost[0]} is damaged or missing, and step {step_of(state)} needs it")
+        notify(f"note: {folder / lost[0]} is damaged or missing, and step {step_of(state)} needs it")
     if not states:
         return None
     raise OutputError(
@@ -138,7 +138,7 @@ def restore(run: Run, checkpoint: Checkpoint) -> None:
         run.good.append(State(other, kept))
     _put(run, State(dict(meta), arrays))
     run.recorder.forget_others()
-    run.course.continued.append({"step": run.solver.steps, "version": code_version()})
+    run.course.resumed.append({"step": run.solver.steps, "version": code_version()})
 
 
 def step_back(run: Run, failure: dict[str, Any]) -> bool:
@@ -155,8 +155,8 @@ def step_back(run: Run, failure: dict[str, Any]) -> bool:
     run.recorder.seconds = seconds
     course = run.course
     course.step_share, course.retries = 0.5 * last.step_share, [*last.retries, told]
-    course.warnings, course.continued, course.wall_s, course.cpu_s = (
-        last.warnings, last.continued, last.wall_s, last.cpu_s
+    course.warnings, course.resumed, course.wall_s, course.cpu_s = (
+        last.warnings, last.resumed, last.wall_s, last.cpu_s
     )  # fmt: skip
     run.solver.clock[loop.DT] *= 0.5
     return True
@@ -169,9 +169,9 @@ def snapshot_failed(run: Run, failure: dict[str, Any]) -> None:
     if not any(time >= state.arrays["clock"][loop.TIME] for time in recorder.snapshot_times):
         rows, clock = solver.points.rows.copy(), solver.clock.copy()
         solver.points.rows[:], solver.clock[:] = state.arrays["rows"], state.arrays["clock"]
-        recorder.snapshot("good")
+        recorder.snapshot("last_valid")
         solver.points.rows[:], solver.clock[:] = rows, clock
-    failure["last_good"] = max(k for k, time in enumerate(recorder.snapshot_times) if time <= sound_until)
+    failure["last_valid"] = max(k for k, time in enumerate(recorder.snapshot_times) if time <= sound_until)
     recorder.snapshot("failed")
 
 

@@ -38,7 +38,7 @@ from mpmcol.simulation.restart import (
     step_of,
     way_on,
 )
-from mpmcol.simulation.stages import Progress, Run, Say
+from mpmcol.simulation.stages import Notify, Progress, Run
 from mpmcol.simulation.summary import outcome
 
 
@@ -48,25 +48,25 @@ def run(
     *,
     threads: int | None = None,
     fresh: bool = False,
-    go_on: bool = False,
+    force_resume: bool = False,
     checkpoint_seconds: float = INTERVAL,
     max_wall: float = inf,
     on_instability: Literal["stop", "retry"] = "stop",
     progress: Progress = lambda stage, share: None,
-    say: Say = lambda line: None,
+    notify: Notify = lambda line: None,
 ) -> Results:
     """Run a case into a folder, or go on with its unfinished run there, and return its results.
 
     Args:
         threads: number of threads (default: all cores); results are the same for any.
         fresh: begin anew whatever the folder holds of a run.
-        go_on: go on even if the unfinished run is of another version of the code or of the case.
+        force_resume: go on even if the unfinished run is of another version of the code or of the case.
         checkpoint_seconds: time between two checkpoints, s of the machine.
         max_wall: time after which to stop as if by a signal, s of the machine.
         on_instability: "retry" goes on from the last good state with half the time step where a run goes wrong in a way
             that this may mend, at most four times.
         progress: is told the stage and the share of it that is done.
-        say: is told what happens, in one line.
+        notify: is told what happens, in one line.
 
     Raises:
         UsageError: the folder holds a finished run, or an unfinished one that differs, or the case does not fit.
@@ -79,15 +79,15 @@ def run(
         raise UsageError(f'on_instability = "{on_instability}": expected "stop" or "retry"')
     folder, used = Path(folder), set_threads(threads)
     if threads is not None and used != threads:
-        say(f"note: {used} threads instead of {threads}; NUMBA_NUM_THREADS sets the most")
+        notify(f"note: {used} threads instead of {threads}; NUMBA_NUM_THREADS sets the most")
     with stop_request(max_wall) as stop, locked(folder) as lock:
-        found = None if fresh else _unfinished(case, folder, go_on, say)
+        found = None if fresh else _unfinished(case, folder, force_resume, notify)
         model = build_model(case)  # may refuse the case: before anything old is removed
         if found:
             require_same_points(model, found)
         try:
-            reopen_folder(folder) if found else prepare_folder(folder, case, fresh, say)
-            simulation = set_up(case, model, folder, used, progress, say)
+            reopen_folder(folder) if found else prepare_folder(folder, case, fresh, notify)
+            simulation = set_up(case, model, folder, used, progress, notify)
             if on_instability == "retry":
                 simulation.good = deque(maxlen=GO_BACK)
             if found:
@@ -98,30 +98,30 @@ def run(
             raise OutputError(f"{error}\n{way_on(folder)}") from error
 
 
-def set_up(case: Case, model: Model, folder: Path, threads: int, progress: Progress, say: Say) -> Run:
+def set_up(case: Case, model: Model, folder: Path, threads: int, progress: Progress, notify: Notify) -> Run:
     """A run at its beginning."""
     stage = model.equilibrate
     solver = Solver(model.points, model.grid, stage.settings, stage.column, model.base, model.scheme)
-    simulation = Run(case, model, Recorder(case, model, solver, folder, threads), Course(), progress, say)
+    simulation = Run(case, model, Recorder(case, model, solver, folder, threads), Course(), progress, notify)
     simulation.keep = partial(remember, simulation)
     for warning in model.discretization.warnings:
         simulation.warn(warning)
     return simulation
 
 
-def _unfinished(case: Case, folder: Path, go_on: bool, say: Say) -> Checkpoint | None:
+def _unfinished(case: Case, folder: Path, force_resume: bool, notify: Notify) -> Checkpoint | None:
     """The state to go on from, if the folder has one."""
-    found = last_state(folder, say)
+    found = last_state(folder, notify)
     if found is None:
         return None
     told = differences(found, case)
-    if told and not go_on:
+    if told and not force_resume:
         raise UsageError(
             f"{folder} holds an unfinished run that differs from this one:\n  "
             + "\n  ".join(told)
-            + "\nuse --fresh to begin anew, --out for another folder, or --go-on to continue it as it is asked for now"
+            + "\nuse --fresh to begin anew, --out for another folder, or --force-resume to continue it as it is asked for now"
         )
-    say(f"going on from step {step_of(found)}")
+    notify(f"going on from step {step_of(found)}")
     return found
 
 
@@ -164,7 +164,7 @@ def _go(simulation: Run, keeper: Keeper) -> None:
             if simulation.good.maxlen != GO_BACK or not step_back(simulation, error.failure):
                 raise
             told = simulation.course.retries
-            simulation.say(
+            simulation.notify(
                 f"note: {told[-1]['cause']} at step {told[-1]['step']}, t = {told[-1]['time']:.4g} s; going back to "
                 f"t = {told[-1]['from_time']:.4g} s and on with time.cfl = {told[-1]['new_cfl']:g} "
                 f"(retry {len(told)} of at most {MOST_HALVINGS})"

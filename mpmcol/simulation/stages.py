@@ -22,7 +22,7 @@ from mpmcol.simulation.progress import Course
 from mpmcol.simulation.recorder import Recorder
 
 Progress = Callable[[str, float], None]  # stage, share of it that is done
-Say = Callable[[str], None]  # one line for the person who waits
+Notify = Callable[[str], None]  # one line for the person who waits
 Pause = Callable[[], None]  # is called between two calls of the compiled loop
 
 CHECKS_PER_TAU = 50
@@ -39,11 +39,11 @@ class Run:
     """A case on its way through its stages; every loop goes on where `course` says that it is."""
 
     def __init__(
-        self, case: Case, model: Model, recorder: Recorder, course: Course, progress: Progress, say: Say
+        self, case: Case, model: Model, recorder: Recorder, course: Course, progress: Progress, notify: Notify
     ) -> None:
         self.case, self.model, self.recorder, self.course = case, model, recorder, course
         self.solver = recorder.solver
-        self.progress, self.say = progress, say
+        self.progress, self.notify = progress, notify
         self.tau = model.discretization.fall_time(case.geometry.gravity)
         self._weight = model.column_mass * case.geometry.gravity
         self.good: deque[Any] = deque(maxlen=1)  # states in which no check found anything wrong, the latest last
@@ -226,7 +226,7 @@ class Run:
     def warn(self, text: str) -> None:
         """Tell it now, and in the result."""
         self.course.warnings.append(text)
-        self.say(f"note: {text}")
+        self.notify(f"note: {text}")
 
     def _say_stage(self, stage: str, what: str) -> None:
-        self.say(f"{stage:12s} {what}, {self.solver.steps} steps, dt {self.solver.dt:.3g} s")
+        self.notify(f"{stage:12s} {what}, {self.solver.steps} steps, dt {self.solver.dt:.3g} s")

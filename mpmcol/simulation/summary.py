@@ -54,7 +54,7 @@ def outcome(status: str, case: Case, model: Model, recorder: Recorder, course: C
         "threads": threads,
         "versions": versions(),
         "warnings": course.warnings,
-        "continued": course.continued,
+        "resumed": course.resumed,
         "retries": course.retries,
     }
 

@@ -43,7 +43,7 @@ def killed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "run"
 
 
-def go_on(folder: Path, *more: str) -> Any:
+def resume(folder: Path, *more: str) -> Any:
     return invoke("run", "quickstart", *set_options(TINY), "--out", folder, *more)
 
 
@@ -55,7 +55,7 @@ def test_with_a_damaged_snapshot_it_goes_on_from_the_state_before_it(killed: Pat
         snapshot.unlink()
     else:
         snapshot.write_bytes(content[:-1] if how == "truncate" else content[:-1] + bytes([content[-1] ^ 1]))
-    done = go_on(killed)
+    done = resume(killed)
     assert done.exit_code == 0, done.output
     assert re.search(r"000001.vtkhdf is damaged or missing, and step \d+ needs it\ngoing on from step", done.output)
     assert snapshot.read_bytes() == content and not [f for r in verify(killed) for f in r.findings]
@@ -65,49 +65,49 @@ def test_with_a_damaged_snapshot_before_all_states_it_is_refused_with_the_remedy
     snapshot = killed / "snapshots" / "000000.vtkhdf"
     content = snapshot.read_bytes()
     snapshot.write_bytes(content[:1000])
-    refused = go_on(killed)
+    refused = resume(killed)
     assert refused.exit_code == 5 and "copy it back, or begin anew with --fresh" in refused.output
     snapshot.write_bytes(content)  # nothing was lost by the refusal
-    assert "going on from step" in go_on(killed).output
+    assert "going on from step" in resume(killed).output
 
 
 def test_snapshots_after_the_state_are_taken_again_or_gone(killed: Path) -> None:
     """A run that goes on with fewer snapshots must not be measured on one that it did not take."""
     for name in ("000002", "000003", "000009"):
         (killed / "snapshots" / f"{name}.vtkhdf").write_bytes(b"of a course that was given up")
-    done = go_on(killed, "--go-on", "--set", "output.snapshots=1")
+    done = resume(killed, "--force-resume", "--set", "output.snapshots=1")
     assert done.exit_code == 0 and len(Results(killed).snapshots) == 3
     assert not [finding for report in verify(killed) for finding in report.findings]
 
 
 def test_a_state_of_another_format_is_refused(killed: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(restart, "FORMAT", 1)
-    refused = go_on(killed)
+    refused = resume(killed)
     assert refused.exit_code == 2 and "of another version's format; --fresh begins anew" in refused.output
 
 
 def test_a_case_with_other_points_changes_nothing(killed: Path) -> None:
     before = {path: path.read_bytes() for path in killed.rglob("*") if path.is_file()}
-    assert go_on(killed, "--go-on", "--set", "grid.points_per_cell=9").exit_code == 2
+    assert resume(killed, "--force-resume", "--set", "grid.points_per_cell=9").exit_code == 2
     assert before == {path: path.read_bytes() for path in killed.rglob("*") if path.is_file()}
 
 
 def test_a_result_that_says_nothing_known_is_not_taken_for_an_unfinished_run(tmp_path: Path) -> None:
-    assert go_on(tmp_path).exit_code == 0
+    assert resume(tmp_path).exit_code == 0
     result = tmp_path / "result.json"
     result.write_text(result.read_text().replace('"done"', '"dong"'))
-    refused = go_on(tmp_path)
+    refused = resume(tmp_path)
     assert refused.exit_code == 5 and "its status is 'dong'; --fresh replaces the run" in refused.output
-    assert go_on(tmp_path, "--fresh").exit_code == 0
+    assert resume(tmp_path, "--fresh").exit_code == 0
 
 
 def test_what_told_the_end_is_gone_once_a_stopped_run_goes_on(tmp_path: Path) -> None:
-    assert go_on(tmp_path, "--max-wall", "0.001s").exit_code == 75
+    assert resume(tmp_path, "--max-wall", "0.001s").exit_code == 75
     disk = Disk(tmp_path)
     disk.then_at, seen = 10, []
     disk.then = lambda: seen.append(sorted(path.name for path in tmp_path.iterdir()))  # type: ignore[assignment]
     with disk.inserted():
-        assert go_on(tmp_path).exit_code == 0
+        assert resume(tmp_path).exit_code == 0
     assert not {RESULT_FILE, CHECKSUM_FILE} & set(seen[0])
 
 

@@ -61,7 +61,7 @@ def test_stopped_again_and_again_it_ends_with_equal_bits(name: str, stop_after: 
             assert Results(cut).status == "stopped" and Results(cut).snapshot(-1).stage == "stopped"
     assert stops >= 3
     assert_equal_runs(whole, cut)
-    steps = [entry["step"] for entry in Results(cut).summary["continued"]]
+    steps = [entry["step"] for entry in Results(cut).summary["resumed"]]
     assert len(steps) == stops and steps == sorted(set(steps))
     assert not any((cut / file).exists() for file in CHECKPOINT_FILES)
 
@@ -84,7 +84,7 @@ def test_killed_it_goes_on_from_the_last_checkpoint(stop_after: Any, tmp_path: P
     newest = max((cut / file for file in CHECKPOINT_FILES), key=lambda path: path.stat().st_mtime_ns)
     newest.write_bytes(newest.read_bytes()[:-5])
     told: list[str] = []
-    mpmcol.run(case, cut, say=told.append)
+    mpmcol.run(case, cut, notify=told.append)
     assert f"note: {newest} is damaged; going on from the one before" in told
     assert any(line.startswith("going on from step ") for line in told)
     assert_equal_runs(whole, cut)
@@ -98,15 +98,15 @@ def test_another_case_or_code_is_refused_with_the_difference(
         mpmcol.run(small_case("plane"), tmp_path)
     stop_after(10**9)
     other = small_case("plane", "stages.collapse.damping=0.1", 'title="another"')
-    with pytest.raises(UsageError, match=r"damping: 0.05 there, 0.1 here\n(.*)--fresh(.*)--out(.*)--go-on"):
+    with pytest.raises(UsageError, match=r"damping: 0.05 there, 0.1 here\n(.*)--fresh(.*)--out(.*)--force-resume"):
         mpmcol.run(other, tmp_path)
     with pytest.raises(UsageError, match="other points than this case makes"):
-        mpmcol.run(small_case("plane", "grid.points_per_cell=9"), tmp_path, go_on=True)
+        mpmcol.run(small_case("plane", "grid.points_per_cell=9"), tmp_path, force_resume=True)
     monkeypatch.setattr("mpmcol.simulation.restart.code_version", lambda: "0+other")
     with pytest.raises(UsageError, match=r"made by mpmcol .*, this is 0\+other"):
         mpmcol.run(small_case("plane"), tmp_path)
-    done = mpmcol.run(other, tmp_path, go_on=True).summary
-    assert done["status"] == "done" and done["continued"][0]["version"] == "0+other"
+    done = mpmcol.run(other, tmp_path, force_resume=True).summary
+    assert done["status"] == "done" and done["resumed"][0]["version"] == "0+other"
 
 
 def test_without_a_whole_checkpoint_it_begins_anew(stop_after: Any, tmp_path: Path) -> None:
@@ -116,7 +116,7 @@ def test_without_a_whole_checkpoint_it_begins_anew(stop_after: Any, tmp_path: Pa
     for file in CHECKPOINT_FILES:
         (tmp_path / file).write_bytes(b"")
     stop_after(10**9)
-    assert mpmcol.run(small_case("plane"), tmp_path).summary["continued"] == []
+    assert mpmcol.run(small_case("plane"), tmp_path).summary["resumed"] == []
 
 
 def test_the_limit_of_time_and_the_exit_codes(tmp_path: Path) -> None:
@@ -125,7 +125,7 @@ def test_the_limit_of_time_and_the_exit_codes(tmp_path: Path) -> None:
     assert first.exit_code == 75 and "stopped by the limit of time at step" in first.stderr
     assert invoke(*command, "--max-wall", "0.001s", "--requeue-code", "99").exit_code == 99
     done = invoke(*command, "--json")
-    assert done.exit_code == 0 and len(json.loads(done.stdout)["continued"]) == 2
+    assert done.exit_code == 0 and len(json.loads(done.stdout)["resumed"]) == 2
 
 
 @pytest.mark.parametrize("text", ["5 years", "-1s", "0", "nan", ""])

@@ -114,7 +114,7 @@ def test_killed_on_the_way_it_ends_with_equal_bits(calls: int, tmp_path: Path, m
     with pytest.raises(ZeroDivisionError):
         mpmcol.run(case_of(*TINY), tmp_path / "cut", progress=kill, **again)
     cut = mpmcol.run(case_of(*TINY), tmp_path / "cut", **again)
-    assert len(cut.summary["continued"]) == 1
+    assert len(cut.summary["resumed"]) == 1
     assert (tmp_path / "whole/history.csv").read_bytes() == (tmp_path / "cut/history.csv").read_bytes()
     assert json.dumps(whole.summary["retries"]) == json.dumps(cut.summary["retries"])
     assert [path.name for path in whole.snapshots] == [path.name for path in cut.snapshots]

@@ -147,7 +147,7 @@ def test_divergence_stops_with_place_cause_and_remedy(tmp_path: Path) -> None:
     assert results.summary["status"] == "failed"
     assert set(results.summary["failure"]) == {
         "check", "cause", "likely", "stage", "step", "time", "point", "position", "value", "limit", "remedy",
-        "smaller_step_helps", "last_good",
+        "smaller_step_helps", "last_valid",
     }  # fmt: skip
     assert results.snapshot(-1).stage == "failed"
     again = invoke("run", "quickstart", *tiny("time.cfl=1.9"), "--out", str(tmp_path / "a"))

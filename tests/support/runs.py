@@ -20,7 +20,7 @@ SMALL_CASES = {  # name -> shipped case and overrides, to be cut short with SHOR
     "quarter": ("lube-quarter", "grid.spacing=0.0194", "geometry.aspect=0.4", "stages.initial_stress=k0"),
     "musl": ("lube-cylinder", "grid.spacing=0.0194", "method.stress_order=musl", "method.transfer=apic"),
 }
-MACHINE_DEPENDENT = {"wall_s", "core_seconds", "ns_per_point_step", "peak_memory_bytes", "continued", "threads"}
+MACHINE_DEPENDENT = {"wall_s", "core_seconds", "ns_per_point_step", "peak_memory_bytes", "resumed", "threads"}
 
 
 def small_case(name: str, *overrides: str) -> mpmcol.Case:

@@ -294,9 +294,9 @@ def test_a_run_that_ends_in_no_numbers_still_has_its_result(tmp_path: Path, monk
     failure = results.summary["failure"]
     assert results.status == "failed" and failure["check"] == "finite" and failure["value"] is None
     assert np.isfinite(failure["position"]).all()
-    assert [results.snapshot(k).stage for k in range(3)] == ["release", "good", "failed"]
+    assert [results.snapshot(k).stage for k in range(3)] == ["release", "last_valid", "failed"]
     assert np.isfinite(results.snapshot(1).x).all() and results.snapshot(1).time < failure["time"]
-    assert failure["last_good"] == 1
+    assert failure["last_valid"] == 1
 
 
 def test_grains_far_ahead_are_told_of_and_no_fault(tmp_path: Path) -> None:
