@@ -97,7 +97,7 @@ def way_on(folder: Path) -> str:
 def last_state(folder: Path, notify: Notify) -> Checkpoint | None:
     """The latest state in a folder that is whole, and whose snapshots are; None if there is no whole state.
 
-    notify: is told what is damaged. Raises OutputError if there are states, but none has its snapshots, UsageError if they
+    notify: receives damage. Raises OutputError if there are states, but none has its snapshots, UsageError if they
     are of a format that this version does not know.
     """
     states, damaged = read_checkpoints(folder)

@@ -119,7 +119,7 @@ def _unfinished(case: Case, folder: Path, force_resume: bool, notify: Notify) ->
         raise UsageError(
             f"{folder} holds an unfinished run that differs from this one:\n  "
             + "\n  ".join(told)
-            + "\nuse --fresh to begin anew, --out for another folder, or --force-resume to continue it as it is asked for now"
+            + "\nuse --fresh to begin anew, --out for another folder, or --force-resume to resume it anyway"
         )
     notify(f"going on from step {step_of(found)}")
     return found
