@@ -5,7 +5,6 @@ To add a data set, write a file beside this one and add one line to EXPERIMENTS.
 
 from __future__ import annotations
 
-from difflib import get_close_matches
 from typing import Any
 
 from numpy.typing import ArrayLike
@@ -29,6 +28,7 @@ from mpmcol.experiments.records import (
     paper_plane,
 )
 from mpmcol.experiments.scores import score_laws, score_profile
+from mpmcol.selection import suggestion
 
 __all__ = [
     "EXPERIMENTS",
@@ -85,9 +85,7 @@ def find_experiment(name: str, model: str, section: str = "cylinder") -> Experim
         return _NO_BOX
     experiment = EXPERIMENTS.get(f"paper-{kind}" if name == "paper" else name)
     if experiment is None:
-        near = get_close_matches(name, EXPERIMENTS, n=1)
-        hint = f"; did you mean {near[0]!r}?" if near else f"; known: paper, {', '.join(EXPERIMENTS)}"
-        raise UsageError(f"no experiment is called {name!r}{hint}")
+        raise UsageError(f"no experiment is called {name!r}; {suggestion(name, ['paper', *EXPERIMENTS])}")
     if experiment.model != kind:
         raise UsageError(f"experiment {name!r} is {experiment.model}, the column is {kind}")
     return experiment

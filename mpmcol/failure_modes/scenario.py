@@ -62,10 +62,6 @@ class Scene:
     slow: bool = False  # takes more than some seconds
     axes: tuple[str, str] | None = None  # of the chart, where the trials give curves
 
-    def answers_to(self, name: str) -> bool:
-        """Whether it is called that or belongs to that group."""
-        return self.name == name or self.name.startswith(f"{name}-")
-
     @property
     def is_gap(self) -> bool:
         """Whether what a case does by default is known to fail here."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from difflib import get_close_matches
 from itertools import islice
 from pathlib import Path
 from typing import Any, TypeVar
@@ -15,6 +14,7 @@ from mpmcol.case.fields import shortened
 from mpmcol.case.problem import MOST_SHOWN
 from mpmcol.case.source import Source, read_source, shipped_cases
 from mpmcol.errors import UsageError
+from mpmcol.selection import suggestion
 
 Value = str | bool | float
 
@@ -46,9 +46,7 @@ def load_definition(source: str, shipped: Mapping[str, Path], kind: str, model: 
     """
     path = shipped.get(source, Path(source))
     if not os.path.exists(path):  # unlike Path.exists it is never upset by an impossible name
-        near = get_close_matches(source, shipped, n=1)
-        hint = f"did you mean {near[0]!r}?" if near else f"shipped: {', '.join(shipped)}"
-        raise UsageError(f"{shortened(source, 200)}: no such {kind}; {hint}")
+        raise UsageError(f"{shortened(source, 200)}: no such {kind}; {suggestion(source, shipped)}")
     content = read_source(shortened(str(path), 200), path)
     try:
         return model.model_validate(content.tables)

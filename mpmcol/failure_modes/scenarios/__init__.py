@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from difflib import get_close_matches
 from importlib import import_module
 
-from mpmcol.errors import UsageError
 from mpmcol.failure_modes.scenario import Scene
+from mpmcol.selection import select
 
 FAMILIES = (
     "time_step",
@@ -35,9 +34,4 @@ def choose(names: Sequence[str]) -> list[Scene]:
 
     Raises UsageError for a name that means none.
     """
-    for name in names:
-        if not any(scene.answers_to(name) for scene in SCENES.values()):
-            near = get_close_matches(name, SCENES, n=1)
-            hint = f"did you mean {near[0]!r}?" if near else "mpmcol stability --list names them"
-            raise UsageError(f"no scene is called {name!r}; {hint}")
-    return [scene for scene in SCENES.values() if not names or any(scene.answers_to(name) for name in names)]
+    return select(list(SCENES.values()), names, "scenario")

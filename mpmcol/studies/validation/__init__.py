@@ -9,10 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 from pathlib import Path
 
-from mpmcol.errors import UsageError
+from mpmcol.selection import select
 from mpmcol.studies.runs import Found, carry_out_members
 from mpmcol.studies.validation.check import Check, Judgement, judge
 from mpmcol.studies.validation.checks import CHECKS
@@ -43,13 +42,7 @@ def choose(names: Sequence[str]) -> list[Check]:
 
     Raises UsageError for a name that means none.
     """
-    for name in names:
-        if not any(check.answers_to(name) for check in CHECKS):
-            known = [check.name for check in CHECKS]
-            near = get_close_matches(name, known, n=1)
-            hint = f"did you mean {near[0]!r}?" if near else f"known: {', '.join(known)}"
-            raise UsageError(f"no check is called {name!r}; {hint}")
-    return [check for check in CHECKS if not names or any(check.answers_to(name) for name in names)]
+    return select(CHECKS, names, "check")
 
 
 def validate(

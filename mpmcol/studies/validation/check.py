@@ -66,10 +66,6 @@ class Check:
     controls: Mapping[str, Column]  # what is wrong with them -> columns whose number must lie outside the band
     draw: Callable[[Path, Finished, float], object] | None = None  # of the first run, to a file, with the band's width
 
-    def answers_to(self, name: str) -> bool:
-        """Whether it is called that or belongs to that group."""
-        return self.name == name or self.name.startswith(f"{name}-")
-
     def members(self, quick: bool) -> list[Member]:
         """All runs; a control is run once, since it is to be far off."""
         controls = [member for column in self.controls.values() for member in column.members(quick, repeated=False)]
