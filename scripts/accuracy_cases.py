@@ -23,8 +23,8 @@ from mpmcol.errors import UsageError
 from mpmcol.studies.pareto.certify import Certified, certify
 from mpmcol.studies.pareto.recommend import Advice, advise, as_overrides, options, values_for
 from mpmcol.studies.pareto.shipped import QUANTITIES
-from mpmcol.sweep.runner import conduct
-from mpmcol.sweep.runs import Point, make_point
+from mpmcol.sweep.runner import run_sweep
+from mpmcol.sweep.runs import PlannedRun, plan_run
 from mpmcol.sweep.table import make_rows
 from mpmcol.units import to_unit
 
@@ -90,7 +90,7 @@ def check(column: Column, advice: Advice, out: Path, jobs: int | None) -> Checke
     first = next(row for row in make_rows(outcomes) if row["cells"] == advice.cells)
     fine = FINE if column.a < TALL else FINE_TALL
     points = [_reference(column, family, cells, folder / "reference") for family, cells in fine.items()]
-    rows = make_rows(conduct(points, folder / "reference", jobs, 1))
+    rows = make_rows(run_sweep(points, folder / "reference", jobs, 1))
     reference = {quantity: (rows[0][quantity] + rows[1][quantity]) / 2.0 for quantity in QUANTITIES}
     return Checked(
         {quantity: first[quantity] / reference[quantity] - 1.0 for quantity in QUANTITIES},
@@ -99,10 +99,10 @@ def check(column: Column, advice: Advice, out: Path, jobs: int | None) -> Checke
     )
 
 
-def _reference(column: Column, family: str, cells: float, out: Path) -> Point:
+def _reference(column: Column, family: str, cells: float, out: Path) -> PlannedRun:
     base = load_case(column.source, column.overrides)
     asked = [*column.overrides, *as_overrides(values_for(base, family, cells))]
-    return make_point(load_case(column.source, asked), out, {"cells": cells}, f"{cells:g}")
+    return plan_run(load_case(column.source, asked), out, {"cells": cells}, f"{cells:g}")
 
 
 def _holds(bar: Certified, reference: float) -> bool:

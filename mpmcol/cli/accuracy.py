@@ -61,7 +61,7 @@ def certified(
     from mpmcol.sweep.engine import exit_code
 
     with Display(out, quiet or as_json) as display:
-        outcomes, quantities = certify(case, overrides, advice, out, threads=threads, watcher=display)
+        outcomes, quantities = certify(case, overrides, advice, out, threads=threads, observer=display)
     if as_json:
         click.echo(json.dumps({one.quantity: vars(one) for one in quantities}))
     elif not quiet:

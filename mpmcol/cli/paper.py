@@ -45,5 +45,5 @@ def paper(
     if not quiet:
         click.echo(f"in {folder}: {', '.join(path.name for path in files)}")
     # without opening strain runs diverge, as `factors` shows
-    broken = [one for one in outcomes if one.status != "failed" or one.point.case.method.opening_strain]
+    broken = [one for one in outcomes if one.status != "failed" or one.run.case.method.opening_strain]
     click.get_current_context().exit(exit_code(broken))

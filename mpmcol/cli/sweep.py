@@ -12,7 +12,7 @@ from mpmcol.cli.duration import duration
 from mpmcol.cli.option_types import JOBS, THREADS
 
 if TYPE_CHECKING:
-    from mpmcol.sweep.runs import Point
+    from mpmcol.sweep.runs import PlannedRun
 
 
 @click.command()
@@ -59,11 +59,11 @@ def sweep(
     if engine == "commands" and to_json:
         raise click.UsageError("--json tells what the points became, and --engine commands runs none; leave one out")
     from mpmcol.sweep.axes import parse_axes
-    from mpmcol.sweep.runs import plan_points
+    from mpmcol.sweep.runs import plan_runs
 
     axes, problems = parse_axes(aspect, settings)
     folder = out or _default_folder(case, settings, zipped)
-    points = plan_points(case, axes, folder, zipped, problems)
+    points = plan_runs(case, axes, folder, zipped, problems)
     if dry_run:
         _print_forecast(points, jobs, threads, to_json)
     elif engine == "commands":
@@ -79,7 +79,7 @@ def _default_folder(case: str, settings: tuple[str, ...], zipped: bool) -> Path:
 
 
 def _run(
-    points: list[Point],
+    points: list[PlannedRun],
     out: Path,
     jobs: int | None,
     threads: int | None,
@@ -90,15 +90,15 @@ def _run(
     from mpmcol.cli.sweep_display import Display, as_record, closing_lines, failures
     from mpmcol.sweep.engine import exit_code
     from mpmcol.sweep.plan import as_json
-    from mpmcol.sweep.report import publish
-    from mpmcol.sweep.runner import conduct
+    from mpmcol.sweep.report import write_report
+    from mpmcol.sweep.runner import run_sweep
     from mpmcol.sweep.runs import notes
 
     with Display(out, quiet) as display:
         for note in notes(points):
             display.say(f"note: {note}")
-        outcomes = conduct(points, out, jobs, threads, scheduler, display)
-    published = publish(outcomes, out)
+        outcomes = run_sweep(points, out, jobs, threads, scheduler, display)
+    published = write_report(outcomes, out)
     if to_json:
         click.echo(as_json(as_record(published)))
     elif quiet:
@@ -109,16 +109,16 @@ def _run(
     click.get_current_context().exit(exit_code(outcomes))
 
 
-def _print_forecast(points: list[Point], jobs: int | None, threads: int | None, to_json: bool) -> None:
+def _print_forecast(points: list[PlannedRun], jobs: int | None, threads: int | None, to_json: bool) -> None:
     from mpmcol.sweep.forecast import forecast
     from mpmcol.sweep.plan import as_json
     from mpmcol.sweep.runner import introduce, todo
     from mpmcol.sweep.runs import notes
-    from mpmcol.sweep.scheduling import choose_shares, finish
+    from mpmcol.sweep.scheduling import allocate, finish
 
     click.echo("measuring the pace of this machine (about a second, more if kernels must be compiled) ...", err=True)
     left = todo(points)
-    shares = choose_shares(left or points, jobs, threads)
+    shares = allocate(left or points, jobs, threads)
     seconds = dict(zip((point.folder for point in left), forecast(left, shares.threads), strict=True))
     total = finish(list(seconds.values()), shares.jobs)
     rows: list[dict[str, Any]] = [
@@ -139,18 +139,18 @@ def _print_forecast(points: list[Point], jobs: int | None, threads: int | None, 
     click.echo(f"about {duration(total)} in all; nothing was run" if left else "nothing was run")
 
 
-def _print_commands(points: list[Point], out: Path, threads: int | None, quiet: bool) -> None:
+def _print_commands(points: list[PlannedRun], out: Path, threads: int | None, quiet: bool) -> None:
     """The lines on stdout; all else on stderr, so that they can be piped."""
     from mpmcol.sweep.commands import SLURM_FILE, write_commands
     from mpmcol.sweep.plan import prepare_out, write_plan
     from mpmcol.sweep.runner import make_plan, todo
-    from mpmcol.sweep.scheduling import Shares
+    from mpmcol.sweep.scheduling import Allocation
 
     left = todo(points)
     if not left:
         click.echo("all points have ended; the same command without --engine makes table and charts", err=True)
         return
-    shares = Shares(len(left), threads or 1)
+    shares = Allocation(len(left), threads or 1)
     write_plan(prepare_out(out), make_plan(points, shares))
     click.echo("\n".join(write_commands(left, shares.threads, out)))
     if not quiet:

@@ -20,8 +20,8 @@ from mpmcol.measure import FRONTS
 from mpmcol.sweep.engine import Outcome
 from mpmcol.sweep.plan import Plan
 from mpmcol.sweep.progress import Part, Progress, share_done, time_left
-from mpmcol.sweep.report import Published
-from mpmcol.sweep.runner import Watcher
+from mpmcol.sweep.report import SweepReport
+from mpmcol.sweep.runner import SweepObserver
 from mpmcol.sweep.table import Row
 
 RECORD_SCHEMA = 1
@@ -32,7 +32,7 @@ SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGUSR1, signal.SIGHUP)  # a lo
 AT_ONCE = 2  # wishes
 
 
-class Display(Watcher):
+class Display(SweepObserver):
     """Messages on stderr: a bar if that is a terminal, otherwise a line for each point that ends."""
 
     def __init__(self, out: Path, quiet: bool) -> None:
@@ -72,10 +72,10 @@ class Display(Watcher):
 
     def ended(self, outcome: Outcome) -> None:
         """Tell of a point that has ended now; above a bar only if it went wrong."""
-        ending, parts = outcome.ending, self._parts()
-        if outcome.point.folder.name not in self._ended_before and (ending.status != "done" or not self.has_bar):
+        ending, parts = outcome.result, self._parts()
+        if outcome.run.folder.name not in self._ended_before and (ending.status != "done" or not self.has_bar):
             why = f": {ending.message}" if ending.message else ""
-            self.say(f"{outcome.point.name} {ending.status}{why} ({how_far(parts, self._jobs)})")
+            self.say(f"{outcome.run.name} {ending.status}{why} ({how_far(parts, self._jobs)})")
 
     def tick(self) -> None:
         """Look at the runs once a second and move the bar."""
@@ -103,7 +103,7 @@ def how_far(parts: list[Part], jobs: int) -> str:
     return f"{ended} of {len(parts)} points" + (f", about {duration(left)} left" if left else "")
 
 
-def as_record(published: Published) -> dict[str, Any]:
+def as_record(published: SweepReport) -> dict[str, Any]:
     """The sweep for JSON."""
     return {
         "schema": RECORD_SCHEMA,
@@ -114,7 +114,7 @@ def as_record(published: Published) -> dict[str, Any]:
     }
 
 
-def closing_lines(published: Published) -> Iterator[str]:
+def closing_lines(published: SweepReport) -> Iterator[str]:
     """Runout and height of every point beside the law, fitted slopes, what went wrong, and the files."""
     rows = published.rows
     names = [row["folder"].rpartition("-")[0] for row in rows]
@@ -129,7 +129,7 @@ def closing_lines(published: Published) -> Iterator[str]:
     yield f"in {published.folder}: " + ", ".join(path.name for path in published.files)
 
 
-def failures(published: Published) -> Iterator[str]:
+def failures(published: SweepReport) -> Iterator[str]:
     """A line for each point that is not done."""
     for row in published.rows:
         if row["status"] != "done":

@@ -10,9 +10,9 @@ from typing import Any
 from mpmcol.case import load_case
 from mpmcol.io.results import Results
 from mpmcol.io.run_status import read_status
-from mpmcol.sweep.engine import Outcome, run_points
-from mpmcol.sweep.runner import Watcher, conduct
-from mpmcol.sweep.runs import Point, make_point
+from mpmcol.sweep.engine import Outcome, execute_runs
+from mpmcol.sweep.runner import SweepObserver, run_sweep
+from mpmcol.sweep.runs import PlannedRun, plan_run
 from mpmcol.sweep.table import Row, make_rows
 
 # The front is chaotic: runs whose time steps differ by a hundredth are as good as independent.
@@ -30,7 +30,7 @@ class Member:
     h: float  # node spacing asked for, m
     settings: tuple[tuple[str, str], ...] = tuple(FEW.items())  # key of the case, value
 
-    def point(self, out: Path) -> Point:
+    def plan(self, out: Path) -> PlannedRun:
         """The run in a folder of `out`."""
         inputs: dict[str, Any] = {
             "case": self.case, "geometry.aspect": self.a, "grid.spacing": self.h, **dict(self.settings)
@@ -38,7 +38,7 @@ class Member:
         overrides = [f"{key}={value}" for key, value in list(inputs.items())[1:]]
         words = [f"{key.rpartition('.')[2]}-{value}" for key, value in self.settings if key != SNAPSHOTS]
         name = "-".join((self.case, f"a{self.a:g}", f"h{self.h * 1e3:g}mm", *words))
-        return make_point(load_case(self.case, overrides), out, inputs, name)
+        return plan_run(load_case(self.case, overrides), out, inputs, name)
 
 
 @dataclass(frozen=True)
@@ -69,25 +69,25 @@ def carry_out_members(
     out: Path,
     jobs: int | None = None,
     threads: int | None = None,
-    watcher: Watcher | None = None,
+    observer: SweepObserver | None = None,
 ) -> tuple[list[Outcome], Found]:
     """Run each member once, completing what the folder `out` holds; how the runs ended, and those that ended well."""
     needed = list(dict.fromkeys(members))
-    outcomes = conduct([member.point(out) for member in needed], out, jobs, threads, watcher=watcher)
+    outcomes = run_sweep([member.plan(out) for member in needed], out, jobs, threads, observer=observer)
     return outcomes, _finished(needed, outcomes)
 
 
 def find_members(members: Iterable[Member], out: Path) -> tuple[list[Outcome], Found]:
     """As `carry_out_members`, but nothing is run: those that have ended in the folder `out`."""
-    points = {member: member.point(out) for member in members}
+    points = {member: member.plan(out) for member in members}
     ended = {member: point for member, point in points.items() if read_status(point.folder).has_ended}
-    outcomes = list(run_points(list(ended.values())))
+    outcomes = list(execute_runs(list(ended.values())))
     return outcomes, _finished(list(ended), outcomes)
 
 
 def _finished(members: Sequence[Member], outcomes: Sequence[Outcome]) -> Found:
     return {
-        member: Finished(row, outcome.point.folder)
+        member: Finished(row, outcome.run.folder)
         for member, outcome, row in zip(members, outcomes, make_rows(outcomes), strict=True)
         if outcome.status == "done"
     }

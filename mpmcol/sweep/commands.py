@@ -9,7 +9,7 @@ from math import ceil
 from pathlib import Path
 
 from mpmcol.io.atomic import atomic_write
-from mpmcol.sweep.runs import Point, freeze
+from mpmcol.sweep.runs import PlannedRun, freeze
 from mpmcol.sweep.scheduling import BYTES_OF_PROCESS
 from mpmcol.sweep.task import run_command
 
@@ -28,7 +28,7 @@ eval "$(sed -n "${{SLURM_ARRAY_TASK_ID}}p" {quoted})"
 """
 
 
-def write_commands(points: Sequence[Point], threads: int, out: Path) -> list[str]:
+def write_commands(points: Sequence[PlannedRun], threads: int, out: Path) -> list[str]:
     """Freeze the cases of the points, write commands.sh and slurm.sh into the folder, and return the shell lines.
 
     The lines name the interpreter and the folders in full and the resolved cases, so that they can be run from

@@ -7,17 +7,17 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from mpmcol.sweep.runs import Point
+    from mpmcol.sweep.runs import PlannedRun
 
 
-def kernels_of(point: Point) -> tuple[object, ...]:
+def kernels_of(point: PlannedRun) -> tuple[object, ...]:
     """What decides which kernels a run needs: points of equal value share them."""
     case, method = point.case, point.case.method
     scheme = method.basis, method.stress_order, method.transfer == "apic"
     return case.geometry.dimension, case.material.law, case.stages.equilibrate.law, *scheme
 
 
-def smallest_of_each(points: Sequence[Point]) -> list[Point]:
+def smallest_of_each(points: Sequence[PlannedRun]) -> list[PlannedRun]:
     """The least point for each set of kernels."""
     by_kernels = {kernels_of(point): point for point in sorted(points, key=lambda point: point.work, reverse=True)}
     return list(by_kernels.values())

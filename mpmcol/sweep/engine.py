@@ -14,9 +14,9 @@ from mpmcol.errors import Interrupted, MpmcolError, NumericalFailure, OutputErro
 from mpmcol.io.run_status import read_status
 from mpmcol.provenance import code_version
 from mpmcol.sweep.compile_cache import smallest_of_each
-from mpmcol.sweep.runs import Point, freeze
-from mpmcol.sweep.scheduling import Shares, choose_shares
-from mpmcol.sweep.task import Ending, Halt, Task, carry_out
+from mpmcol.sweep.runs import PlannedRun, freeze
+from mpmcol.sweep.scheduling import Allocation, allocate
+from mpmcol.sweep.task import Halt, Task, TaskResult, carry_out
 
 TICK = 0.25  # s
 
@@ -26,15 +26,15 @@ Tick = Callable[[], None]
 
 @dataclass(frozen=True)
 class Outcome:
-    """A point and how it ended."""
+    """A planned run and how it ended."""
 
-    point: Point
-    ending: Ending
+    run: PlannedRun
+    result: TaskResult
 
     @property
     def status(self) -> str:
-        """See `Ending`."""
-        return self.ending.status
+        """See `TaskResult`."""
+        return self.result.status
 
 
 @dataclass(frozen=True)
@@ -47,9 +47,9 @@ class Pool:
     stop: Callable[[int], None]
 
 
-def run_points(
-    points: Sequence[Point],
-    shares: Shares | None = None,
+def execute_runs(
+    points: Sequence[PlannedRun],
+    shares: Allocation | None = None,
     *,
     pool: Pool | None = None,
     say: Say = lambda line: None,
@@ -61,7 +61,7 @@ def run_points(
     ended in good order, and at once at a second Ctrl-C: use `contextlib.closing` where the loop may be left early.
 
     Args:
-        points: made by `plan_points` or `make_point`.
+        points: made by `plan_runs` or `plan_run`.
         shares: points at a time and threads of each (default: chosen from the sizes).
         pool: where to run (default: processes on this machine); see `mpmcol.sweep.dask_engine`.
         say: is told what happens, in one line.
@@ -76,7 +76,7 @@ def run_points(
             left.append(point)
     if not left:
         return
-    shares = shares or choose_shares(left)
+    shares = shares or allocate(left)
     if pool is None and min(shares.jobs, len(left)) > 1:
         say("compiling kernels where they are not kept from before ...")
         _compile(left)
@@ -86,7 +86,7 @@ def run_points(
 
 def exit_code(outcomes: Sequence[Outcome]) -> int:
     """Of a sweep, the first that is true of a point: 75 halted, 5 files, 3 diverged, 2 refused, 1 else; 0 all done."""
-    codes = {outcome.ending.exit_code for outcome in outcomes if outcome.status != "done"}
+    codes = {outcome.result.exit_code for outcome in outcomes if outcome.status != "done"}
     known = (Interrupted.exit_code, OutputError.exit_code, NumericalFailure.exit_code, UsageError.exit_code)
     return next((code for code in known if code in codes), 1) if codes else 0
 
@@ -110,9 +110,9 @@ def local_pool(jobs: int) -> Iterator[Pool]:
         yield Pool(executor, jobs, lambda: urgency[0], stop)
 
 
-def _carry_out_all(points: Sequence[Point], threads: int, pool: Pool, say: Say, tick: Tick) -> Iterator[Outcome]:
+def _carry_out_all(points: Sequence[PlannedRun], threads: int, pool: Pool, say: Say, tick: Tick) -> Iterator[Outcome]:
     ordered = sorted(points, key=lambda point: point.work, reverse=True)
-    pending: dict[Future[Ending], Point] = {}
+    pending: dict[Future[TaskResult], PlannedRun] = {}
     for point in ordered:
         task = Task(point.folder.resolve(), threads, code_version())
         pending[pool.executor.submit(carry_out, task, pool.halt)] = point
@@ -127,17 +127,17 @@ def _carry_out_all(points: Sequence[Point], threads: int, pool: Pool, say: Say, 
             _halt(pending, pool, say)
 
 
-def _ending(future: Future[Ending]) -> Ending:
+def _ending(future: Future[TaskResult]) -> TaskResult:
     """The task's own, or one that tells why there is none, such as workers that died."""
     try:
         return future.result()
     except CancelledError:
-        return Ending("broken", 1, 1, "the scheduler has dropped it")
+        return TaskResult("error", 1, 1, "the scheduler has dropped it")
     except Exception as error:
-        return Ending("broken", 1, 1, f"{type(error).__name__}: {error}")
+        return TaskResult("error", 1, 1, f"{type(error).__name__}: {error}")
 
 
-def _halt(pending: dict[Future[Ending], Point], pool: Pool, say: Say) -> None:
+def _halt(pending: dict[Future[TaskResult], PlannedRun], pool: Pool, say: Say) -> None:
     """End all runs and wait for them; KeyboardInterrupt ends them at once."""
     say("ending the runs (Ctrl-C again: at once) ...")
     pool.stop(1)
@@ -149,7 +149,7 @@ def _halt(pending: dict[Future[Ending], Point], pool: Pool, say: Say) -> None:
     pool.stop(0)
 
 
-def _compile(points: Sequence[Point]) -> None:
+def _compile(points: Sequence[PlannedRun]) -> None:
     """Compile what the points need once, in a process that is left behind; what goes wrong there, the runs tell."""
     cases = [str(freeze(point)) for point in smallest_of_each(points)]
     command = [sys.executable, "-m", "mpmcol.sweep.compile_cache", *cases]

@@ -17,7 +17,7 @@ PLAN_SCHEMA = 1
 
 
 @dataclass(frozen=True)
-class Planned:
+class PlanEntry:
     """A point as the plan keeps it."""
 
     folder: str  # inside the sweep's
@@ -34,7 +34,7 @@ class Plan:
     version: str
     jobs: int
     threads: int
-    points: tuple[Planned, ...]
+    points: tuple[PlanEntry, ...]
 
 
 def as_json(value: Any) -> str:
@@ -57,7 +57,7 @@ def read_plan(out: Path) -> Plan:
         content = json.loads(path.read_bytes())
         if content.pop("schema") != PLAN_SCHEMA:
             raise ValueError("it is of another version of mpmcol")
-        content["points"] = tuple(Planned(**point) for point in content["points"])
+        content["points"] = tuple(PlanEntry(**point) for point in content["points"])
         return Plan(**content)
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise OutputError(f"{path} cannot be read ({error}); run the sweep again") from None

@@ -9,7 +9,7 @@ from pathlib import Path
 from mpmcol.errors import OutputError
 from mpmcol.io.names import CASE_FILE, GIVEN_CASE_FILE
 from mpmcol.io.run_status import RunStatus, read_status, running_for, time_reached
-from mpmcol.sweep.plan import PLAN_FILE, Plan, Planned, read_plan
+from mpmcol.sweep.plan import PLAN_FILE, Plan, PlanEntry, read_plan
 
 MOST_SHARE = 0.95  # a run that takes longer than usual is never told as over
 
@@ -18,7 +18,7 @@ MOST_SHARE = 0.95  # a run that takes longer than usual is never told as over
 class Part:
     """A point on its way."""
 
-    point: Planned
+    point: PlanEntry
     state: RunStatus
     share: float  # of its work that is done
     seconds: float  # that it took so far
@@ -41,7 +41,7 @@ class Progress:
         """Every point as it is now."""
         return [self._ended.get(point.folder) or self._look(point) for point in self.plan.points]
 
-    def _look(self, point: Planned) -> Part:
+    def _look(self, point: PlanEntry) -> Part:
         folder = self.out / point.folder
         state = read_status(folder)
         if state.has_ended:
@@ -64,10 +64,10 @@ def plan_of(folder: Path) -> tuple[Plan, Path]:
     if case is None:
         raise OutputError(f"{folder}: neither the folder of a sweep ({PLAN_FILE}) nor of a run ({CASE_FILE})")
     from mpmcol.case import load_case
-    from mpmcol.sweep.runs import Point
+    from mpmcol.sweep.runs import PlannedRun
 
-    point = Point({}, load_case(case), folder.resolve())
-    run = Planned(point.folder.name, {}, point.work, point.end)
+    point = PlannedRun({}, load_case(case), folder.resolve())
+    run = PlanEntry(point.folder.name, {}, point.work, point.end)
     return Plan(point.case.title, "", 1, 1, (run,)), point.folder.parent
 
 

@@ -18,7 +18,7 @@ FRONT_OF_MANY = "zeta.front_connected"  # where several series share a chart, on
 
 
 @dataclass(frozen=True)
-class Published:
+class SweepReport:
     """Rows of all points, fitted slopes, and the files in the sweep's folder that hold them."""
 
     folder: Path
@@ -39,7 +39,7 @@ class Kind:
     slopes: list[Slope]
 
 
-def publish(outcomes: Sequence[Outcome], out: Path) -> Published:
+def write_report(outcomes: Sequence[Outcome], out: Path) -> SweepReport:
     """Write table.csv, table.h5, slopes.csv and the charts into the sweep's folder, unless they are as they should be.
 
     table.csv is written last: where it is right, the others are, too.
@@ -57,21 +57,21 @@ def publish(outcomes: Sequence[Outcome], out: Path) -> Published:
         for path, (quantity, kind) in charts.items():
             _draw(path, quantity, kind)
         atomic_write(out / CSV_FILE, text)
-    return Published(out, rows, slopes, files)
+    return SweepReport(out, rows, slopes, files)
 
 
 def _kinds(outcomes: Sequence[Outcome], rows: Sequence[Row]) -> list[Kind]:
     """The points that are done, by kind of column."""
     groups: dict[str, list[tuple[Outcome, Row]]] = {}
     for outcome, row in zip(outcomes, rows, strict=True):
-        geometry = outcome.point.case.geometry
+        geometry = outcome.run.case.geometry
         if outcome.status == "done":
             groups.setdefault(column_kind(geometry.model, geometry.section), []).append((outcome, row))
     return [_kind(name, group) for name, group in groups.items()]
 
 
 def _kind(name: str, group: list[tuple[Outcome, Row]]) -> Kind:
-    point, rows = group[0][0].point, [row for _, row in group]
+    point, rows = group[0][0].run, [row for _, row in group]
     geometry, keys = point.case.geometry, list(point.inputs)
     experiment = find_experiment(point.case.score.experiment, geometry.model, geometry.section)
     axis = choose_axis(rows, keys)

@@ -9,13 +9,13 @@ from pathlib import Path
 from mpmcol.io.run_status import read_status
 from mpmcol.provenance import code_version
 from mpmcol.sweep.dask_engine import dask_pool
-from mpmcol.sweep.engine import Outcome, run_points
-from mpmcol.sweep.plan import Plan, Planned, prepare_out, write_plan
-from mpmcol.sweep.runs import Point
-from mpmcol.sweep.scheduling import Shares, choose_shares, cores
+from mpmcol.sweep.engine import Outcome, execute_runs
+from mpmcol.sweep.plan import Plan, PlanEntry, prepare_out, write_plan
+from mpmcol.sweep.runs import PlannedRun
+from mpmcol.sweep.scheduling import Allocation, allocate, cores
 
 
-class Watcher:
+class SweepObserver:
     """Is told what happens; this one does nothing with it."""
 
     def say(self, line: str) -> None:
@@ -31,13 +31,13 @@ class Watcher:
         """Some time has gone by."""
 
 
-def conduct(
-    points: Sequence[Point],
+def run_sweep(
+    points: Sequence[PlannedRun],
     out: Path,
     jobs: int | None = None,
     threads: int | None = None,
     scheduler: str | None = None,
-    watcher: Watcher | None = None,
+    observer: SweepObserver | None = None,
 ) -> list[Outcome]:
     """Carry out all points in the folder `out`, on this machine or on the cluster of a dask scheduler.
 
@@ -45,35 +45,39 @@ def conduct(
     if nothing can be written there or no scheduler answers.
     """
     prepare_out(out)
-    watcher = watcher or Watcher()
+    observer = observer or SweepObserver()
     left = todo(points)
     with ExitStack() as stack:
         pool = stack.enter_context(dask_pool(scheduler, out)) if scheduler and left else None
-        shares = Shares(pool.slots, threads or 1) if pool else choose_shares(left or points, jobs, threads)
+        shares = Allocation(pool.slots, threads or 1) if pool else allocate(left or points, jobs, threads)
         plan = make_plan(points, shares)
         write_plan(out, plan)
-        watcher.begin(plan)
-        watcher.say(introduce(points, left, shares, scheduler))
-        runs = stack.enter_context(closing(run_points(points, shares, pool=pool, say=watcher.say, tick=watcher.tick)))
+        observer.begin(plan)
+        observer.say(introduce(points, left, shares, scheduler))
+        runs = stack.enter_context(
+            closing(execute_runs(points, shares, pool=pool, say=observer.say, tick=observer.tick))
+        )
         outcomes: dict[Path, Outcome] = {}
         for outcome in runs:
-            outcomes[outcome.point.folder] = outcome
-            watcher.ended(outcome)
+            outcomes[outcome.run.folder] = outcome
+            observer.ended(outcome)
     return [outcomes[point.folder] for point in points]
 
 
-def todo(points: Sequence[Point]) -> list[Point]:
+def todo(points: Sequence[PlannedRun]) -> list[PlannedRun]:
     """The points that have not ended yet."""
     return [point for point in points if not read_status(point.folder).has_ended]
 
 
-def make_plan(points: Sequence[Point], shares: Shares) -> Plan:
+def make_plan(points: Sequence[PlannedRun], shares: Allocation) -> Plan:
     """What the sweep's folder keeps of the points."""
-    kept = tuple(Planned(point.folder.name, point.inputs, point.work, point.end) for point in points)
+    kept = tuple(PlanEntry(point.folder.name, point.inputs, point.work, point.end) for point in points)
     return Plan(points[0].case.title, code_version(), shares.jobs, shares.threads, kept)
 
 
-def introduce(points: Sequence[Point], left: Sequence[Point], shares: Shares, scheduler: str | None = None) -> str:
+def introduce(
+    points: Sequence[PlannedRun], left: Sequence[PlannedRun], shares: Allocation, scheduler: str | None = None
+) -> str:
     """One line: how many points there are, and how they will be run."""
     ended = len(points) - len(left)
     told = f"{len(points)} point{'s' if len(points) > 1 else ''}" + (f", {ended} of them ended before" if ended else "")

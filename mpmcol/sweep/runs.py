@@ -32,7 +32,7 @@ Combination = tuple[tuple[str, str], ...]  # keys and the texts of their values
 
 
 @dataclass(frozen=True)
-class Point:
+class PlannedRun:
     """One simulation of a sweep and the folder of its run."""
 
     inputs: Mapping[str, Any]  # key of the case -> its value in this point; SI units, angles in degrees
@@ -67,7 +67,7 @@ class Point:
         return float(self.discretization.most_points * self.steps)
 
 
-def make_point(case: Case, out: Path, inputs: Mapping[str, Any], name: str) -> Point:
+def plan_run(case: Case, out: Path, inputs: Mapping[str, Any], name: str) -> PlannedRun:
     """A point whose run goes into the folder `out`/`name`-hash.
 
     The hash is of all that decides the results and the snapshots, and of the version of the code.
@@ -75,10 +75,10 @@ def make_point(case: Case, out: Path, inputs: Mapping[str, Any], name: str) -> P
     content = [case_hash(case), case.output.model_dump(mode="json"), code_version()]
     digest = hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:10]
     safe = re.sub(r"[^\w.+-]+", "_", name)[:LONGEST_NAME] or "point"
-    return Point(dict(inputs), case, out / f"{safe}-{digest}")
+    return PlannedRun(dict(inputs), case, out / f"{safe}-{digest}")
 
 
-def freeze(point: Point) -> Path:
+def freeze(point: PlannedRun) -> Path:
     """Write the point's resolved case into its folder, where it is not yet; returns the file.
 
     Later edits of the case file then change nothing.
@@ -89,9 +89,9 @@ def freeze(point: Point) -> Path:
     return path
 
 
-def plan_points(
+def plan_runs(
     source: str | Path, axes: Sequence[Axis], out: Path, zipped: bool = False, problems: Sequence[Problem] = ()
-) -> list[Point]:
+) -> list[PlannedRun]:
     """All combinations of the values of the axes (the product, the last axis fastest), or with `zipped` the first
     values of all axes, the second of all, and so on; an axis with one value goes with all.
 
@@ -105,7 +105,7 @@ def plan_points(
         found[str(wrong)] = Problem("the axes", None, "", str(wrong), "")
         combinations = [((axis.key, text),) for axis in axes for text in axis.values]  # to find what else is wrong
     names = short_names([axis.key for axis in axes if len(axis.values) > 1] or [axis.key for axis in axes])
-    points: list[Point] = []
+    points: list[PlannedRun] = []
     for combination in combinations:
         try:
             points.append(_checked(source, combination, out, names))
@@ -133,7 +133,7 @@ def combine(axes: Sequence[Axis], zipped: bool) -> list[Combination]:
     return [tuple(zip(lengths, values, strict=True)) for values in zip(*columns, strict=True)]
 
 
-def notes(points: Sequence[Point]) -> list[str]:
+def notes(points: Sequence[PlannedRun]) -> list[str]:
     """What was rounded to fit the grids of the points, each once, with the number of points that it is true for."""
     told = Counter(warning for point in points for warning in point.discretization.warnings)
     of = {count: "" if count == len(points) else f" ({count} of {len(points)} points)" for count in told.values()}
@@ -148,13 +148,13 @@ def short_names(keys: Iterable[str]) -> dict[str, str]:
     return {key: SHORT_NAMES.get(key, last[key] if shared[last[key]] == 1 else key) for key in keys}
 
 
-def _checked(source: str | Path, combination: Combination, out: Path, names: Mapping[str, str]) -> Point:
+def _checked(source: str | Path, combination: Combination, out: Path, names: Mapping[str, str]) -> PlannedRun:
     """The point of these values; CaseError if its case is wrong or does not fit."""
     case = load_case(source, [f"{key}={text}" for key, text in combination])
     leaves = leaf_values(case)
     inputs = {key: leaves.get(key, text) for key, text in combination}
     name = "-".join(_label(names[key], inputs[key]) for key, _ in combination if key in names)
-    point = make_point(case, out, inputs, name or Path(source).stem)
+    point = plan_run(case, out, inputs, name or Path(source).stem)
     try:
         require_memory_for(point.discretization)
     except UsageError as error:
@@ -167,9 +167,9 @@ def _label(name: str, value: Any) -> str:
     return f"{name}{value:.12g}" if is_number else f"{name}-{value}"
 
 
-def _twins(points: Sequence[Point]) -> list[Problem]:
+def _twins(points: Sequence[PlannedRun]) -> list[Problem]:
     """Points that are one and the same simulation."""
-    seen: dict[str, Point] = {}
+    seen: dict[str, PlannedRun] = {}
     problems = []
     for point in points:
         digest = point.folder.name.rpartition("-")[2]

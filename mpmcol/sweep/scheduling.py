@@ -7,7 +7,7 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from mpmcol.sweep.runs import Point
+from mpmcol.sweep.runs import PlannedRun
 
 POINTS_PER_THREAD = 10_000  # with fewer a further thread gains nothing
 GAIN = 0.9  # threads are as fast as threads**GAIN
@@ -16,7 +16,7 @@ BYTES_OF_PROCESS = 250e6  # interpreter, compiler and kernels
 
 
 @dataclass(frozen=True)
-class Shares:
+class Allocation:
     """Points at a time and threads of each."""
 
     jobs: int
@@ -32,13 +32,13 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def choose_shares(
-    points: Sequence[Point],
+def allocate(
+    points: Sequence[PlannedRun],
     jobs: int | None = None,
     threads: int | None = None,
     available: int | None = None,
     memory: float | None = None,
-) -> Shares:
+) -> Allocation:
     """The shares with which all points are done soonest, within the cores and the memory of the machine.
 
     Many small points run side by side with one thread each; few large ones, or one that is larger than all others
@@ -56,11 +56,11 @@ def choose_shares(
     for used in [threads] if threads else range(1, count + 1):
         side_by_side = jobs or max(min(count // used, len(points), _fitting(points, room)), 1)
         if jobs is None or threads is not None or used == 1 or jobs * used <= count:
-            choices.append(Shares(side_by_side, used))
+            choices.append(Allocation(side_by_side, used))
     return min(choices, key=lambda shares: (_duration(points, shares), shares.threads))
 
 
-def _fitting(points: Sequence[Point], room: float) -> int:
+def _fitting(points: Sequence[PlannedRun], room: float) -> int:
     """How many of the largest points fit into the memory together."""
     taken, fitting = 0.0, 0
     for size in sorted((point.discretization.memory_bytes + BYTES_OF_PROCESS for point in points), reverse=True):
@@ -77,7 +77,7 @@ def finish(durations: Sequence[float], jobs: int) -> float:
     return max(ends)
 
 
-def _duration(points: Sequence[Point], shares: Shares) -> float:
+def _duration(points: Sequence[PlannedRun], shares: Allocation) -> float:
     """When the last point ends, in units of work."""
     useful = (min(float(shares.threads), max(p.discretization.most_points / POINTS_PER_THREAD, 1.0)) for p in points)
     return finish([point.work / used**GAIN for point, used in zip(points, useful, strict=True)], shares.jobs)

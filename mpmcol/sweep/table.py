@@ -69,14 +69,14 @@ def write_hdf5(out: Path, rows: Sequence[Row], outcomes: Sequence[Outcome]) -> P
         for name in rows[0]:
             file[name] = _column([row[name] for row in rows])
             file[name].attrs["unit"] = unit_of(name)
-        file["case"] = [resolved_toml(outcome.point.case) for outcome in outcomes]
+        file["case"] = [resolved_toml(outcome.run.case) for outcome in outcomes]
         atomic_write(out / HDF5_FILE, image(file))
     return out / HDF5_FILE
 
 
 def _parts(outcome: Outcome) -> tuple[Row, ...]:
     """The row in parts: inputs, scene, measurements, laws, errors, cost, versions, how it ended."""
-    point, ending = outcome.point, outcome.ending
+    point, ending = outcome.run, outcome.result
     geometry = point.case.geometry
     result = read_status(point.folder).result or {}
     measured = result if outcome.status == "done" else {}
@@ -97,7 +97,7 @@ def _parts(outcome: Outcome) -> tuple[Row, ...]:
 
 
 def _laws(outcome: Outcome) -> Row:
-    case = outcome.point.case
+    case = outcome.run.case
     geometry = case.geometry
     experiment = find_experiment(case.score.experiment, geometry.model, geometry.section)
     expected = {quantity: experiment.expected(quantity, geometry.a) for quantity in ("zeta", "beta")}

@@ -35,14 +35,14 @@ class Task:
 
 
 @dataclass(frozen=True)
-class Ending:
+class TaskResult:
     """How a task ended.
 
-    "done", "failed" (the simulation diverged), "broken" (anything else went wrong, as often as it was tried) or
-    "halted". `message` says why it is not done; `attempts` is 0 if the run had ended before.
+    "done", "failed" (the simulation diverged), "error" (anything else went wrong, as often as it was tried) or
+    "interrupted". `message` says why it is not done; `attempts` is 0 if the run had ended before.
     """
 
-    status: Literal["done", "failed", "broken", "halted"]
+    status: Literal["done", "failed", "error", "interrupted"]
     attempts: int = 0
     exit_code: int = 0
     message: str = ""
@@ -54,27 +54,29 @@ def run_command(folder: Path, threads: int, fresh: bool = False) -> list[str]:
     return [*words, "--threads", str(threads), *(["--fresh"] if fresh else [])]
 
 
-def carry_out(task: Task, halt: Halt = lambda: 0) -> Ending:
+def carry_out(task: Task, halt: Halt = lambda: 0) -> TaskResult:
     """Run a task until it is done, has diverged, or has gone wrong more than RETRIES times.
 
     A run that another process has in hand is waited for. A simulation that diverges is not tried again: it gives equal
     bits every time.
     """
     if code_version() != task.version:
-        return Ending("broken", 0, UsageError.exit_code, f"this worker has mpmcol {code_version()}, not {task.version}")
+        return TaskResult(
+            "error", 0, UsageError.exit_code, f"this worker has mpmcol {code_version()}, not {task.version}"
+        )
     attempts, code = 0, 0
     while True:
         state = _when_free(task.folder, halt)
         if state.has_ended:
             return _ended(state, attempts)
         if halt():
-            return Ending("halted", attempts, Interrupted.exit_code)
+            return TaskResult("interrupted", attempts, Interrupted.exit_code)
         if attempts > RETRIES or code == UsageError.exit_code:
-            return Ending("broken", attempts, code, _why(task.folder, code, attempts))
+            return TaskResult("error", attempts, code, _why(task.folder, code, attempts))
         try:
             code = _attempt(task, state.name == "damaged", halt)
         except OSError as error:
-            return Ending("broken", attempts, OutputError.exit_code, f"it cannot be started: {error}")
+            return TaskResult("error", attempts, OutputError.exit_code, f"it cannot be started: {error}")
         attempts += 1
 
 
@@ -105,10 +107,10 @@ def _attempt(task: Task, fresh: bool, halt: Halt) -> int:
     return int(run.returncode)
 
 
-def _ended(state: RunStatus, attempts: int) -> Ending:
+def _ended(state: RunStatus, attempts: int) -> TaskResult:
     if state.name == "done":
-        return Ending("done", attempts)
-    return Ending("failed", attempts, NumericalFailure.exit_code, state.failure)
+        return TaskResult("done", attempts)
+    return TaskResult("failed", attempts, NumericalFailure.exit_code, state.failure)
 
 
 def _why(folder: Path, code: int, attempts: int) -> str:

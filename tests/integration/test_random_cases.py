@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from mpmcol.case import load_case
-from mpmcol.sweep.runs import Point
+from mpmcol.sweep.runs import PlannedRun
 from tests.soak.random_cases import PACE, SECONDS, draw_case, unsound
 
 
@@ -22,7 +22,7 @@ def test_draws_are_cheap_equal_and_of_all_kinds() -> None:
     assert len({case.material.law for case in cases}) == 3
     assert max(case.geometry.a for case in cases) > 5.0
     for case in cases:
-        assert Point({}, case, Path()).work * PACE[case.geometry.dimension] < SECONDS
+        assert PlannedRun({}, case, Path()).work * PACE[case.geometry.dimension] < SECONDS
 
 
 def result(**changes: Any) -> SimpleNamespace:

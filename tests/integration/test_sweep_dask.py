@@ -13,8 +13,8 @@ import pytest
 from mpmcol.errors import OutputError, UsageError
 from mpmcol.sweep.axes import parse_axes
 from mpmcol.sweep.dask_engine import FileHalt, dask_pool
-from mpmcol.sweep.runner import conduct
-from mpmcol.sweep.runs import Point, plan_points
+from mpmcol.sweep.runner import run_sweep
+from mpmcol.sweep.runs import PlannedRun, plan_runs
 
 distributed = pytest.importorskip("distributed")
 psutil = pytest.importorskip("psutil")
@@ -23,8 +23,8 @@ pytestmark = pytest.mark.filterwarnings("ignore")  # theirs are not ours to mend
 TINY = ("grid.spacing=0.0194", "stages.collapse.max_time_factor=0.5", "output.snapshots=40")
 
 
-def make_points(out: Path) -> list[Point]:
-    return plan_points("lube-cylinder", parse_axes("2,3,4", TINY)[0], out)
+def make_runs(out: Path) -> list[PlannedRun]:
+    return plan_runs("lube-cylinder", parse_axes("2,3,4", TINY)[0], out)
 
 
 def kill(cluster: distributed.LocalCluster, out: Path, killed: list[int]) -> None:
@@ -38,11 +38,11 @@ def kill(cluster: distributed.LocalCluster, out: Path, killed: list[int]) -> Non
 
 
 def test_workers_that_are_killed_lose_no_point(tmp_path: Path) -> None:
-    points, killed = make_points(tmp_path), []
+    points, killed = make_runs(tmp_path), []
     with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
         killer = threading.Thread(target=kill, args=(cluster, tmp_path, killed))
         killer.start()
-        outcomes = conduct(points, tmp_path, scheduler=cluster.scheduler_address)
+        outcomes = run_sweep(points, tmp_path, scheduler=cluster.scheduler_address)
         killer.join()
     assert len(killed) >= 4
     assert [outcome.status for outcome in outcomes] == ["done"] * 3

@@ -24,13 +24,13 @@ from mpmcol.provenance import code_version
 from mpmcol.sweep import engine, task
 from mpmcol.sweep.axes import parse_axes
 from mpmcol.sweep.compile_cache import smallest_of_each
-from mpmcol.sweep.engine import Outcome, exit_code, local_pool, run_points
-from mpmcol.sweep.plan import Plan, Planned, read_plan
+from mpmcol.sweep.engine import Outcome, execute_runs, exit_code, local_pool
+from mpmcol.sweep.plan import Plan, PlanEntry, read_plan
 from mpmcol.sweep.progress import Progress, counts, plan_of, share_done, time_left
-from mpmcol.sweep.runner import conduct, introduce
-from mpmcol.sweep.runs import Point, freeze, plan_points
-from mpmcol.sweep.scheduling import Shares
-from mpmcol.sweep.task import Ending, Task, carry_out, run_command
+from mpmcol.sweep.runner import introduce, run_sweep
+from mpmcol.sweep.runs import PlannedRun, freeze, plan_runs
+from mpmcol.sweep.scheduling import Allocation
+from mpmcol.sweep.task import Task, TaskResult, carry_out, run_command
 
 # What a run does, as far as the engine sees it: argv is the folder, then what is to happen
 RUN = """
@@ -87,15 +87,15 @@ def acts(monkeypatch: pytest.MonkeyPatch) -> Acts:
     return lambda **what: chosen.update(what)
 
 
-def make_points(out: Path, aspect: str = "1,2,3") -> list[Point]:
-    return plan_points("lube-cylinder", parse_axes(aspect, ["grid.spacing=0.02"])[0], out)
+def make_runs(out: Path, aspect: str = "1,2,3") -> list[PlannedRun]:
+    return plan_runs("lube-cylinder", parse_axes(aspect, ["grid.spacing=0.02"])[0], out)
 
 
 def endings(outcomes: list[Outcome]) -> dict[str, tuple[str, int]]:
-    return {outcome.point.name: (outcome.status, outcome.ending.attempts) for outcome in outcomes}
+    return {outcome.run.name: (outcome.status, outcome.result.attempts) for outcome in outcomes}
 
 
-def tries(point: Point) -> int:
+def tries(point: PlannedRun) -> int:
     path = point.folder / "tries"
     return int(path.read_text()) if path.exists() else 0
 
@@ -108,14 +108,14 @@ def await_(condition: Callable[[], bool]) -> None:
 
 
 def test_largest_first_one_at_a_time(tmp_path: Path, acts: Acts) -> None:
-    outcomes = list(run_points(make_points(tmp_path), Shares(1, 1)))
-    assert [outcome.point.name for outcome in outcomes] == ["a3", "a2", "a1"]
+    outcomes = list(execute_runs(make_runs(tmp_path), Allocation(1, 1)))
+    assert [outcome.run.name for outcome in outcomes] == ["a3", "a2", "a1"]
     assert exit_code(outcomes) == 0
 
 
 def test_as_many_at_a_time_as_were_asked_for(tmp_path: Path, acts: Acts) -> None:
     acts(a1="waits", a2="waits", a3="waits")
-    points = make_points(tmp_path)
+    points = make_runs(tmp_path)
     begun: list[int] = []
 
     def look() -> None:
@@ -124,15 +124,15 @@ def test_as_many_at_a_time_as_were_asked_for(tmp_path: Path, acts: Acts) -> None
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        list(run_points(points, Shares(2, 1), tick=look))
+        list(execute_runs(points, Allocation(2, 1), tick=look))
     assert max(begun) == 2
 
 
 def test_what_is_done_is_not_done_again(tmp_path: Path, acts: Acts) -> None:
-    points = make_points(tmp_path)
-    first = list(run_points(points, Shares(2, 1)))
+    points = make_runs(tmp_path)
+    first = list(execute_runs(points, Allocation(2, 1)))
     said: list[str] = []
-    second = list(run_points(points, Shares(2, 1), say=said.append))
+    second = list(execute_runs(points, Allocation(2, 1), say=said.append))
     assert [tries(point) for point in points] == [1, 1, 1]
     assert set(endings(first).values()) == {("done", 1)} and set(endings(second).values()) == {("done", 0)}
     assert said == []
@@ -140,12 +140,12 @@ def test_what_is_done_is_not_done_again(tmp_path: Path, acts: Acts) -> None:
 
 def test_no_point_that_goes_wrong_stops_the_others(tmp_path: Path, acts: Acts) -> None:
     acts(a1="killed", a2="diverges", a3="disk", a4="killed once")
-    points = make_points(tmp_path, "1,2,3,4,5")
-    outcomes = list(run_points(points, Shares(2, 1)))
+    points = make_runs(tmp_path, "1,2,3,4,5")
+    outcomes = list(execute_runs(points, Allocation(2, 1)))
     assert endings(outcomes) == {
-        "a1": ("broken", 3), "a2": ("failed", 1), "a3": ("broken", 3), "a4": ("done", 2), "a5": ("done", 1),
+        "a1": ("error", 3), "a2": ("failed", 1), "a3": ("error", 3), "a4": ("done", 2), "a5": ("done", 1),
     }  # fmt: skip
-    messages = {outcome.point.name: outcome.ending.message for outcome in outcomes}
+    messages = {outcome.run.name: outcome.result.message for outcome in outcomes}
     assert messages["a1"].startswith("killed by SIGKILL, 3 times (")
     assert messages["a2"] == "a point is too fast; lower time.cfl"
     assert messages["a3"].startswith("exit code 5, 3 times: result.json: cannot be written: No space left (")
@@ -154,9 +154,9 @@ def test_no_point_that_goes_wrong_stops_the_others(tmp_path: Path, acts: Acts) -
 
 def test_a_divergence_is_told_again_but_not_run_again(tmp_path: Path, acts: Acts) -> None:
     acts(a2="diverges")
-    points = make_points(tmp_path)
+    points = make_runs(tmp_path)
     for attempts in (1, 0):
-        outcomes = list(run_points(points, Shares(1, 1)))
+        outcomes = list(execute_runs(points, Allocation(1, 1)))
         assert endings(outcomes)["a2"] == ("failed", attempts)
         assert exit_code(outcomes) == 3
     assert tries(points[1]) == 1
@@ -164,21 +164,21 @@ def test_a_divergence_is_told_again_but_not_run_again(tmp_path: Path, acts: Acts
 
 def test_a_refusal_is_not_retried(tmp_path: Path, acts: Acts) -> None:
     acts(a1="refuses")
-    (outcome,) = run_points(make_points(tmp_path, "1"))
-    assert (outcome.status, outcome.ending.attempts) == ("broken", 1)
-    assert "it does not fit" in outcome.ending.message and exit_code([outcome]) == 2
+    (outcome,) = execute_runs(make_runs(tmp_path, "1"))
+    assert (outcome.status, outcome.result.attempts) == ("error", 1)
+    assert "it does not fit" in outcome.result.message and exit_code([outcome]) == 2
 
 
 @pytest.mark.parametrize(
     ("codes", "expected"), [([0], 0), ([0, 1], 1), ([-9], 1), ([1, 3], 3), ([3, 5], 5), ([5, 75], 75)]
 )
 def test_exit_codes(tmp_path: Path, codes: list[int], expected: int) -> None:
-    (point,) = make_points(tmp_path, "1")
-    assert exit_code([Outcome(point, Ending("broken" if code else "done", 1, code)) for code in codes]) == expected
+    (point,) = make_runs(tmp_path, "1")
+    assert exit_code([Outcome(point, TaskResult("error" if code else "done", 1, code)) for code in codes]) == expected
 
 
 def test_a_damaged_result_is_replaced(tmp_path: Path) -> None:
-    (point,) = make_points(tmp_path, "1")
+    (point,) = make_runs(tmp_path, "1")
     point.folder.mkdir()
     (point.folder / "result.json").write_text("{")
     assert read_status(point.folder).name == "damaged"
@@ -187,7 +187,7 @@ def test_a_damaged_result_is_replaced(tmp_path: Path) -> None:
 
 def test_interrupting_ends_the_runs_in_good_order(tmp_path: Path, acts: Acts) -> None:
     acts(a1="waits", a2="waits")
-    points = make_points(tmp_path, "1,2,3")
+    points = make_runs(tmp_path, "1,2,3")
     said: list[str] = []
 
     def interrupt() -> None:
@@ -195,7 +195,7 @@ def test_interrupting_ends_the_runs_in_good_order(tmp_path: Path, acts: Acts) ->
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        list(run_points(points, Shares(3, 1), say=said.append, tick=interrupt))
+        list(execute_runs(points, Allocation(3, 1), say=said.append, tick=interrupt))
     assert [read_status(point.folder).name for point in points] == ["stopped", "stopped", "done"]
     assert said[-1] == "ending the runs (Ctrl-C again: at once) ..."
 
@@ -203,8 +203,8 @@ def test_interrupting_ends_the_runs_in_good_order(tmp_path: Path, acts: Acts) ->
 def test_a_run_that_does_not_end_is_killed(tmp_path: Path, acts: Acts, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(task, "GRACE", 0.5)
     acts(a1="deaf")
-    (point,) = make_points(tmp_path, "1")
-    runs = run_points([point], Shares(1, 1), tick=lambda: None)
+    (point,) = make_runs(tmp_path, "1")
+    runs = execute_runs([point], Allocation(1, 1), tick=lambda: None)
     with closing(runs):
         threading.Timer(1.0, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
         with pytest.raises(KeyboardInterrupt):
@@ -214,15 +214,15 @@ def test_a_run_that_does_not_end_is_killed(tmp_path: Path, acts: Acts, monkeypat
 
 def test_leaving_the_loop_ends_the_runs(tmp_path: Path, acts: Acts) -> None:
     acts(a1="waits")
-    points = make_points(tmp_path)
-    with closing(run_points(points, Shares(3, 1))) as runs:
+    points = make_runs(tmp_path)
+    with closing(execute_runs(points, Allocation(3, 1))) as runs:
         next(runs)
         await_(lambda: (points[0].folder / "begun").exists())
     assert read_status(points[0].folder).name == "stopped"
 
 
 def test_a_run_in_other_hands_is_waited_for(tmp_path: Path, acts: Acts) -> None:
-    (point,) = make_points(tmp_path, "1")
+    (point,) = make_runs(tmp_path, "1")
     held = threading.Event()
 
     def other() -> None:
@@ -235,16 +235,16 @@ def test_a_run_in_other_hands_is_waited_for(tmp_path: Path, acts: Acts) -> None:
     thread.start()
     held.wait()
     assert read_status(point.folder).name == "running"
-    (outcome,) = run_points([point])
+    (outcome,) = execute_runs([point])
     thread.join()
-    assert (outcome.status, outcome.ending.attempts, tries(point)) == ("done", 0, 0)
+    assert (outcome.status, outcome.result.attempts, tries(point)) == ("done", 0, 0)
 
 
 def test_two_sweeps_in_one_folder_run_every_point_once(tmp_path: Path, acts: Acts) -> None:
-    points, found = make_points(tmp_path, "1,2,3,4,5,6"), []
+    points, found = make_runs(tmp_path, "1,2,3,4,5,6"), []
     for point in points:
         freeze(point)
-    sweeps = [threading.Thread(target=lambda: found.extend(run_points(points, Shares(2, 1)))) for _ in range(2)]
+    sweeps = [threading.Thread(target=lambda: found.extend(execute_runs(points, Allocation(2, 1)))) for _ in range(2)]
     for sweep in sweeps:
         sweep.start()
     for sweep in sweeps:
@@ -254,14 +254,14 @@ def test_two_sweeps_in_one_folder_run_every_point_once(tmp_path: Path, acts: Act
 
 
 def test_a_worker_with_other_code_runs_nothing(tmp_path: Path, acts: Acts) -> None:
-    (point,) = make_points(tmp_path, "1")
+    (point,) = make_runs(tmp_path, "1")
     ending = carry_out(Task(point.folder, 1, "0.0.0+12345678"))
-    assert (ending.status, ending.exit_code) == ("broken", 2)
+    assert (ending.status, ending.exit_code) == ("error", 2)
     assert f"this worker has mpmcol {code_version()}, not 0.0.0+12345678" in ending.message
 
 
 def test_an_executor_that_loses_a_task(tmp_path: Path, acts: Acts) -> None:
-    points = make_points(tmp_path)
+    points = make_runs(tmp_path)
     with local_pool(1) as pool:
 
         class Losing(type(pool.executor)):
@@ -271,40 +271,40 @@ def test_an_executor_that_loses_a_task(tmp_path: Path, acts: Acts) -> None:
                 return super().submit(function, given, *rest)
 
         with Losing(1) as executor:
-            outcomes = list(run_points(points, Shares(1, 1), pool=replace(pool, executor=executor)))
+            outcomes = list(execute_runs(points, Allocation(1, 1), pool=replace(pool, executor=executor)))
     assert {name: status for name, (status, _) in endings(outcomes).items()} == {
         "a1": "done",
-        "a2": "broken",
+        "a2": "error",
         "a3": "done",
     }
     assert (
         "ZeroDivisionError: division by zero"
-        in next(outcome for outcome in outcomes if outcome.status == "broken").ending.message
+        in next(outcome for outcome in outcomes if outcome.status == "error").result.message
     )
 
 
 def test_a_folder_that_cannot_be_written(tmp_path: Path, acts: Acts) -> None:
-    (point,) = make_points(tmp_path, "1")
+    (point,) = make_runs(tmp_path, "1")
     point.folder.write_text("a file is in the way")
     with pytest.raises(OutputError, match="file of that name is in the way"):
-        list(run_points([point]))
+        list(execute_runs([point]))
 
 
 def test_the_folder_says_what_it_is_doing(tmp_path: Path, acts: Acts) -> None:
     acts(a2="diverges")
-    points = make_points(tmp_path / "out")
-    assert introduce(points, points, Shares(2, 1)).startswith("3 points: 2 points at a time, 1 thread each, on ")
-    outcomes = conduct(points, tmp_path / "out", jobs=2)
-    assert [outcome.point.name for outcome in outcomes] == ["a1", "a2", "a3"]
+    points = make_runs(tmp_path / "out")
+    assert introduce(points, points, Allocation(2, 1)).startswith("3 points: 2 points at a time, 1 thread each, on ")
+    outcomes = run_sweep(points, tmp_path / "out", jobs=2)
+    assert [outcome.run.name for outcome in outcomes] == ["a1", "a2", "a3"]
     plan = read_plan(tmp_path / "out")
     assert (plan.version, plan.jobs, plan.points[2].inputs["geometry.aspect"]) == (code_version(), 2, 3.0)
     parts = Progress(tmp_path / "out", plan).parts()
     assert counts(parts) == {"done": 2, "failed": 1} and share_done(parts) == 1.0
-    assert introduce(points, [], Shares(2, 1)) == "3 points, 3 of them ended before: nothing to run"
+    assert introduce(points, [], Allocation(2, 1)) == "3 points, 3 of them ended before: nothing to run"
 
 
 def test_frozen_cases_are_what_runs(tmp_path: Path) -> None:
-    (point,) = make_points(tmp_path, "1")
+    (point,) = make_runs(tmp_path, "1")
     assert run_command(point.folder, 3)[3:] == [
         "run", str(point.folder / GIVEN_CASE_FILE), "--out", str(point.folder), "--threads", "3",
     ]  # fmt: skip
@@ -325,7 +325,7 @@ def test_time_left_is_told_by_the_pace_so_far(tmp_path: Path, monkeypatch: pytes
     write_run(tmp_path / "half", 0.5)
     write_run(tmp_path / "cut", None)
     write_run(tmp_path / "stopped", 0.7, '{"status": "stopped"}')
-    plan = Plan("", code_version(), 2, 1, tuple(Planned(name, {}, 100.0, 1.0) for name in names))
+    plan = Plan("", code_version(), 2, 1, tuple(PlanEntry(name, {}, 100.0, 1.0) for name in names))
     monkeypatch.setattr("mpmcol.sweep.progress.running_for", lambda folder: 4.0)
     with locked(tmp_path / "half"):
         parts = Progress(tmp_path, plan).parts()
@@ -350,11 +350,11 @@ def test_compiling_comes_before_the_first_runs(tmp_path: Path, monkeypatch: pyte
     monkeypatch.setattr(subprocess, "run", lambda command, **_: commands.append(command))
     monkeypatch.setattr(task, "run_command", lambda *_: [sys.executable, "-c", ""])
     monkeypatch.setattr(task, "RETRIES", 0)
-    points = plan_points(
+    points = plan_runs(
         "lube-cylinder", parse_axes("1,2", ["grid.spacing=0.02", "geometry.model=axisymmetric,plane"])[0], tmp_path
     )
-    list(run_points(points, Shares(2, 1)))
-    list(run_points(points, Shares(1, 1)))
+    list(execute_runs(points, Allocation(2, 1)))
+    list(execute_runs(points, Allocation(1, 1)))
     assert [command[1:3] for command in commands] == [["-m", "mpmcol.sweep.compile_cache"]]
     assert len(commands[0]) == 4 and "/a1-" in commands[0][3]  # both models share their kernels
 
@@ -369,7 +369,7 @@ def test_compiling_comes_before_the_first_runs(tmp_path: Path, monkeypatch: pyte
     ],
 )
 def test_schemes_have_kernels_of_their_own(axis: str, sets: int, tmp_path: Path) -> None:
-    points = plan_points("lube-cylinder", parse_axes("1", ["grid.spacing=0.02", axis])[0], tmp_path)
+    points = plan_runs("lube-cylinder", parse_axes("1", ["grid.spacing=0.02", axis])[0], tmp_path)
     assert len(smallest_of_each(points)) == sets
 
 

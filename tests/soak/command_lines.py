@@ -26,7 +26,7 @@ COUNT = 5_000
 LONGEST_PLAN = 10.0  # s of CPU: what is accepted may consist of hundreds of runs, whose cases are read
 CODES = (0, 2, 5)  # done, wrong command or case, unreadable or unwritable file
 BEGINNINGS = (
-    "mpmcol.setup.model.allocate_grid", "mpmcol.sweep.runner.run_points", "mpmcol.studies.runs.run_points",
+    "mpmcol.setup.model.allocate_grid", "mpmcol.sweep.runner.execute_runs", "mpmcol.studies.runs.execute_runs",
     "mpmcol.failure_modes.play", "mpmcol.studies.method_map.draw_map", "mpmcol.bench.measure.measure_scene",
 )  # fmt: skip
 NUMBERS = (

@@ -27,7 +27,7 @@ from mpmcol.experiments import expected_runout
 from mpmcol.io.results import Results
 from mpmcol.simulation.run import run
 from mpmcol.studies.definition import as_text
-from mpmcol.sweep.runs import Point
+from mpmcol.sweep.runs import PlannedRun
 
 COUNT = 1_000
 SECONDS = 3.0  # that a case may take on one core
@@ -65,7 +65,7 @@ def draw_case(draw: random.Random) -> tuple[Case, list[str]]:
         overrides = [f"{key}={as_text(value)}" for key, value in own.items()]
         if own["grid.spacing"] < own["geometry.aspect"] * RADIUS:
             case = load_case("quickstart", overrides)
-            if Point({}, case, Path()).work * PACE[case.geometry.dimension] < SECONDS:
+            if PlannedRun({}, case, Path()).work * PACE[case.geometry.dimension] < SECONDS:
                 return case, overrides
     raise AssertionError("unreachable")
 

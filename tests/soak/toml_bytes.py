@@ -57,7 +57,7 @@ def _texts() -> dict[str, bytes]:
 def _wrong_with_study(path: Path) -> str | None:
     try:
         for setting in islice(settings_of(load_study(str(path))), 3):
-            setting.members[0].point(path.parent)
+            setting.members[0].plan(path.parent)
     except CaseError as refused:
         return wrong_with_refusal(refused)
     except UsageError as refused:

@@ -19,7 +19,7 @@ from mpmcol.case import Case, Problem, case_hash, load_case, resolved_toml
 from mpmcol.errors import CaseError, UsageError
 from mpmcol.setup.discretization import Discretization, discretize, require_memory_for
 from mpmcol.setup.model import build_model
-from mpmcol.sweep.runs import Point
+from mpmcol.sweep.runs import PlannedRun
 
 LONGEST = 1.0  # s of CPU: of the wall's time other programs have a share
 PATIENCE = 120  # s of the wall, after which a trial hangs
@@ -90,7 +90,7 @@ def _wrong_with_problem(problem: Problem) -> str | None:
 
 
 def _wrong_with_case(case: Case, discretization: Discretization) -> str | None:
-    point = Point({}, case, Path())
+    point = PlannedRun({}, case, Path())
     sizes = (
         discretization.h,
         discretization.base + discretization.h,

@@ -16,7 +16,7 @@ from mpmcol.studies.method_map.report import write_report
 from mpmcol.studies.method_map.verdict import Judged, Reference, judge, make_reference
 from mpmcol.studies.runs import Found, Member, carry_out_members, find_members
 from mpmcol.sweep.engine import Outcome
-from mpmcol.sweep.runner import Watcher
+from mpmcol.sweep.runner import SweepObserver
 
 RUNS = "runs"
 
@@ -31,7 +31,7 @@ class Drawn:
 
 
 def draw_map(
-    map_: Map, out: Path, jobs: int | None = None, watcher: Watcher | None = None, report_only: bool = False
+    map_: Map, out: Path, jobs: int | None = None, observer: SweepObserver | None = None, report_only: bool = False
 ) -> Drawn:
     """Run what the map needs into `out`/runs, completing what is there, and write its report into `out`.
 
@@ -45,7 +45,7 @@ def draw_map(
     if report_only:
         outcomes, found = find_members(members, out / RUNS)
     else:
-        outcomes, found = carry_out_members(members, out / RUNS, jobs, 1, watcher)
+        outcomes, found = carry_out_members(members, out / RUNS, jobs, 1, observer)
     references = {name: _reference(name, own, finer, found, out) for name, (own, finer) in repeats.items()}
     judged = _judge_all(places, references, outcomes, found, out)
     return Drawn(outcomes, judged, write_report(map_, references, judged, out))
@@ -59,8 +59,8 @@ def _reference(name: str, own: Sequence[Member], finer: Sequence[Member], found:
 def _judge_all(
     places: Sequence[Place], references: dict[str, Reference], outcomes: Sequence[Outcome], found: Found, out: Path
 ) -> list[Judged]:
-    ended = {outcome.point.folder: outcome for outcome in outcomes}
+    ended = {outcome.run.folder: outcome for outcome in outcomes}
     return [
-        judge(place, ended.get(place.member.point(out / RUNS).folder), found.get(place.member), references[place.scene])
+        judge(place, ended.get(place.member.plan(out / RUNS).folder), found.get(place.member), references[place.scene])
         for place in places
     ]

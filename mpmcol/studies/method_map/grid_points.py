@@ -58,7 +58,7 @@ def _place(name: str, block: Block, scene: Scene, varied: Mapping[str, str]) -> 
     choices = {key: as_text(value) for key, value in block.set.items()} | dict(varied)
     try:
         member = _member(scene, scene.cells, choices)
-        _ = member.point(Path()).discretization  # refuses what fits no grid
+        _ = member.plan(Path()).discretization  # refuses what fits no grid
     except MpmcolError as error:
         told = ", ".join(f"{key} = {value}" for key, value in choices.items())
         raise UsageError(f"blocks.{name}, {told}:\n{error}") from None

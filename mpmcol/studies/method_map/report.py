@@ -34,10 +34,10 @@ def table_rows(judged: Sequence[Judged]) -> Iterator[Row]:
     keys = list(dict.fromkeys(key for one in judged for key in one.place.choices))
     for one in judged:
         place, verdict = one.place, one.verdict
-        values = leaf_values(place.member.point(Path()).case)
+        values = leaf_values(place.member.plan(Path()).case)
         row: Row = {"block": place.block, "panel": place.panel, "scene": place.scene}
         row |= {key: values[key] for key in keys} | {"default": place.is_default, "verdict": verdict.name}
         row |= {"beyond": " ".join(verdict.beyond), "cause": verdict.cause}
         row |= {f"{sign}.sign": verdict.signs.get(sign) for sign in FLOORS}
         row |= {name: one.run.row[name] if one.run else None for name in MEASURED}
-        yield row | {"folder": one.outcome.point.folder.name if one.outcome else None}
+        yield row | {"folder": one.outcome.run.folder.name if one.outcome else None}

@@ -153,8 +153,8 @@ def judge(place: Place, outcome: Outcome | None, run: Finished | None, reference
 
 def _cause(outcome: Outcome) -> str:
     """The cause that the run itself names, or how it ended."""
-    result = read_status(outcome.point.folder).result or {}
-    return str(result.get("failure", {}).get("cause") or outcome.ending.message)
+    result = read_status(outcome.run.folder).result or {}
+    return str(result.get("failure", {}).get("cause") or outcome.result.message)
 
 
 def _scalars(deposit: Measurement) -> tuple[float, float]:

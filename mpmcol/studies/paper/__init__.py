@@ -15,7 +15,7 @@ from mpmcol.studies.paper import factors, fig5, fig6, fig7, fig8, fig9
 from mpmcol.studies.paper.report import Report, write_report
 from mpmcol.studies.runs import carry_out_members
 from mpmcol.sweep.engine import Outcome, unsuccessful
-from mpmcol.sweep.runner import Watcher
+from mpmcol.sweep.runner import SweepObserver
 
 FIGURES: dict[str, ModuleType] = {
     "fig5": fig5, "fig6": fig6, "fig7": fig7, "fig8": fig8, "fig9": fig9, "factors": factors
@@ -29,14 +29,14 @@ def reproduce(
     out: Path,
     jobs: int | None = None,
     threads: int | None = None,
-    watcher: Watcher | None = None,
+    observer: SweepObserver | None = None,
 ) -> tuple[list[Outcome], dict[str, Report], list[Path]]:
     """Run what the figures need into `out`/runs, completing what is there, and write their reports into `out`.
 
     Returns how the runs ended, the report of each figure, and the files written.
     """
     needed = (member for name in names for member in FIGURES[name].members(quick))
-    outcomes, found = carry_out_members(needed, out / RUNS, jobs, threads, watcher)
+    outcomes, found = carry_out_members(needed, out / RUNS, jobs, threads, observer)
     if not found:
         raise unsuccessful(outcomes, f"no run of {', '.join(names)} ended well; mpmcol status {out / RUNS} says why")
     reports = {name: FIGURES[name].report(found, quick) for name in names}

@@ -18,7 +18,7 @@ from mpmcol.studies.pareto.score import Scored, score_study
 from mpmcol.studies.pareto.study import Study
 from mpmcol.studies.runs import carry_out_members, find_members
 from mpmcol.sweep.engine import Outcome, unsuccessful
-from mpmcol.sweep.runner import Watcher
+from mpmcol.sweep.runner import SweepObserver
 
 RUNS = "runs"
 
@@ -33,7 +33,7 @@ class Studied:
 
 
 def carry_out_study(
-    study: Study, out: Path, jobs: int | None = None, watcher: Watcher | None = None, report_only: bool = False
+    study: Study, out: Path, jobs: int | None = None, observer: SweepObserver | None = None, report_only: bool = False
 ) -> Studied:
     """Run what the study needs into `out`/runs, completing what is there, and write its report into `out`.
 
@@ -46,16 +46,16 @@ def carry_out_study(
     if report_only:
         outcomes, found = find_members(members, out / RUNS)
     else:
-        outcomes, found = carry_out_members(members, out / RUNS, jobs, 1, watcher)
+        outcomes, found = carry_out_members(members, out / RUNS, jobs, 1, observer)
     if not found and report_only:
         raise UsageError(f"no run of the study has ended in {out / RUNS}; leave --report-only out")
     if not found:
         raise unsuccessful(outcomes, f"no run of the study ended well; mpmcol status {out / RUNS} says why")
-    ended = {outcome.point.folder: outcome for outcome in outcomes}
+    ended = {outcome.run.folder: outcome for outcome in outcomes}
     failures = {
-        member: outcome.ending.message
+        member: outcome.result.message
         for member in members
-        if (outcome := ended.get(member.point(out / RUNS).folder)) and outcome.status != "done"
+        if (outcome := ended.get(member.plan(out / RUNS).folder)) and outcome.status != "done"
     }
     references, scored = score_study(study, settings, found, failures)
     return Studied(outcomes, scored, write_report(study, references, scored, out))
@@ -64,6 +64,6 @@ def carry_out_study(
 def _check(settings: Iterable[Setting], out: Path) -> None:
     for setting in settings:
         try:
-            setting.members[0].point(out)
+            setting.members[0].plan(out)
         except MpmcolError as error:
             raise UsageError(f"{setting}:\n{error}") from None

@@ -13,8 +13,8 @@ from mpmcol.case import load_case
 from mpmcol.studies.pareto.recommend import Advice
 from mpmcol.studies.runs import CFL_STEP
 from mpmcol.sweep.engine import Outcome, unsuccessful
-from mpmcol.sweep.runner import Watcher, conduct
-from mpmcol.sweep.runs import Point, make_point
+from mpmcol.sweep.runner import SweepObserver, run_sweep
+from mpmcol.sweep.runs import PlannedRun, plan_run
 from mpmcol.sweep.table import make_rows
 
 RUNS = 3  # at each spacing, with time steps a little apart
@@ -50,7 +50,7 @@ def certify(
     out: Path,
     jobs: int | None = None,
     threads: int | None = None,
-    watcher: Watcher | None = None,
+    observer: SweepObserver | None = None,
 ) -> tuple[list[Outcome], list[Certified]]:
     """Run a case as advised and at a coarser spacing into the folder `out`, some times each.
 
@@ -59,7 +59,7 @@ def certify(
     asked = [*overrides, *advice.overrides]
     coarse = max(round(advice.cells / RATIO), 2)
     levels = [_points(source, asked, cells, out) for cells in (coarse, advice.cells)]
-    outcomes = conduct([point for points in levels for point in points], out, jobs, threads, watcher=watcher)
+    outcomes = run_sweep([point for points in levels for point in points], out, jobs, threads, observer=observer)
     rows = [row for row in make_rows(outcomes) if row["status"] == "done"]
     values = {
         quantity: [[row[quantity] for row in rows if row["cells"] == cells] for cells in (coarse, advice.cells)]
@@ -92,11 +92,11 @@ def error_bar(
     return Certified(quantity, value, max(shown, known), change, scatter, known)
 
 
-def _points(source: str | Path, overrides: Sequence[str], cells: float, out: Path) -> list[Point]:
+def _points(source: str | Path, overrides: Sequence[str], cells: float, out: Path) -> list[PlannedRun]:
     base = load_case(source, overrides)
     points = []
     for i in range(RUNS):
         cfl = base.time.cfl * (1.0 - CFL_STEP * i)
         case = load_case(source, [*overrides, f"grid.spacing={base.geometry.r_i / cells:.9g}", f"time.cfl={cfl:.6g}"])
-        points.append(make_point(case, out, {"cells": cells, "time.cfl": cfl}, f"cells{cells:g}-cfl{cfl:.4g}"))
+        points.append(plan_run(case, out, {"cells": cells, "time.cfl": cfl}, f"cells{cells:g}-cfl{cfl:.4g}"))
     return points

@@ -13,7 +13,7 @@ from mpmcol.studies.definition import Value, as_text
 from mpmcol.studies.pareto.caveats import unlike
 from mpmcol.studies.pareto.configurations import overrides_of
 from mpmcol.studies.pareto.shipped import QUANTITIES, Row, place_of, scenes_around, shipped_rows, shipped_study
-from mpmcol.sweep.runs import Point
+from mpmcol.sweep.runs import PlannedRun
 
 POINTS_PER_CELL = 4  # of the study where a family says nothing else
 
@@ -88,7 +88,7 @@ def options(source: str | Path, overrides: Sequence[str]) -> Iterator[Advice]:
             pace = max(row.seconds_per_point_step for row in rows)
             known = [row.within for row in rows if row.within]
             within = {quantity: max(errors[quantity] for errors in known) for quantity in QUANTITIES}
-            cost = pace * Point({}, asked, Path()).work
+            cost = pace * PlannedRun({}, asked, Path()).work
             yield Advice(family, cells, values, within, scenes, cost, unlike(asked, family, scenes))
 
 

@@ -12,7 +12,7 @@ from mpmcol.studies.pareto.configurations import overrides_of
 from mpmcol.studies.pareto.recommend import POINTS_PER_CELL, as_overrides, options
 from mpmcol.studies.pareto.shipped import QUANTITIES, Place, Row, place_of, scenes_around, shipped_rows, shipped_study
 from mpmcol.studies.pareto.study import Value
-from mpmcol.sweep.runs import Point
+from mpmcol.sweep.runs import PlannedRun
 
 ROUNDING = 0.02  # values this near to each other are the same
 LEAST_SAVING = 0.05
@@ -67,7 +67,7 @@ def _core_seconds(case: Case) -> float:
     paces = [
         row.seconds_per_point_step for row in shipped_rows() if (row.family in solid) == (case.geometry.dimension == 3)
     ]
-    return Point({}, case, Path()).work * sorted(paces)[len(paces) // 2]
+    return PlannedRun({}, case, Path()).work * sorted(paces)[len(paces) // 2]
 
 
 def _is_solid(values: Values) -> bool:

@@ -17,7 +17,7 @@ from mpmcol.studies.validation.check import Check, Judgement, judge
 from mpmcol.studies.validation.checks import CHECKS
 from mpmcol.studies.validation.report import Other, other_laws, write_report
 from mpmcol.sweep.engine import Outcome, unsuccessful
-from mpmcol.sweep.runner import Watcher
+from mpmcol.sweep.runner import SweepObserver
 
 RUNS = "runs"
 
@@ -51,12 +51,12 @@ def validate(
     out: Path,
     jobs: int | None = None,
     threads: int | None = None,
-    watcher: Watcher | None = None,
+    observer: SweepObserver | None = None,
 ) -> Validation:
     """Run what the checks need into `out`/runs, completing what is there, and write tables and charts into `out`."""
     chosen = choose(names)
     needed = [member for check in chosen for member in check.members(quick)]
-    outcomes, found = carry_out_members(needed, out / RUNS, jobs, threads, watcher)
+    outcomes, found = carry_out_members(needed, out / RUNS, jobs, threads, observer)
     if not found:
         raise unsuccessful(outcomes, f"no run of the checks ended well; mpmcol status {out / RUNS} says why")
     judgements = [judge(check, found, quick) for check in chosen]

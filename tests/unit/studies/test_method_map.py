@@ -35,7 +35,7 @@ from mpmcol.studies.method_map.verdict import (
 )
 from mpmcol.studies.runs import with_settings
 from mpmcol.sweep.engine import Outcome
-from mpmcol.sweep.task import Ending
+from mpmcol.sweep.task import TaskResult
 
 TINY = """
 schema = 1
@@ -140,13 +140,13 @@ def test_every_run_of_the_own_method_stands() -> None:
 
 def test_a_place_whose_run_did_not_end_well_fails_with_its_cause(tmp_path: Path) -> None:
     place = planted("stands").place
-    point = place.member.point(tmp_path)
+    point = place.member.plan(tmp_path)
     point.folder.mkdir()
-    diverged = Outcome(point, Ending("failed", 1, 3, "a cause; a remedy"))
+    diverged = Outcome(point, TaskResult("failed", 1, 3, "a cause; a remedy"))
     assert judge(place, diverged, None, REFERENCE).verdict == Verdict("fails", {}, (), "a cause; a remedy")
     (point.folder / "result.json").write_text(json.dumps({"status": "failed", "failure": {"cause": "a cause"}}))
     assert judge(place, diverged, None, REFERENCE).verdict.cause == "a cause"
-    broken = Outcome(point, Ending("broken", 3, 1, "killed by SIGKILL, 3 times"))
+    broken = Outcome(point, TaskResult("error", 3, 1, "killed by SIGKILL, 3 times"))
     (point.folder / "result.json").unlink()
     assert judge(place, broken, None, REFERENCE).verdict.cause == "killed by SIGKILL, 3 times"
     assert judge(place, None, None, REFERENCE).verdict.name == "open"

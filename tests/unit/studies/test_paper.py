@@ -89,7 +89,7 @@ def test_tables_hold_all_rows() -> None:
 @pytest.mark.parametrize("name", FIGURES)
 def test_every_run_of_every_figure_can_be_planned(name: str, quick: bool, tmp_path: Path) -> None:
     members = FIGURES[name].members(quick)
-    folders = {member.point(tmp_path).folder for member in members}
+    folders = {member.plan(tmp_path).folder for member in members}
     assert len(folders) == len(set(members)) == len(members)
 
 
@@ -103,7 +103,7 @@ def test_figures_share_runs() -> None:
 def test_every_factor_changes_the_case(tmp_path: Path) -> None:
     softening = ("lube-channel-dense", 1.0, 0.0045)
     cases = [
-        factors._member(column, factor, "0.5").point(tmp_path).case
+        factors._member(column, factor, "0.5").plan(tmp_path).case
         for column in (factors.QUICK[0], softening)
         for factor in factors._factors(column)
     ]

@@ -160,7 +160,7 @@ def test_shipped_studies_hold_cases_that_are_right() -> None:
     assert set(shipped_studies()) == {"choices", "default", "quick"}
     for name in shipped_studies():
         members = {setting.members[0] for setting in settings_of(load_study(name))}
-        points = [member.point(Path("x")) for member in members]
+        points = [member.plan(Path("x")) for member in members]
         assert len({point.folder for point in points}) == len(points) > 10
 
 

@@ -133,7 +133,7 @@ def test_every_check_can_be_planned_and_says_where_it_is_from(quick: bool, tmp_p
     for one in CHECKS:
         assert one.controls and one.band.lo < one.band.hi and "doi:10." in one.band.source, one.name
         members = one.members(quick)
-        assert len({member.point(tmp_path).folder for member in members}) == len(set(members)) == len(members)
+        assert len({member.plan(tmp_path).folder for member in members}) == len(set(members)) == len(members)
 
 
 def test_groups_and_names() -> None:

@@ -12,16 +12,18 @@ from mpmcol.errors import CaseError
 from mpmcol.io.names import GIVEN_CASE_FILE
 from mpmcol.sweep import runs as module
 from mpmcol.sweep.axes import parse_axes
-from mpmcol.sweep.runs import Point, freeze, notes, plan_points
-from mpmcol.sweep.scheduling import Shares, choose_shares
+from mpmcol.sweep.runs import PlannedRun, freeze, notes, plan_runs
+from mpmcol.sweep.scheduling import Allocation, allocate
 from mpmcol.sweep.series import arrange, choose_axis
 
 OUT = Path("sweeps/x")
 
 
-def plan(*settings: str, aspect: str | None = None, zipped: bool = False, case: str = "lube-cylinder") -> list[Point]:
+def plan(
+    *settings: str, aspect: str | None = None, zipped: bool = False, case: str = "lube-cylinder"
+) -> list[PlannedRun]:
     axes, problems = parse_axes(aspect, settings)
-    return plan_points(case, axes, OUT, zipped, problems)
+    return plan_runs(case, axes, OUT, zipped, problems)
 
 
 def problems_of(*settings: str, **options) -> str:
@@ -65,7 +67,7 @@ def test_the_folder_is_that_of_case_and_code(monkeypatch: pytest.MonkeyPatch) ->
 
 
 def test_a_frozen_case_is_the_points(tmp_path: Path) -> None:
-    (point,) = plan_points("lube-cylinder", parse_axes("0.55", ["time.cfl=0.3"])[0], tmp_path)
+    (point,) = plan_runs("lube-cylinder", parse_axes("0.55", ["time.cfl=0.3"])[0], tmp_path)
     assert load_case(freeze(point)) == point.case
     (point.folder / GIVEN_CASE_FILE).write_text("kept")
     assert freeze(point).read_text() == "kept"
@@ -123,8 +125,8 @@ def test_work_grows_with_the_column() -> None:
 MEMORY = 64e9
 
 
-def shares(points: list[Point], cores: int, **options) -> tuple[int, int]:
-    chosen = choose_shares(points, available=cores, **{"memory": MEMORY, **options})
+def shares(points: list[PlannedRun], cores: int, **options) -> tuple[int, int]:
+    chosen = allocate(points, available=cores, **{"memory": MEMORY, **options})
     return chosen.jobs, chosen.threads
 
 
@@ -162,7 +164,7 @@ def test_what_is_asked_for_is_done() -> None:
     assert shares(points, 2, jobs=5) == (5, 1)
     assert shares(points, 4, threads=2) == (2, 2)
     assert shares(points, 2, jobs=3, threads=3) == (3, 3)
-    assert str(Shares(2, 1)) == "2 points at a time, 1 thread each" and str(Shares(1, 4)).endswith("4 threads")
+    assert str(Allocation(2, 1)) == "2 points at a time, 1 thread each" and str(Allocation(1, 4)).endswith("4 threads")
 
 
 def rows(**columns: list) -> list[dict]:

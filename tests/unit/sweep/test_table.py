@@ -17,15 +17,15 @@ from mpmcol.io.run_folder import write_result
 from mpmcol.sweep import charts
 from mpmcol.sweep.axes import parse_axes
 from mpmcol.sweep.engine import Outcome
-from mpmcol.sweep.report import publish
-from mpmcol.sweep.runs import Point, plan_points
+from mpmcol.sweep.report import write_report
+from mpmcol.sweep.runs import PlannedRun, plan_runs
 from mpmcol.sweep.table import make_rows
-from mpmcol.sweep.task import Ending
+from mpmcol.sweep.task import TaskResult
 
 FRONTS = ("front_max", "front_connected", "front_height")
 
 
-def finish(point: Point, at_rest: bool = True) -> Outcome:
+def finish(point: PlannedRun, at_rest: bool = True) -> Outcome:
     """Write a result that runs 5 % too far by front_max and to the law by front_height."""
     geometry = point.case.geometry
     law = 1.24 * geometry.a if geometry.a < 1.7 else 1.6 * geometry.a**0.5
@@ -42,20 +42,20 @@ def finish(point: Point, at_rest: bool = True) -> Outcome:
     }  # fmt: skip
     point.folder.mkdir(parents=True, exist_ok=True)
     write_result(point.folder, result)
-    return Outcome(point, Ending("done", 1))
+    return Outcome(point, TaskResult("done", 1))
 
 
-def fail(point: Point) -> Outcome:
+def fail(point: PlannedRun) -> Outcome:
     point.folder.mkdir(parents=True, exist_ok=True)
     failure = {"cause": "too fast", "remedy": "lower time.cfl"}
     write_result(
         point.folder, {"status": "failed", "zeta": dict.fromkeys(FRONTS, 9.0), "beta": 9.0, "failure": failure}
     )
-    return Outcome(point, Ending("failed", 1, 3, "too fast; lower time.cfl"))
+    return Outcome(point, TaskResult("failed", 1, 3, "too fast; lower time.cfl"))
 
 
-def plan(out: Path, *settings: str, aspect: str | None = "1,2,3,4", case: str = "lube-cylinder") -> list[Point]:
-    return plan_points(case, parse_axes(aspect, settings)[0], out)
+def plan(out: Path, *settings: str, aspect: str | None = "1,2,3,4", case: str = "lube-cylinder") -> list[PlannedRun]:
+    return plan_runs(case, parse_axes(aspect, settings)[0], out)
 
 
 @pytest.fixture
@@ -108,7 +108,7 @@ def test_in_space_the_mean_has_the_same_name_as_in_two_dimensions(tmp_path: Path
 
 def test_csv_and_hdf5_hold_the_same(tmp_path: Path) -> None:
     points = plan(tmp_path)
-    published = publish([fail(points[0]), *map(finish, points[1:])], tmp_path)
+    published = write_report([fail(points[0]), *map(finish, points[1:])], tmp_path)
     with (tmp_path / "table.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     with h5py.File(tmp_path / "table.h5") as file:
@@ -126,7 +126,7 @@ def test_csv_and_hdf5_hold_the_same(tmp_path: Path) -> None:
 
 def test_units_of_inputs_are_those_of_the_case(tmp_path: Path) -> None:
     points = plan(tmp_path, "material.friction_deg=33", "grid.spacing=5 mm", aspect="1")
-    publish([finish(point) for point in points], tmp_path)
+    write_report([finish(point) for point in points], tmp_path)
     with h5py.File(tmp_path / "table.h5") as file:
         assert [file[key].attrs["unit"] for key in ("material.friction_deg", "grid.spacing", "a")] == ["deg", "m", "1"]
         assert file["grid.spacing"][0] == 0.005
@@ -134,27 +134,27 @@ def test_units_of_inputs_are_those_of_the_case(tmp_path: Path) -> None:
 
 def test_what_is_as_it_should_be_is_not_written_again(tmp_path: Path) -> None:
     outcomes = [finish(point) for point in plan(tmp_path)]
-    files = publish(outcomes, tmp_path).files
+    files = write_report(outcomes, tmp_path).files
     before = [path.stat().st_mtime_ns for path in files]
-    publish([Outcome(outcome.point, Ending("done", 0)) for outcome in outcomes], tmp_path)
+    write_report([Outcome(outcome.run, TaskResult("done", 0)) for outcome in outcomes], tmp_path)
     assert [path.stat().st_mtime_ns for path in files] == before
     (tmp_path / "beta.png").unlink()
-    publish(outcomes, tmp_path)
+    write_report(outcomes, tmp_path)
     assert (tmp_path / "beta.png").exists()
     before = [path.stat().st_mtime_ns for path in files]
-    finish(outcomes[0].point, at_rest=False)
-    publish(outcomes, tmp_path)
+    finish(outcomes[0].run, at_rest=False)
+    write_report(outcomes, tmp_path)
     assert all(path.stat().st_mtime_ns > old for path, old in zip(files, before, strict=True))
 
 
 def test_without_a_point_that_is_done_there_is_a_table_only(tmp_path: Path) -> None:
-    published = publish([fail(point) for point in plan(tmp_path)], tmp_path)
+    published = write_report([fail(point) for point in plan(tmp_path)], tmp_path)
     assert [path.name for path in published.files] == ["table.csv", "table.h5"]
 
 
 def test_charts_have_laws_scatter_transition_and_fits(tmp_path: Path, figures: dict[str, Figure]) -> None:
     points = plan(tmp_path, aspect="0.5,1,2,3,5")
-    publish([*map(finish, points[:-1]), finish(points[-1], at_rest=False)], tmp_path)
+    write_report([*map(finish, points[:-1]), finish(points[-1], at_rest=False)], tmp_path)
     zeta, beta = labels(figures["zeta.png"]), labels(figures["beta.png"])
     assert "paper-axisymmetric, with scatter of 10%" in zeta and "lajeunesse-2004" in zeta
     assert [name for name in FRONTS if name in zeta] == list(FRONTS)
@@ -166,7 +166,7 @@ def test_charts_have_laws_scatter_transition_and_fits(tmp_path: Path, figures: d
 
 
 def test_the_law_is_drawn_where_it_holds(tmp_path: Path, figures: dict[str, Figure]) -> None:
-    publish([finish(point) for point in plan(tmp_path, aspect="0.5,1,5")], tmp_path)
+    write_report([finish(point) for point in plan(tmp_path, aspect="0.5,1,5")], tmp_path)
     curves = [line for line in figures["beta.png"].axes[0].lines if line.get_color() == charts.EXPERIMENT_COLOUR]
     assert [line.get_xdata()[[0, -1]].tolist() for line in curves] == [
         pytest.approx([0.5 / charts.MARGIN, 1.0]), pytest.approx([1.7, 5 * charts.MARGIN]),
@@ -177,7 +177,7 @@ def test_the_law_is_drawn_where_it_holds(tmp_path: Path, figures: dict[str, Figu
 
 def test_several_series_in_one_chart(tmp_path: Path, figures: dict[str, Figure]) -> None:
     points = plan(tmp_path, "material.friction_deg=30,36", aspect="2,3,5")
-    published = publish([finish(point) for point in points], tmp_path)
+    published = write_report([finish(point) for point in points], tmp_path)
     told = labels(figures["zeta.png"])
     assert "friction_deg = 30" in told and "friction_deg = 36" in told
     assert sum("propto" in label for label in told) == 2 and len(published.slopes) == 8
@@ -185,7 +185,7 @@ def test_several_series_in_one_chart(tmp_path: Path, figures: dict[str, Figure])
 
 def test_another_axis_than_the_aspect_ratio(tmp_path: Path, figures: dict[str, Figure]) -> None:
     points = plan(tmp_path, "grid.spacing=0.005,0.01,0.02", aspect="2")
-    published = publish([finish(point) for point in points], tmp_path)
+    published = write_report([finish(point) for point in points], tmp_path)
     axes = figures["zeta.png"].axes[0]
     assert axes.get_xlabel() == "grid.spacing (m)" and axes.get_xscale() == "linear"
     assert "paper-axisymmetric, a = 2, with scatter" in labels(figures["zeta.png"])
@@ -193,10 +193,10 @@ def test_another_axis_than_the_aspect_ratio(tmp_path: Path, figures: dict[str, F
 
 
 def test_words_stand_side_by_side_and_kinds_of_column_apart(tmp_path: Path, figures: dict[str, Figure]) -> None:
-    publish([finish(point) for point in plan(tmp_path, "method.transfer=flip,pic", aspect="2")], tmp_path)
+    write_report([finish(point) for point in plan(tmp_path, "method.transfer=flip,pic", aspect="2")], tmp_path)
     ticks = figures["zeta.png"].axes[0].get_xticklabels()
     assert [tick.get_text() for tick in ticks] == ["flip", "pic"]
     points = plan(tmp_path / "kinds", "geometry.model=axisymmetric,plane", aspect="2,3")
-    published = publish([finish(point) for point in points], tmp_path / "kinds")
+    published = write_report([finish(point) for point in points], tmp_path / "kinds")
     names = {path.name for path in published.files if path.suffix == ".png"}
     assert names == {f"{name}-{kind}.png" for name in ("zeta", "beta") for kind in ("axisymmetric", "plane")}
