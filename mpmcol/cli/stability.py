@@ -1,4 +1,4 @@
-"""mpmcol stability: scenes in which methods fail, beside those that stand."""
+"""`mpmcol stability`: catalogue of failure modes, and maps of the method."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ import click
 from mpmcol.cli.option_types import JOBS
 
 if TYPE_CHECKING:
-    from mpmcol.failure_modes import Stability
-    from mpmcol.failure_modes.scenario import SceneOutcome
+    from mpmcol.failure_modes import CatalogueOutcome, Observer
+    from mpmcol.failure_modes.scenario import ScenarioOutcome
     from mpmcol.studies.method_map import Drawn
 
 RECORD_SCHEMA = 1
@@ -20,8 +20,8 @@ FAILED = 4  # exit code
 
 
 @click.command()
-@click.argument("names", nargs=-1, metavar="[SCENE]... | --map [MAP]")
-@click.option("--list", "to_list", is_flag=True, help="Name the scenes and what they show; nothing is played.")
+@click.argument("names", nargs=-1, metavar="[SCENARIO]... | --map [MAP]")
+@click.option("--list", "to_list", is_flag=True, help="List the scenarios and their mechanisms; run nothing.")
 @click.option(
     "--map", "to_map", is_flag=True, help="Draw a map instead: a TOML file or a shipped one (default, quick)."
 )
@@ -34,10 +34,10 @@ def stability(
     names: tuple[str, ...], to_list: bool, to_map: bool, out: Path | None, jobs: int | None, report_only: bool,
     quiet: bool, to_json: bool,
 ) -> None:  # fmt: skip
-    """Play small scenes in which a method fails and another one stands, and measure what tells them apart.
+    """Run small benchmark problems, each with methods expected to fail and to pass, and report the metric.
 
-    SCENE is a scene or a group of them (time-step, wall, axis, position-rule...); all by default. Both outcomes are
-    asserted: a method that should fail and does not is a defect, too. Exit code 4 if a method did what it must not.
+    SCENARIO is the name of a scenario or of a group (time-step, wall, axis, ...); all by default. Both expectations are
+    asserted: a method that passes although it should fail is a defect, too. Exit code 4 if an outcome is unexpected.
 
     With --map many short collapses over choices of method are run, and a chart and tables show where each stands,
     degrades or fails. The same command again completes what is missing.
@@ -49,17 +49,19 @@ def stability(
     if jobs is not None or report_only:
         raise click.UsageError("--jobs and --report-only go with --map")
     out = out or Path("stability")
-    from mpmcol.failure_modes import examine
-    from mpmcol.failure_modes.scenarios import choose
+    from mpmcol.failure_modes import run_catalogue
+    from mpmcol.failure_modes.scenarios import select_scenarios
     from mpmcol.sweep.plan import as_json
 
     if to_list:
-        scenes = choose(names)
-        width = max(len(scene.name) for scene in scenes)
-        for scene in scenes:
-            click.echo(f"{scene.name:{width}}  {scene.mechanism}{' (slow)' if scene.slow else ''}")
+        scenarios = select_scenarios(names)
+        width = max(len(scenario.name) for scenario in scenarios)
+        for scenario in scenarios:
+            click.echo(f"{scenario.name:{width}}  {scenario.mechanism}{' (slow)' if scenario.slow else ''}")
         return
-    found = examine(names, out, lambda outcome: None if to_json else click.echo("\n".join(_lines(outcome, quiet))))
+    found = run_catalogue(
+        names, out, lambda outcome: None if to_json else click.echo("\n".join(_lines(outcome, quiet)))
+    )
     if to_json:
         click.echo(as_json(_record(found)))
     elif not quiet:
@@ -96,36 +98,43 @@ def _map_record(drawn: Drawn) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _lines(outcome: SceneOutcome, quiet: bool) -> Iterator[str]:
-    from mpmcol.failure_modes.report import shown, trial_lines
+def _observer(quiet: bool, to_json: bool) -> Observer:
+    """Prints each outcome, unless it is printed as JSON at the end."""
+    if to_json:
+        return lambda outcome: None
+    return lambda outcome: click.echo("\n".join(_lines(outcome, quiet)))
 
-    scene = outcome.scene
-    yield f"{scene.name}: {outcome.verdict}"
+
+def _lines(outcome: ScenarioOutcome, quiet: bool) -> Iterator[str]:
+    from mpmcol.failure_modes.report import outcome_lines, with_unit
+
+    scenario = outcome.scenario
+    yield f"{scenario.name}: {outcome.verdict}"
     if quiet:
         return
-    yield f"  {scene.sign}; bound {shown(scene.bound, scene.unit)}"
-    lines = list(trial_lines(outcome))
+    yield f"  {scenario.metric}; bound {with_unit(scenario.bound, scenario.unit)}"
+    lines = list(outcome_lines(outcome))
     width = max(len(method) for method, _, _ in lines)
-    for method, number, result in lines:
-        yield f"    {method:{width}}  {number:>9}  {result}"
+    for method, value, result in lines:
+        yield f"    {method:{width}}  {value:>9}  {result}"
 
 
-def _closing(found: Stability, out: Path) -> Iterator[str]:
-    from mpmcol.failure_modes.report import gaps
+def _closing(found: CatalogueOutcome, out: Path) -> Iterator[str]:
+    from mpmcol.failure_modes.report import failing_defaults
 
-    well = sum(outcome.verdict == "as expected" for outcome in found.outcomes)
-    yield f"{well} of {len(found.outcomes)} scenes as expected"
-    if scenes := gaps(found.outcomes):
-        yield f"the default fails in: {', '.join(scene.name for scene in scenes)}"
+    as_expected = sum(outcome.verdict == "as expected" for outcome in found.outcomes)
+    yield f"{as_expected} of {len(found.outcomes)} scenarios as expected"
+    if scenarios := failing_defaults(found.outcomes):
+        yield f"a default fails in: {', '.join(scenario.name for scenario in scenarios)}"
     yield f"in {out}: {', '.join(path.name for path in found.files)}"
 
 
-def _record(found: Stability) -> dict[str, Any]:
+def _record(found: CatalogueOutcome) -> dict[str, Any]:
     from mpmcol.failure_modes.report import table_rows
 
     return {
         "schema": RECORD_SCHEMA, "passed": found.passed,
         "rows": [row for outcome in found.outcomes for row in table_rows(outcome)],
-        "seconds": {outcome.scene.name: round(outcome.seconds, 3) for outcome in found.outcomes},
+        "seconds": {outcome.scenario.name: round(outcome.seconds, 3) for outcome in found.outcomes},
         "files": [str(path) for path in found.files],
     }  # fmt: skip

@@ -1,7 +1,7 @@
-"""Where methods fail: a catalogue of small scenes, each played with a method that fails and one that stands.
+"""Catalogue of failure modes: small problems, each run with methods expected to fail and methods expected to pass.
 
-A scene is a file in `scenarios/`. Both outcomes are asserted: a method that should fail and does not is
-a defect, too.
+The catalogue is in `scenarios/`, the benchmark problems are in `problems/`. Both expectations are asserted: a method
+that passes although it should fail is a defect, too.
 """
 
 from __future__ import annotations
@@ -11,37 +11,37 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from mpmcol.failure_modes.report import write_report
-from mpmcol.failure_modes.scenario import SceneOutcome, play
-from mpmcol.failure_modes.scenarios import choose
+from mpmcol.failure_modes.scenario import ScenarioOutcome, run_scenario
+from mpmcol.failure_modes.scenarios import select_scenarios
 from mpmcol.io.atomic import make_folder
 from mpmcol.mpm.jit import set_threads
 
-Watch = Callable[[SceneOutcome], None]  # told of each scene as it ends
+Observer = Callable[[ScenarioOutcome], None]  # called after each scenario
 
 
 @dataclass(frozen=True)
-class Stability:
-    """What came of the scenes, and the files that were written."""
+class CatalogueOutcome:
+    """Outcomes of the scenarios, and the files that were written."""
 
-    outcomes: Sequence[SceneOutcome]
+    outcomes: Sequence[ScenarioOutcome]
     files: Sequence[Path]
 
     @property
     def passed(self) -> bool:
-        """Whether every method failed or stood as it must."""
+        """Whether every method failed or passed as expected."""
         return all(outcome.verdict == "as expected" for outcome in self.outcomes)
 
 
-def examine(names: Sequence[str], out: Path, watch: Watch = lambda outcome: None) -> Stability:
-    """Play the scenes of these names (all without names) on one thread, and write tables and charts into `out`.
+def run_catalogue(names: Sequence[str], out: Path, observer: Observer = lambda outcome: None) -> CatalogueOutcome:
+    """Run the scenarios or groups of these names (default: all) on one thread; write tables and charts into `out`.
 
-    Raises UsageError for a name that means no scene, OutputError if a file cannot be written.
+    Raises UsageError for an unknown name, OutputError if a file cannot be written.
     """
-    chosen = choose(names)
-    make_folder(out)  # before the scenes take their time
-    set_threads(1)  # small scenes are slower on two
+    selected = select_scenarios(names)
+    make_folder(out)  # before the scenarios, so that an error is reported at once
+    set_threads(1)  # small problems are slower on two
     outcomes = []
-    for scene in chosen:
-        outcomes.append(play(scene))
-        watch(outcomes[-1])
-    return Stability(outcomes, write_report(outcomes, out))
+    for scenario in selected:
+        outcomes.append(run_scenario(scenario))
+        observer(outcomes[-1])
+    return CatalogueOutcome(outcomes, write_report(outcomes, out))

@@ -1,4 +1,4 @@
-"""A scene of failure: what goes wrong, the methods that fail and stand, and what they were found to do."""
+"""A scenario: a failure mechanism, its metric and bound, and the methods expected to fail and to pass."""
 
 from __future__ import annotations
 
@@ -12,34 +12,47 @@ import numpy as np
 
 from mpmcol.errors import NumericalFailure
 
-Verdict = Literal["as expected", "did not fail", "did not stand", "off theory"]
+Verdict = Literal["as expected", "unexpected pass", "unexpected failure", "deviates from theory"]
 Curve = tuple[np.ndarray, np.ndarray]
-STOPPED = inf  # the sign of a method under which the solver itself gives up
+STOPPED = inf  # metric of a method with which the solver stops
 
 
-class Reading(NamedTuple):
-    """What a method did: its sign, what else is worth telling, and a line for the chart."""
+class Observation(NamedTuple):
+    """Result of one method: its metric, a remark, and a curve for the chart."""
 
-    sign: float
+    metric: float
     note: str = ""
     curve: Curve | None = None
 
 
+Measure = Callable[[], float | Observation]
+
+
 @dataclass(frozen=True)
 class Trial:
-    """One method in a scene, and whether it must stand there."""
+    """One method in a scenario and the expected outcome; see `passing` and `failing`."""
 
     method: str
-    stands: bool
-    measure: Callable[[], float | Reading]
-    default: bool = False  # what a case has that names no method, whatever its material and place
+    should_pass: bool
+    measure: Measure
+    default: bool = False  # the default of a case, whatever its material and geometry
+
+
+def passing(method: str, measure: Measure, default: bool = False) -> Trial:
+    """A method whose metric must stay within the bound."""
+    return Trial(method, True, measure, default)
+
+
+def failing(method: str, measure: Measure, default: bool = False) -> Trial:
+    """A method whose metric must exceed the bound, or with which the solver must stop."""
+    return Trial(method, False, measure, default)
 
 
 @dataclass(frozen=True)
 class Theory:
-    """A number that is known beforehand, and how it is measured."""
+    """A quantity with a known value, and how it is measured."""
 
-    number: str
+    quantity: str
     value: float
     measure: Callable[[], float]
     source: str
@@ -47,89 +60,90 @@ class Theory:
 
 
 @dataclass(frozen=True)
-class Scene:
-    """One mechanism of failure. The larger the sign the worse; a method fails whose sign is above the bound."""
+class Scenario:
+    """One failure mechanism. The larger the metric, the worse; a method fails if its metric exceeds the bound."""
 
     name: str
     mechanism: str
-    sign: str  # what is measured, in words
-    unit: str
+    metric: str  # what is measured
     bound: float
     source: str  # of the bound
     remedy: str
     trials: tuple[Trial, ...]
     theory: tuple[Theory, ...] = ()
-    slow: bool = False  # takes more than some seconds
-    axes: tuple[str, str] | None = None  # of the chart, where the trials give curves
+    unit: str = ""  # of the metric and its bound
+    slow: bool = False  # takes more than a few seconds
+    axes: tuple[str, str] | None = None  # axis labels of the chart, if the trials give curves
 
     @property
-    def is_gap(self) -> bool:
-        """Whether what a case does by default is known to fail here."""
-        return any(trial.default and not trial.stands for trial in self.trials)
+    def default_fails(self) -> bool:
+        """Whether a default of a case is expected to fail."""
+        return any(trial.default and not trial.should_pass for trial in self.trials)
 
 
 @dataclass(frozen=True)
 class TrialOutcome:
-    """A trial and what it read."""
+    """A trial and its observation."""
 
     trial: Trial
-    reading: Reading
-    stood: bool
+    observation: Observation
+    passed: bool
 
     @property
     def verdict(self) -> Verdict:
-        """Whether it did as it must."""
-        if self.stood == self.trial.stands:
+        """Whether the outcome is the expected one."""
+        if self.passed == self.trial.should_pass:
             return "as expected"
-        return "did not fail" if self.stood else "did not stand"
+        return "unexpected pass" if self.passed else "unexpected failure"
 
 
 @dataclass(frozen=True)
 class TheoryOutcome:
-    """A number that was known beforehand, and what was measured."""
+    """A known value and the measured one."""
 
     theory: Theory
     value: float
 
     @property
     def error(self) -> float:
-        """Relative to the theory."""
+        """Relative error of the measured value."""
         return self.value / self.theory.value - 1.0
 
     @property
     def verdict(self) -> Verdict:
-        """Whether they agree; a value that is no number does not."""
-        return "as expected" if abs(self.error) <= self.theory.tolerance else "off theory"
+        """Whether the values agree within the tolerance; NaN does not."""
+        return "as expected" if abs(self.error) <= self.theory.tolerance else "deviates from theory"
 
 
 @dataclass(frozen=True)
-class SceneOutcome:
-    """All that a scene showed."""
+class ScenarioOutcome:
+    """All observations of a scenario."""
 
-    scene: Scene
+    scenario: Scenario
     trials: tuple[TrialOutcome, ...]
     theory: tuple[TheoryOutcome, ...]
     seconds: float
 
     @property
     def verdict(self) -> Verdict:
-        """The first that is not as it should be."""
+        """The first verdict that is not "as expected"."""
         verdicts = [trial.verdict for trial in self.trials] + [known.verdict for known in self.theory]
         return next((verdict for verdict in verdicts if verdict != "as expected"), "as expected")
 
 
-def play(scene: Scene) -> SceneOutcome:
-    """Try every method of a scene on the kernels."""
+def run_scenario(scenario: Scenario) -> ScenarioOutcome:
+    """Run every method of a scenario."""
     started = time.perf_counter()
-    trials = tuple(_try(scene, trial) for trial in scene.trials)
-    theory = tuple(TheoryOutcome(each, each.measure()) for each in scene.theory)
-    return SceneOutcome(scene, trials, theory, time.perf_counter() - started)
+    trials = tuple(_run_trial(trial, scenario.bound) for trial in scenario.trials)
+    theory = tuple(TheoryOutcome(known, known.measure()) for known in scenario.theory)
+    return ScenarioOutcome(scenario, trials, theory, time.perf_counter() - started)
 
 
-def _try(scene: Scene, trial: Trial) -> TrialOutcome:
+def _run_trial(trial: Trial, bound: float) -> TrialOutcome:
     try:
         found = trial.measure()
-        reading = found if isinstance(found, Reading) else Reading(float(found))
+        observation = found if isinstance(found, Observation) else Observation(float(found))
     except NumericalFailure as failure:
-        reading = Reading(STOPPED, f"stopped: {failure.failure['cause']}, t = {failure.failure['time']:.3g} s")
-    return TrialOutcome(trial, reading, reading.sign <= scene.bound)  # what is no number has not stood
+        note = f"stopped: {failure.failure['cause']}, t = {failure.failure['time']:.3g} s"
+        observation = Observation(STOPPED, note)
+    return TrialOutcome(trial, observation, observation.metric <= bound)  # NaN has not passed

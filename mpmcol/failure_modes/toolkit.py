@@ -1,7 +1,7 @@
-"""What small problems are made of: lattices of points, grids with rollers, solvers of sand and elastic.
+"""Building blocks of small problems: lattices of points, grids with boundary conditions, solvers, energies.
 
-The elastic body of every problem is made of points of kind BASE and the sand of points of kind COLUMN, so
-that all problems of a dimension share one compiled cycle.
+Points of an elastic body are of kind BASE and points of sand of kind COLUMN, so that all problems of a dimension share
+one compiled time loop.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ K_ACTIVE = (1.0 - np.sin(np.radians(PHI))) / (1.0 + np.sin(np.radians(PHI)))
 
 
 def elastic_body(density: float = DENSITY, youngs_modulus: float = E, poissons_ratio: float = NU) -> Body:
-    """The elastic body, by default with the elastic part of Table 1."""
+    """An elastic body, by default with the elastic parameters of Table 1."""
     material = elastic.Material(density=density, youngs_modulus=youngs_modulus, poissons_ratio=poissons_ratio)
     return Body(elastic, elastic.make_params(material), material.wave_speed**2)
 
@@ -36,7 +36,7 @@ def elastic_body(density: float = DENSITY, youngs_modulus: float = E, poissons_r
 def sand_body(
     density: float = DENSITY, youngs_modulus: float = E, poissons_ratio: float = NU, **plastic: float
 ) -> Body:
-    """Cohesionless Mohr-Coulomb sand, by default that of Table 1."""
+    """Mohr-Coulomb sand, by default cohesionless with the parameters of Table 1."""
     keys: dict[str, Any] = {"friction_deg": PHI, "dilatancy_deg": 0.0} | plastic
     material = mohr_coulomb.Material(
         law="mohr-coulomb",
@@ -59,7 +59,7 @@ def lattice(lower: tuple[float, ...], upper: tuple[float, ...], spacing: float) 
 def points_at(
     x: np.ndarray, spacing: float, kind: int = BASE, density: float = DENSITY, axisymmetric: bool = False
 ) -> Points:
-    """Resting points at `x` (n, d), each standing for a square or cube of side `spacing`."""
+    """Points at rest at `x` (n, d), each representing a square or cube of side `spacing`."""
     n, d = x.shape
     points = Points(n, d)
     points.x[:] = x
@@ -70,7 +70,7 @@ def points_at(
 
 
 def joined(*parts: Points) -> Points:
-    """All points of several bodies, renumbered."""
+    """The points of several bodies, with new ids."""
     points = Points(sum(len(part) for part in parts), parts[0].dimension)
     number = points.id
     points.rows[:] = np.concatenate([part.rows for part in parts])
@@ -81,7 +81,10 @@ def joined(*parts: Points) -> Points:
 def walled_grid(
     origin: tuple[float, ...], h: float, cells: tuple[int, ...], rollers: str = "", no_slip: str = ""
 ) -> Grid:
-    """A grid whose named sides ("left right bottom top back front") fix the normal or all components of velocity."""
+    """A grid with boundary conditions on the named sides ("left right bottom top back front").
+
+    rollers: sides that fix the normal velocity. no_slip: sides that fix all components.
+    """
     grid = allocate_grid(origin, h, cells)
     held: list[Any] = [False] * len(cells)
     for axis, x in enumerate(node_coordinates(grid)):
@@ -102,48 +105,48 @@ def make_solver(
     body: Body | None = None,
     scheme: Scheme = PAPER,
 ) -> Solver:
-    """A solver for sand (kind COLUMN) and an elastic body (kind BASE)."""
+    """A solver with the laws of sand (kind COLUMN) and of an elastic body (kind BASE)."""
     return Solver(points, grid, settings, sand or sand_body(), body or elastic_body(), scheme)
 
 
 def advance_to(solver: Solver, end: float) -> None:
-    """Step until the clock passes `end`; raises NumericalFailure if a point goes wrong."""
+    """Step until the time passes `end` (s); raises NumericalFailure if a point fails a check."""
     while solver.time < end:
-        _heed(solver, solver.advance(end))
+        _raise_on_failure(solver, solver.advance(end))
 
 
 def advance_steps(solver: Solver, steps: int) -> None:
-    """Make exactly `steps` steps; raises NumericalFailure if a point goes wrong."""
+    """Make exactly `steps` steps; raises NumericalFailure if a point fails a check."""
     last = solver.steps + steps
     while solver.steps < last:
-        _heed(solver, solver.advance(np.inf, max_steps=last - solver.steps))
+        _raise_on_failure(solver, solver.advance(np.inf, max_steps=last - solver.steps))
 
 
-def _heed(solver: Solver, fault: int) -> None:
+def _raise_on_failure(solver: Solver, fault: int) -> None:
     if fault >= 0:
         failure = diagnose(solver, fault, "problem")
         raise NumericalFailure(message(failure), failure)
 
 
 def by_id(solver: Solver) -> Points:
-    """The points in their first order."""
+    """The points in their initial order."""
     points = Points(len(solver.points), solver.points.dimension)
     points.rows[:] = solver.points.rows[np.argsort(solver.points.id)]
     return points
 
 
 def kinetic_energy(points: Points) -> float:
-    """J (per metre or radian in two dimensions)."""
+    """Kinetic energy, J (per metre or radian in two dimensions)."""
     return float(0.5 * np.sum(points.m * np.sum(points.v**2, axis=1)))
 
 
 def potential_energy(points: Points, gravity: float = G) -> float:
-    """J (per metre or radian in two dimensions), from y = 0."""
+    """Potential energy relative to y = 0, J (per metre or radian in two dimensions)."""
     return float(gravity * np.sum(points.m * points.x[:, 1]))
 
 
 def elastic_energy(points: Points, youngs_modulus: float = E, poissons_ratio: float = NU) -> float:
-    """Stored energy of linear elasticity, J (per metre or radian in two dimensions)."""
+    """Strain energy of linear elasticity, J (per metre or radian in two dimensions)."""
     s = points.sigma
     trace = s[:, :3].sum(axis=1)
     norm2 = np.sum(s[:, :3] ** 2, axis=1) + 2.0 * np.sum(s[:, 3:] ** 2, axis=1)

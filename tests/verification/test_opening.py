@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mpmcol.failure_modes.problems.sand import H, in_a_box, stacked_layers
+from mpmcol.failure_modes.problems.sand import H, solver_in_box, stacked_layers
 from mpmcol.failure_modes.toolkit import (
     WEIGHTLESS,
     advance_steps,
@@ -31,7 +31,7 @@ def test_layers_that_come_together_keep_their_area() -> None:
     of a cell, is that of any contact in MPM.
     """
     with_opening = stacked_layers(True)
-    assert with_opening.was_open > 0.3
+    assert with_opening.largest_opening > 0.3
     assert with_opening.area == pytest.approx(1.0, abs=0.01)
     assert with_opening.height == pytest.approx(1.0, abs=0.04)
     assert with_opening.gross_area == pytest.approx(with_opening.height, abs=0.005)
@@ -42,7 +42,7 @@ def test_without_opening_strain_the_stack_grows() -> None:
     without = stacked_layers(False)
     assert without.height > 1.3
     assert without.area > 1.3
-    assert without.was_open == 0.0
+    assert without.largest_opening == 0.0
 
 
 def thrown_clump(opening_strain: bool) -> Points:
@@ -50,7 +50,7 @@ def thrown_clump(opening_strain: bool) -> Points:
     x = lattice((2 * H, 4 * H), (8 * H, 10 * H), H / 2)
     points = points_at(x, H / 2, kind=COLUMN)
     points.v[:] = 6.0 * (x - x.mean(axis=0))
-    solver = in_a_box(points, 10, opening_strain)
+    solver = solver_in_box(points, 10, opening_strain)
     advance_to(solver, 1.0)
     return solver.points
 

@@ -1,1 +1,1 @@
-"""Small problems that the scenes of failure and the verification tests share."""
+"""Benchmark problems shared by the catalogue of failure modes and the verification tests."""

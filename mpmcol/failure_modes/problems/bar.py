@@ -1,10 +1,10 @@
-"""Axial vibration of an elastic bar, its low end held: period and energy after some periods.
+"""Axial vibration of an elastic bar with one fixed end: period and energy.
 
-A strip one wavelength / 4 long, 25 cells, two points per cell along the bar, nu = 0, rollers on its sides:
-the problem is one-dimensional, and the same along each axis of three dimensions. E = 100, rho = 1, L = 25,
-v = 0.1 sin(pi x / 2 L), hence T = 10. The time step is held constant here. With the step of Eq. 35, which
-follows the speed of the points twice per period, ten periods cost 0.25 % more energy at CFL 0.5 (Taylor: 0.9963
-in place of 0.9986), although the speed is 1 % of the wave speed.
+The bar is a quarter of a wavelength long (25 cells, two points per cell), with nu = 0 and rollers on its sides, so that
+the problem is one-dimensional along any axis. E = 100, rho = 1, L = 25, v = 0.1 sin(pi x / 2 L), hence T = 10.
+
+The time step is constant. With the step of Eq. 35, which varies with the speed of the points, ten periods lose 0.25 %
+more energy at CFL 0.5 (Taylor: 0.9963 instead of 0.9986), although the speed is 1 % of the wave speed.
 """
 
 from __future__ import annotations
@@ -35,18 +35,18 @@ WAVE_SPEED = 10.0
 
 
 class Vibration(NamedTuple):
-    energy: float  # end / start
+    energy: float  # final over initial
     period: float
-    cross_motion: float
+    cross_motion: float  # largest velocity across the bar at the end
     times: np.ndarray  # of the steps
-    kinetic: np.ndarray  # energy at these times, over that at the start
+    kinetic: np.ndarray  # energy at these times, over the initial one
 
 
 @cache
 def vibration(
     transfer: str, cfl: float, d: int = 2, along: int = 0, scheme: Scheme = PAPER, periods: float = 10.0
 ) -> Vibration:
-    """A bar along the given axis, from its low end, which is held; raises NumericalFailure if it goes wrong."""
+    """A bar along the given axis with its lower end fixed; raises NumericalFailure if it diverges."""
     b, upper, cells = np.pi / (2.0 * LENGTH), [2.0] * d, [2] * d
     upper[along], cells[along] = LENGTH, 29
     points = points_at(lattice((0.0,) * d, tuple(upper), 0.5), 0.5, density=1.0)
@@ -74,7 +74,7 @@ def vibration(
 
 
 def _period(t: np.ndarray, v: np.ndarray) -> float:
-    """Twice the mean distance of zero crossings, by a line through all of them; no number with less than two."""
+    """Twice the mean interval between zero crossings, by linear regression; NaN with fewer than two crossings."""
     k = np.flatnonzero(v[1:] * v[:-1] < 0.0)
     if len(k) < 2:
         return float("nan")

@@ -1,4 +1,4 @@
-"""Whole collapses of a shipped case on a coarse grid, run in a folder that does not outlive them."""
+"""Collapse of a shipped case on a coarse grid, run in a temporary folder."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ FEW_FILES = ("output.snapshots=1",)
 class Collapse(NamedTuple):
     front_max: float  # m
     front_height: float  # m
-    zeta: float  # runout by the front of the height
+    zeta: float  # by front_height
     largest_J: float
     history: dict[str, np.ndarray]
 
 
 @cache
 def collapsed(case: str, *overrides: str) -> Collapse:
-    """A case with some values replaced, from rest to rest; raises NumericalFailure if it goes wrong."""
+    """A complete run of a case with overrides; raises NumericalFailure if it diverges."""
     with TemporaryDirectory() as folder:
         results = run(load_case(case, [*overrides, *FEW_FILES]), Path(folder) / "run", threads=1)
         measured = results.measure()

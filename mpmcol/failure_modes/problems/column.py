@@ -1,4 +1,4 @@
-"""An elastic column under its own weight between rollers, at rest: its stress is known exactly."""
+"""An elastic column at rest under its own weight between rollers, whose stress is known exactly."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ from mpmcol.mpm.settings import PAPER, Scheme, Settings
 HEIGHT = 1.0
 WEIGHT = DENSITY * G * HEIGHT
 DAMPED = PLAIN._replace(alpha_d=0.5)
-AT_REST = 1e-4  # unbalanced force over the weight
+AT_REST = 1e-4  # unbalanced force over weight
 
 
 @cache
 def settled_column(
     cells: int, d: int, scheme: Scheme = PAPER, young: float = 1e8, settings: Settings = DAMPED, per_axis: int = 2
 ) -> tuple[Points, np.ndarray, float]:
-    """Elastic points at rest, their initial heights, and the force that is left unbalanced, over the weight.
+    """Points of an elastic column at rest, their initial heights, and the unbalanced force over the weight.
 
     per_axis: points along each edge of a cell.
     """
@@ -46,11 +46,11 @@ def settled_column(
 
 
 def exact_stress(initial_height: np.ndarray) -> np.ndarray:
-    """-rho0 g (H - Z), Z the initial height: exact at finite strain, too."""
+    """-rho0 g (H - Z) with the initial height Z; also exact at finite strain."""
     return -DENSITY * G * (HEIGHT - initial_height)
 
 
 def stress_error(points: Points, initial_height: np.ndarray) -> float:
-    """sum |s_p - s_a| V_p / (rho g H V)."""
+    """Mean absolute stress error, sum |s_p - s_exact| V_p / (rho g H V)."""
     error = np.abs(points.sigma[:, 1] - exact_stress(initial_height))
     return float(error @ points.V / (WEIGHT * points.V.sum()))

@@ -1,7 +1,7 @@
-"""A block of cohesive, softening sand between two heavy platens that come together without weight.
+"""Biaxial compression of a block of cohesive, softening sand between two heavy rough platens, without gravity.
 
-The block sticks to the platens, so that bands of shear form across it. Plane strain, psi = 0: the friction alone
-fades, from 50 to 25 degrees, and with it the strength 2 c cos(phi) / (1 - sin(phi)) from 5.5 to 3.1 c.
+The block sticks to the platens, so that shear bands form across it. Plane strain, psi = 0: only the friction angle
+softens, from 50 to 25 degrees, and with it the strength 2 c cos(phi) / (1 - sin(phi)) from 5.5 to 3.1 c.
 """
 
 from __future__ import annotations
@@ -30,19 +30,22 @@ from mpmcol.mpm.particles import COLUMN
 from mpmcol.mpm.solver import Body
 
 WIDTH, HEIGHT, PLATEN = 0.2, 0.32, 0.08  # m
-SPEED, SHORTENING, SHARES = 0.02, 0.1, 20  # m/s of each platen; of the height; and of that, looked at
+SPEED = 0.02  # m/s of each platen
+SHORTENING, INTERVALS = 0.1, 20  # final shortening over height, and its intervals
 COHESION = 5e3  # Pa
-HEAVY = 1e4  # platens over sand: they hardly feel it
+HEAVY = 1e4  # density and modulus of the platens over those of sand, so that they hardly decelerate
 
 
 class Compression(NamedTuple):
+    """Response of the block in each interval."""
+
     shortening: np.ndarray  # over the height
-    strength: np.ndarray  # mean stress on the block's section, over the cohesion
-    band: float  # m: area with more than half of the largest plastic strain, over the block's width
+    strength: np.ndarray  # mean axial stress over cohesion
+    band: float  # m: area with more than half of the largest plastic strain over the width of the block
 
 
 def softening_body(rate: float) -> Body:
-    """The block's sand."""
+    """The sand of the block; `rate` is the softening rate."""
     material = mohr_coulomb_softening.Material(
         density=DENSITY, youngs_modulus=E, poissons_ratio=NU, friction_peak_deg=50.0, friction_residual_deg=25.0,
         softening_rate=rate, cohesion=COHESION,
@@ -52,7 +55,7 @@ def softening_body(rate: float) -> Body:
 
 @cache
 def compressed(h: float, rate: float) -> Compression:
-    """The block on a grid of spacing `h`, its friction fading with exp(-rate eps)."""
+    """Compression on a grid of spacing `h`; the friction angle decays with exp(-rate eps)."""
     left, low = 0.4, 0.08
     right, middle, high = left + WIDTH, low + PLATEN, low + PLATEN + HEIGHT
     block = points_at(lattice((left, middle), (right, high), h / 2), h / 2, COLUMN)
@@ -68,11 +71,11 @@ def compressed(h: float, rate: float) -> Compression:
         joined(block, below, above), grid, WEIGHTLESS._replace(alpha_d=0.1), softening_body(rate), platens
     )
     work, end = [0.0], SHORTENING * HEIGHT / (2.0 * SPEED)
-    for k in range(1, SHARES + 1):
-        advance_to(solver, end * k / SHARES)
+    for k in range(1, INTERVALS + 1):
+        advance_to(solver, end * k / INTERVALS)
         work.append(float(solver.ledger[L_WORK]))
-    stress = np.diff(work) / (WIDTH * HEIGHT * SHORTENING / SHARES)
-    shortening = SHORTENING * (np.arange(SHARES) + 0.5) / SHARES
+    stress = np.diff(work) / (WIDTH * HEIGHT * SHORTENING / INTERVALS)
+    shortening = SHORTENING * (np.arange(INTERVALS) + 0.5) / INTERVALS
     sand = solver.points.kind == COLUMN
     strain, area = solver.points.history[sand, 0], solver.points.V[sand]
     return Compression(shortening, stress / COHESION, float(area[strain > 0.5 * strain.max()].sum() / WIDTH))

@@ -1,4 +1,4 @@
-"""A spinning elastic disc: what is left of rigid rotation, and the volume that it seems to gain.
+"""A spinning elastic disc: deviation from rigid rotation, and growth of the computed volume.
 
 R = 1, h = 0.1, four points per cell, nu = 0.2, CFL 0.4, c_p = 16.7 omega R.
 """
@@ -32,12 +32,14 @@ TURN = 2.0 * np.pi / OMEGA
 
 
 class Spin(NamedTuple):
-    residual: float  # rms over the last turn
+    """Deviation of the velocity from rigid rotation in the last turn, over omega R."""
+
+    residual: float  # rms
     smallest: float
     largest: float
-    noise: float  # rms over the last turn, without breathing
-    energy: float
-    angular_momentum: float
+    noise: float  # rms without uniform radial motion
+    energy: float  # kinetic, final over initial
+    angular_momentum: float  # final over initial
 
 
 def rotation(x: np.ndarray) -> np.ndarray:
@@ -46,7 +48,7 @@ def rotation(x: np.ndarray) -> np.ndarray:
 
 
 def spinning_disc(transfer: str, cfl: float = 0.4, exponential: bool = False) -> Solver:
-    """The disc at its start."""
+    """The disc in its initial state."""
     x = lattice((-1.1, -1.1), (1.1, 1.1), H / 2)
     points = points_at(x[np.hypot(*x.T) < 1.0], H / 2, density=DENSITY)
     points.v[:] = OMEGA * rotation(points.x)
@@ -61,7 +63,7 @@ def spinning_disc(transfer: str, cfl: float = 0.4, exponential: bool = False) ->
 
 @cache
 def spin(transfer: str, turns: int = TURNS) -> Spin:
-    """Some turns of the disc."""
+    """The disc after some turns."""
     solver = spinning_disc(transfer)
     energy = kinetic_energy(solver.points)
     momentum = _angular_momentum(solver.points)
@@ -83,7 +85,7 @@ def _angular_momentum(points: Points) -> float:
 
 
 def deviations(points: Points) -> tuple[float, float]:
-    """Rms of the velocity less rigid rotation, and less uniform radial motion too, over omega R."""
+    """Rms velocity less rigid rotation, and less uniform radial motion as well, over omega R."""
     rigid, m = rotation(points.x), points.m
     inertia = m @ np.sum(rigid**2, axis=1)
     deviation = points.v - (m @ np.sum(points.v * rigid, axis=1)) / inertia * rigid
@@ -95,14 +97,14 @@ def deviations(points: Points) -> tuple[float, float]:
 class Drift(NamedTuple):
     """Relative growth of the mean volume in one turn."""
 
-    counted: float  # as the solver has it, by det(I + dt L) or by exp(dt tr L)
-    exponential: float  # by exp(dt tr L), of the mean of the same motion
+    counted: float  # by the solver, with det(I + dt L) or exp(dt tr L)
+    exponential: float  # by exp(dt tr L) of the mean of the same motion
     theory: float  # sum of omega^2 dt^2
 
 
 @cache
 def volume_drift(cfl: float, exponential: bool = False) -> Drift:
-    """One turn of the disc, step by step."""
+    """Growth of the volume in one turn of the disc."""
     solver = spinning_disc("taylor-flip", cfl, exponential)
     logarithm, theory = 0.0, 0.0
     while solver.time < TURN:

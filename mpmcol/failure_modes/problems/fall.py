@@ -1,4 +1,4 @@
-"""A stress-free block in the air."""
+"""A stress-free block in free flight."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ STIFF = elastic_body(density=1000.0, youngs_modulus=1e9, poissons_ratio=0.0)  # 
 
 
 def thrown_block(v: tuple[float, ...], settings: Settings = PLAIN) -> tuple[Solver, Points]:
-    """A stress-free block of three cells a side in the middle of a large grid, and its points at the start."""
+    """A stress-free block, three cells wide, in the middle of a large grid, and its initial points."""
     d = len(v)
     x = lattice((2.03, 4.01, 2.07)[:d], (2.33, 4.31, 2.37)[:d], H / 2)
     points = points_at(x, H / 2, density=1000.0)

@@ -1,4 +1,4 @@
-"""A single elastic point on the kernels: the largest stable time step (theory: `mpmcol.setup.stability_limit`)."""
+"""Stability of a single elastic particle in the solver; the theory is in `mpmcol.setup.stability_limit`."""
 
 from __future__ import annotations
 
@@ -22,18 +22,18 @@ from mpmcol.setup.stability_limit import NODES, SMOOTH, STICKING, TRANSFERS, Lon
 
 CELLS = NODES - 1
 STEPS = 200
-AMPLITUDE = 1e-9  # of the first strain: all stays linear
-GROWN = 10.0  # a mode 1 % above its bound grows by e^0.28 a step; within it nothing grows tenfold
+AMPLITUDE = 1e-9  # initial strain, so small that the response is linear
+GROWN = 10.0  # a mode 1 % above its limit grows by e^0.28 per step; below the limit no mode grows tenfold
 
 
 def growth(point: LonePoint, cfl: float, neighbours: int = 0) -> float:
-    """Largest stress after STEPS steps over that at the start, infinite if the solver gives up.
+    """Largest stress after STEPS steps over the initial stress; infinite if the solver stops.
 
-    neighbours: points in line with it along each axis, half a cell apart: a body, which theory leaves out.
+    neighbours: further points along each axis, half a cell apart; they form a body, which the theory omits.
     """
     d = len(point.place)
-    away = lattice((0.0,) * d, (0.5 * (1 + neighbours),) * d, 0.5) - 0.25
-    x = np.array([point.place]) + away
+    offsets = lattice((0.0,) * d, (0.5 * (1 + neighbours),) * d, 0.5) - 0.25
+    x = np.array([point.place]) + offsets
     points = points_at(x, 0.5, density=DENSITY, axisymmetric=point.axisymmetric)
     body = elastic_body(DENSITY, E, point.nu)
     modulus = body.wave_speed2 * DENSITY
@@ -57,7 +57,7 @@ def growth(point: LonePoint, cfl: float, neighbours: int = 0) -> float:
 
 
 def largest_stable_step(point: LonePoint) -> float:
-    """Bisection for the largest stable dt c / h on the kernels, within half a per cent of itself."""
+    """Largest stable dt c_p / h by bisection in the solver, to 0.5 %."""
     low, high = 0.5 * one_point_bound(point), 1.5 * one_point_bound(point)
     while high - low > 0.005 * low:
         middle = 0.5 * (low + high)

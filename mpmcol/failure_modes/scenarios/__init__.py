@@ -1,14 +1,14 @@
-"""The catalogue: a scene is an entry of SCENES in a file here, and the file a word in FAMILIES."""
+"""The catalogue: each module of MODULES lists its scenarios in SCENARIOS."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from importlib import import_module
 
-from mpmcol.failure_modes.scenario import Scene
+from mpmcol.failure_modes.scenario import Scenario
 from mpmcol.selection import select
 
-FAMILIES = (
+MODULES = (
     "time_step",
     "walls",
     "moduli",
@@ -24,14 +24,14 @@ FAMILIES = (
     "collapses",
 )
 
-SCENES: dict[str, Scene] = {
-    scene.name: scene for family in FAMILIES for scene in import_module(f"{__name__}.{family}").SCENES
+SCENARIOS: dict[str, Scenario] = {
+    scenario.name: scenario for module in MODULES for scenario in import_module(f"{__name__}.{module}").SCENARIOS
 }
 
 
-def choose(names: Sequence[str]) -> list[Scene]:
-    """The scenes of these names, or whose names begin with one and a hyphen; all of them without names.
+def select_scenarios(names: Sequence[str]) -> list[Scenario]:
+    """The scenarios or groups of these names ("wall" selects "wall-corner"); all scenarios if no names are given.
 
-    Raises UsageError for a name that means none.
+    Raises UsageError for an unknown name.
     """
-    return select(list(SCENES.values()), names, "scenario")
+    return select(list(SCENARIOS.values()), names, "scenario")

@@ -1,4 +1,4 @@
-"""Position rules in free fall, volume of what turns, stress of what is sheared without end."""
+"""Position update in free fall, volume under rotation, and elastic stress under large shear."""
 
 from __future__ import annotations
 
@@ -8,17 +8,19 @@ import numpy as np
 
 from mpmcol.failure_modes.problems.disc import volume_drift
 from mpmcol.failure_modes.problems.fall import thrown_block
-from mpmcol.failure_modes.scenario import Reading, Scene, Theory, Trial
+from mpmcol.failure_modes.scenario import Observation, Scenario, Theory, failing, passing
 from mpmcol.failure_modes.toolkit import PLAIN, WEIGHTLESS, Body, G, advance_steps, by_id, elastic_body, sand_body
 from mpmcol.mpm.kernels.stress_2d import make_formula
 from mpmcol.setup.model import POSITION_FACTORS
 
-SHEAR, STEP = 10.0, 5e-3
+SHEAR, STEP = 10.0, 5e-3  # largest shear strain, and its increment per step
 PRESSURE = 1e4  # Pa
+JAUMANN = "derived here from Eq. 33, 34: tau = G sin(gamma) (README.md, Jaumann rate)"
+LEAD = "derived here: -+ 1/2 g dt^2 per step (README.md, position update)"
 
 
-def lag(rule: str) -> float:
-    """How far a falling block is ahead of its parabola after 200 steps, over 1/2 g dt t."""
+def lead(rule: str) -> float:
+    """Distance of a falling block ahead of the exact parabola after 200 steps, over 1/2 g dt t."""
     solver, start = thrown_block((0.0, 0.0), PLAIN._replace(position_factor=POSITION_FACTORS[rule]))
     sum_dt2 = 0.0
     for _ in range(200):
@@ -29,23 +31,23 @@ def lag(rule: str) -> float:
 
 
 def position_error(rule: str) -> float:
-    """Of a falling block, over 1/2 g dt t."""
-    return abs(lag(rule))
+    """Distance of a falling block from the exact parabola, over 1/2 g dt t."""
+    return abs(lead(rule))
 
 
-def drift(cfl: float, exponential: bool = False) -> float:
-    """Relative growth of the disc's volume in a turn."""
+def volume_gain(cfl: float, exponential: bool = False) -> float:
+    """Relative growth of the volume of a disc in one turn."""
     return abs(volume_drift(cfl, exponential).counted)
 
 
 def excess_over_theory(cfl: float) -> float:
-    """Growth of the volume as counted beyond that of the motion, over the sum of omega^2 dt^2."""
+    """Growth of the volume in excess of that of the motion, over the sum of omega^2 dt^2."""
     found = volume_drift(cfl)
     return (found.counted - found.exponential) / found.theory
 
 
-def sheared(body: Body) -> Reading:
-    """Simple shear of one point under pressure: the most negative shear stress on the way, over G."""
+def sheared(body: Body) -> Observation:
+    """Simple shear of one material point under pressure: largest negative shear stress over G."""
     formula = make_formula(body.law)
     s, J, opening, history = (-PRESSURE, -PRESSURE, -PRESSURE, 0.0), 1.0, 0.0, (0.0, 0.0)
     shear, taus = np.arange(STEP, SHEAR, STEP), []
@@ -53,72 +55,70 @@ def sheared(body: Body) -> Reading:
         L = (0.0, 1.0, 0.0, 0.0, 0.0)
         s, J, opening, history, _ = formula(s, L, 1.0, J, opening, history, body.params, WEIGHTLESS, STEP)
         taus.append(s[3] / body.params.shear_modulus)
-    return Reading(-min(taus), f"largest {max(taus):.3g}", (shear, np.array(taus)))
+    return Observation(-min(taus), f"largest positive {max(taus):.3g}", (shear, np.array(taus)))
 
 
 def largest_shear_stress() -> float:
-    """Of the elastic law, over G."""
+    """Largest shear stress of the elastic law, over G."""
     found = sheared(elastic_body()).curve
     return float(found[1].max()) if found else float("nan")
 
 
-SCENES = (
-    Scene(
-        name="position-rule",
-        mechanism="A point moved with the velocity before or after the step lags behind or runs ahead of its own "
-        "acceleration.",
-        sign="distance from the parabola of free fall, over 1/2 g dt t",
-        unit="",
+SCENARIOS = (
+    Scenario(
+        name="position-update",
+        mechanism="A position update with the velocity before or after the step lags behind or leads the exact motion "
+        "under constant acceleration.",
+        metric="distance from the parabola of free fall, over 1/2 g dt t",
         bound=1e-6,
-        source="the trapezoid is exact under constant acceleration",
-        remedy="method.position_update = trapezoid, the default",
+        source="derived here: the trapezoidal rule is exact under constant acceleration",
+        remedy="method.position_update = trapezoid (default)",
         trials=(
-            Trial("paper, Eq. 27 as printed", False, partial(position_error, "paper")),
-            Trial("end", False, partial(position_error, "end")),
-            Trial("trapezoid", True, partial(position_error, "trapezoid"), default=True),
+            failing("paper, Eq. 27 as printed", partial(position_error, "paper")),
+            failing("end", partial(position_error, "end")),
+            passing("trapezoid", partial(position_error, "trapezoid"), default=True),
         ),
         theory=(
-            Theory("lag of Eq. 27 as printed, over 1/2 g dt t", -1.0, partial(lag, "paper"), "physics 5.2, 11", 1e-6),
-            Theory("lead of the end velocity, over 1/2 g dt t", 1.0, partial(lag, "end"), "physics 5.2, 11", 1e-6),
+            Theory("Eq. 27 as printed: lead over 1/2 g dt t", -1.0, partial(lead, "paper"), LEAD, 1e-6),
+            Theory("end velocity: lead over 1/2 g dt t", 1.0, partial(lead, "end"), LEAD, 1e-6),
         ),
     ),
-    Scene(
+    Scenario(
         name="rotation-volume",
-        mechanism="det(I + dt L) of a rotation is 1 + omega^2 dt^2, not 1: what turns seems to grow, turn by turn.",
-        sign="relative growth of a disc's volume in one turn",
-        unit="",
+        mechanism="For a rotation det(I + dt L) is 1 + omega^2 dt^2, not 1: the volume of a rotating body grows.",
+        metric="relative growth of the volume of a disc in one turn",
         bound=0.01,
-        source="a hundredth; the disc itself grows by 0.2 %, breathing",
-        remedy="method.volume_update = exponential, or a smaller time step, in proportion; a column of sand, which "
-        "hardly turns, needs neither",
+        source="chosen here: 1 %; the elastic disc itself expands by 0.2 %",
+        remedy="method.volume_update = exponential, or a proportionally smaller time step; not needed for a column of "
+        "sand, which hardly rotates",
         trials=(
-            Trial("det(I + dt L), cfl = 0.5", False, partial(drift, 0.5), default=True),
-            Trial("det(I + dt L), cfl = 0.2", True, partial(drift, 0.2)),
-            Trial("exp(dt tr L), cfl = 0.5", True, partial(drift, 0.5, exponential=True)),
+            failing("det(I + dt L), cfl = 0.5", partial(volume_gain, 0.5), default=True),
+            passing("det(I + dt L), cfl = 0.2", partial(volume_gain, 0.2)),
+            passing("exp(dt tr L), cfl = 0.5", partial(volume_gain, 0.5, exponential=True)),
         ),
         theory=(
             Theory(
-                "growth beyond that of the motion, over the sum of omega^2 dt^2",
+                "growth in excess of the motion, over the sum of omega^2 dt^2",
                 1.0,
                 partial(excess_over_theory, 0.5),
-                "physics 4.3",
+                "derived here from Eq. 29: det(I + dt W) = 1 + omega^2 dt^2 for the spin W of a plane rotation",
             ),
         ),
     ),
-    Scene(
+    Scenario(
         name="shear-jaumann",
-        mechanism="The Jaumann rate turns the elastic stress on for ever: sheared by more than pi, the material "
-        "pushes back.",
-        sign="most negative shear stress on the way to a shear of 10, over G",
-        unit="",
+        mechanism="With the Jaumann rate the elastic shear stress oscillates: beyond a shear strain of pi it acts in "
+        "the direction of shear.",
+        metric="largest negative shear stress up to a shear strain of 10, over G",
         bound=0.0,
-        source="a material resists the way it is sheared",
-        remedy="harmless in sand, whose elastic strain stays small; not a law for rubber",
+        source="dissipation inequality: the shear stress opposes the shear",
+        remedy="none needed for sand, whose elastic strains stay small; use a hyperelastic law for large elastic "
+        "strains",
         trials=(
-            Trial("elastic", False, partial(sheared, elastic_body())),
-            Trial("mohr-coulomb", True, partial(sheared, sand_body()), default=True),
+            failing("elastic", partial(sheared, elastic_body())),
+            passing("mohr-coulomb", partial(sheared, sand_body()), default=True),
         ),
-        theory=(Theory("largest shear stress of the elastic law, over G", 1.0, largest_shear_stress, "G sin(gamma)"),),
+        theory=(Theory("largest shear stress of the elastic law, over G", 1.0, largest_shear_stress, JAUMANN),),
         axes=("shear strain (-)", "shear stress over G (-)"),
     ),
 )

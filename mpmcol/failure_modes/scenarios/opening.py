@@ -1,4 +1,4 @@
-"""Sand that comes apart: tension that must not be, volume that must come back."""
+"""Separation of sand: tension, and volume after separated material comes into contact again."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from functools import partial
 
 from mpmcol.failure_modes.problems.collapse import collapsed
 from mpmcol.failure_modes.problems.sand import H, stacked_layers
-from mpmcol.failure_modes.scenario import Reading, Scene, Trial
+from mpmcol.failure_modes.scenario import Observation, Scenario, failing, passing
 from mpmcol.failure_modes.toolkit import (
     WEIGHTLESS,
     Body,
@@ -20,11 +20,11 @@ from mpmcol.failure_modes.toolkit import (
 )
 from mpmcol.mpm.particles import BASE, COLUMN
 
-SPEED = 0.5  # m/s: two blocks part at twice this
+SPEED = 0.5  # m/s of each block
 
 
-def speed_lost(sand: Body | None) -> Reading:
-    """By two blocks that touch and fly apart without weight, in 600 steps, over their speed; elastic without sand."""
+def speed_lost(sand: Body | None) -> Observation:
+    """Relative loss of speed of two touching blocks that separate, without gravity, in 600 steps; None: elastic."""
     kind = COLUMN if sand else BASE
     left = points_at(lattice((0.2, 0.2), (0.3, 0.3), H / 2), H / 2, kind)
     right = points_at(lattice((0.3, 0.2), (0.4, 0.3), H / 2), H / 2, kind)
@@ -35,66 +35,63 @@ def speed_lost(sand: Body | None) -> Reading:
         advance_steps(solver, 20)
         tension = max(tension, float(solver.points.sigma[:, :3].max()))
     mean = float(solver.points.v[solver.points.id >= len(left), 0].mean())
-    return Reading(1.0 - mean / SPEED, f"largest tension {tension:.2g} Pa")
+    return Observation(1.0 - mean / SPEED, f"largest tension {tension:.2g} Pa")
 
 
-def area_gained(opening_strain: bool) -> Reading:
-    """By a stack of sand whose layers are thrown apart and come together."""
+def area_gain(opening_strain: bool) -> Observation:
+    """Relative gain of area of layers of sand that separate and settle again."""
     found = stacked_layers(opening_strain)
-    note = f"height {found.height:.3f} of that at the start, largest J {found.largest_J:.3f}"
-    return Reading(abs(found.area - 1.0), note, (found.times, found.areas))
+    note = f"height {found.height:.3f} of the initial height, largest J {found.largest_J:.3f}"
+    return Observation(abs(found.area - 1.0), note, (found.times, found.areas))
 
 
-def toe(opening_strain: bool, spacing: str) -> Reading:
-    """Largest J of a collapsing column, a = 1."""
+def largest_volume_ratio(opening_strain: bool, spacing: str) -> Observation:
+    """Largest J in the collapse of a column with a = 1."""
     found = collapsed("quickstart", f"grid.spacing={spacing}", f"method.opening_strain={str(opening_strain).lower()}")
-    return Reading(found.largest_J, f"zeta {found.zeta:.3f}")
+    return Observation(found.largest_J, f"zeta {found.zeta:.3f}")
 
 
-SCENES = (
-    Scene(
+SCENARIOS = (
+    Scenario(
         name="tension",
-        mechanism="Sand without cohesion that holds on to itself: a little cohesion, often added for stability, ties "
-        "grains.",
-        sign="speed lost by two blocks that fly apart, over their speed",
-        unit="",
+        mechanism="Cohesion, often added in small amounts for stability, lets sand carry tension: separating material "
+        "is held back.",
+        metric="speed lost by two separating blocks, over their speed",
         bound=0.01,
-        source="nothing holds cohesionless blocks",
-        remedy="cohesion = 0; the return to the cone's apex is exact, so that nothing else is needed",
+        source="chosen here: 1 %; cohesionless blocks separate freely",
+        remedy="material.cohesion = 0; the return to the apex is exact, so that no cohesion is needed for stability",
         trials=(
-            Trial("cohesion = 1 kPa", False, partial(speed_lost, sand_body(cohesion=1e3))),
-            Trial("elastic", False, partial(speed_lost, None)),
-            Trial("cohesion = 0", True, partial(speed_lost, sand_body()), default=True),
+            failing("cohesion = 1 kPa", partial(speed_lost, sand_body(cohesion=1e3))),
+            failing("elastic", partial(speed_lost, None)),
+            passing("cohesion = 0", partial(speed_lost, sand_body()), default=True),
         ),
     ),
-    Scene(
+    Scenario(
         name="opening-volume",
-        mechanism="A law in rates that forgets how far sand has opened stresses it at the first touch: gaps become "
-        "sand.",
-        sign="area gained by layers thrown apart and fallen together",
-        unit="",
+        mechanism="A rate law without memory of the separation builds up pressure at the first compressive increment, "
+        "although J > 1: gaps become volume of sand.",
+        metric="relative area gained by layers that separate and settle again",
         bound=0.01,
-        source="mass is conserved, and so is closed volume",
+        source="chosen here: 1 %; mass is conserved, and with psi = 0 the volume of closed sand",
         remedy="method.opening_strain = true, the default",
         trials=(
-            Trial("opening_strain = false", False, partial(area_gained, False)),
-            Trial("opening_strain = true", True, partial(area_gained, True), default=True),
+            failing("opening_strain = false", partial(area_gain, False)),
+            passing("opening_strain = true", partial(area_gain, True), default=True),
         ),
-        axes=("time (s)", "area over that at the start (-)"),
+        axes=("time (s)", "area over initial area (-)"),
     ),
-    Scene(
+    Scenario(
         name="opening-toe",
-        mechanism="A lone grain ahead of the toe that has opened swells without end, since no stress says how large "
-        "it is.",
-        sign="largest volume ratio J in a collapse, a = 1",
-        unit="",
+        mechanism="A stress-free material point detached ahead of the toe dilates without bound, because no stress "
+        "limits its volume.",
+        metric="largest volume ratio J in a collapse, a = 1",
         bound=1.5,
-        source="sand of psi = 0 keeps its volume",
+        source="chosen here: 1.5; sand with psi = 0 keeps its volume",
         remedy="method.opening_strain = true, the default",
         trials=(
-            Trial("opening_strain = false, h = 5 mm", False, partial(toe, False, "5 mm")),
-            Trial("opening_strain = false, h = 2 mm", False, partial(toe, False, "2 mm")),
-            Trial("opening_strain = true, h = 5 mm", True, partial(toe, True, "5 mm"), default=True),
+            failing("opening_strain = false, h = 5 mm", partial(largest_volume_ratio, False, "5 mm")),
+            failing("opening_strain = false, h = 2 mm", partial(largest_volume_ratio, False, "2 mm")),
+            passing("opening_strain = true, h = 5 mm", partial(largest_volume_ratio, True, "5 mm"), default=True),
         ),
         slow=True,
     ),

@@ -1,66 +1,65 @@
-"""Lone points beside walls and the axis: hats are stiffer there than splines, and the axis adds the hoop strain."""
+"""Single particles near walls and the axis, where the corrected shape functions are linear.
+
+The weight of the nearest interior node vanishes with the distance, its gradient does not, so that the particle becomes
+stiffer; near the axis the hoop strain adds to it.
+"""
 
 from __future__ import annotations
 
 from functools import partial
 
-from mpmcol.failure_modes.problems.single_particle import GROWN, growth
-from mpmcol.failure_modes.scenario import Scene, Trial
-from mpmcol.failure_modes.scenarios.time_step import DEFAULT_CFL, SIGN, SOURCE, UNIT, bound_theory, lone_point_trials
+from mpmcol.failure_modes.problems.single_particle import growth
+from mpmcol.failure_modes.scenario import Scenario, passing
+from mpmcol.failure_modes.scenarios.single_particle import DEFAULT_CFL, limit_trials, stability_scenario
 from mpmcol.mpm.kernels.transfer_common import WALL_GAP
 from mpmcol.setup.stability_limit import BETWEEN, FREE, SMOOTH, LonePoint
 from mpmcol.setup.time_step import AXIS_GAP
 
 IN_3D = (BETWEEN, BETWEEN)
-AXIS, BESIDE = (SMOOTH, FREE), (SMOOTH, FREE, FREE)
-BODIES = "columns come to rest in the same place with either, for only a lone grain has its nodes for itself"
+AXIS, ONE_WALL = (SMOOTH, FREE), (SMOOTH, FREE, FREE)
+DEFAULT_SUFFICES = "a particle inside a body shares the mass of its nodes and stays stable at the default"
 
 
-def _scene(name: str, where: str, point: LonePoint, default_stands: bool, remedy: str) -> Scene:
-    """A lone point there, tried on both sides of its bound and at the default; a body there shares its nodes' mass."""
-    mechanism = f"A lone point {where}: its hat's weight falls with the distance, its gradient does not."
-    body = partial(growth, point, DEFAULT_CFL, neighbours=5)
-    trials = (
-        *lone_point_trials(point, default_stands),
-        Trial(f"cfl = {DEFAULT_CFL}, the point in a body", True, body, default=True),
-    )
-    return Scene(
-        name=name,
-        mechanism=mechanism,
-        sign=SIGN,
-        unit=UNIT,
-        bound=GROWN,
-        source=SOURCE,
-        remedy=remedy,
-        trials=trials,
-        theory=bound_theory(point),
+def _scenario(name: str, position: str, particle: LonePoint, default_passes: bool, remedy: str) -> Scenario:
+    """The particle at its stability limit, and within a body at the default time step."""
+    in_body = partial(growth, particle, DEFAULT_CFL, neighbours=5)
+    return stability_scenario(
+        name,
+        f"A single particle {position}: the weight of its interior node decreases with the distance, "
+        "the gradient does not.",
+        particle,
+        remedy,
+        (
+            *limit_trials(particle, default_passes),
+            passing(f"cfl = {DEFAULT_CFL}, particle in a body", in_body, default=True),
+        ),
     )
 
 
-SCENES = (
-    _scene(
-        "wall-one", f"{WALL_GAP} h from a smooth wall, where the solver keeps it, nu = 0.2",
-        LonePoint((WALL_GAP, *IN_3D), walls=BESIDE), True,
-        "points are kept 0.1 h off walls; at 0.05 h the bound would be 0.45",
+SCENARIOS = (
+    _scenario(
+        "wall-one", f"{WALL_GAP} h from a smooth wall, the smallest distance that the solver allows, nu = 0.2",
+        LonePoint((WALL_GAP, *IN_3D), walls=ONE_WALL), True,
+        "the solver keeps points 0.1 h away from walls; at 0.05 h the limit would be 0.45",
     ),
-    _scene(
+    _scenario(
         "wall-corner", f"{WALL_GAP} h from each of three smooth walls, nu = 0.3",
         LonePoint((WALL_GAP,) * 3, nu=0.3, walls=(SMOOTH,) * 3), False,
-        f"time.cfl = 0.44, as the run says; {BODIES}",
+        f"time.cfl = 0.44, as the warning of a run states; {DEFAULT_SUFFICES}",
     ),
-    _scene(
-        "axis-default", f"{AXIS_GAP} h from the axis, where the solver keeps it with four points a cell, nu = 0.2",
+    _scenario(
+        "axis-default", f"{AXIS_GAP} h from the axis, the smallest distance with four points per cell, nu = 0.2",
         LonePoint((AXIS_GAP, BETWEEN), axisymmetric=True, walls=AXIS), True,
-        "points are kept 0.2 h off the axis; at 0.05 h the bound would be 0.28",
+        "the solver keeps points 0.2 h away from the axis; at 0.05 h the limit would be 0.28",
     ),
-    _scene(
+    _scenario(
         "axis-stiff", f"{AXIS_GAP} h from the axis, nu = 0.35",
         LonePoint((AXIS_GAP, BETWEEN), nu=0.35, axisymmetric=True, walls=AXIS), False,
-        f"time.cfl = 0.44, as the run says; {BODIES}",
+        f"time.cfl = 0.44, as the warning of a run states; {DEFAULT_SUFFICES}",
     ),
-    _scene(
-        "axis-dense", "h / 8 from the axis, where the first of sixteen points a cell is, nu = 0.2",
+    _scenario(
+        "axis-dense", "h / 8 from the axis, the first of sixteen points per cell, nu = 0.2",
         LonePoint((0.125, BETWEEN), axisymmetric=True, walls=AXIS), False,
-        f"time.cfl = 0.41, as the run says, or four points a cell; {BODIES}",
+        f"time.cfl = 0.41, as the warning of a run states, or four points per cell; {DEFAULT_SUFFICES}",
     ),
 )  # fmt: skip
