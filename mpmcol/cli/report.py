@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from mpmcol.experiments import find_experiment
+from mpmcol.experiments import find_experiment, mark
 from mpmcol.io.results import Results
 
 FRONT_TEXT = {
@@ -49,7 +49,7 @@ def _against(score: dict[str, Any] | None) -> str:
         return "no law for this"
     if score["error"] is None:
         return str(score["comment"])
-    return f"{score['expected']:.3f} ({score['error']:+.1%}, scatter {score['scatter']:.0%})"
+    return f"{score['expected']:.3f} ({score['error']:+.1%}, scatter {score['scatter']:.0%}){mark(score['verified'])}"
 
 
 def _cost(summary: dict[str, Any]) -> Iterator[str]:

@@ -57,7 +57,7 @@ def validate(
 
 
 def _lines(found: Validation) -> Iterator[str]:
-    from mpmcol.studies.validation.report import band_of, controls_of, shown
+    from mpmcol.studies.validation.report import band_of, controls_of, shown, summary_of
 
     width = max(len(judgement.check.name) for judgement in found.judgements)
     for judgement in found.judgements:
@@ -67,8 +67,7 @@ def _lines(found: Validation) -> Iterator[str]:
             f"{check.number}{', ' * bool(check.unit)}{check.unit}{'' if judgement.at_rest else '; not at rest'}"
         )
         yield f"{'':{width}}  controls: {'; '.join(controls_of(judgement))}"
-    passed = sum(judgement.verdict == "passed" for judgement in found.judgements)
-    yield f"{passed} of {len(found.judgements)} checks passed"
+    yield summary_of(found.judgements)
 
 
 def _record(found: Validation, quick: bool) -> dict[str, Any]:

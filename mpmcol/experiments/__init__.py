@@ -1,16 +1,16 @@
-"""Published experiments on column collapse, and scores against them.
+"""Published experiments on column collapse, and scores of results against them.
 
-To add a data set, write a file beside this one and add one line to EXPERIMENTS.
+To add an experiment, write a module in `records` that satisfies `ExperimentRecord` and add it to `_RECORDS`.
 """
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Protocol
 
 from numpy.typing import ArrayLike
 
 from mpmcol.errors import UsageError
-from mpmcol.experiments.base import Experiment, Law, Piece, Profile, ProfileScore, Score, column_kind
+from mpmcol.experiments.base import Experiment, Law, Piece, Profile, ProfileScore, Score, column_kind, mark
 from mpmcol.experiments.records import (
     balmforth_kerswell_2005,
     bougouin_lacaze_2018,
@@ -33,6 +33,7 @@ from mpmcol.selection import suggestion
 __all__ = [
     "EXPERIMENTS",
     "Experiment",
+    "ExperimentRecord",
     "Law",
     "Piece",
     "Profile",
@@ -41,12 +42,20 @@ __all__ = [
     "column_kind",
     "expected_runout",
     "find_experiment",
+    "mark",
     "profile_score",
     "profile_scores",
     "score",
 ]
 
-_FILES = (
+
+class ExperimentRecord(Protocol):
+    """What the module of an experiment defines."""
+
+    EXPERIMENT: Experiment
+
+
+_RECORDS: tuple[ExperimentRecord, ...] = (
     paper_plane,
     lube_2007,
     lube_2005,
@@ -62,32 +71,40 @@ _FILES = (
     lube_2004,
     lajeunesse_2004,
 )
-EXPERIMENTS: dict[str, Experiment] = {file.EXPERIMENT.name: file.EXPERIMENT for file in _FILES}
+EXPERIMENTS: dict[str, Experiment] = {record.EXPERIMENT.name: record.EXPERIMENT for record in _RECORDS}
 
-# The farthest-running laboratory law of each kind; neither has a gap and both only grow. A box, which spreads to
-# more sides than a plane column, runs no farther.
-_FARTHEST = {
+# The laboratory law with the longest runout for each kind of column; both are monotonic and have no gap. A box spreads
+# in more directions than a plane column, so that its runout is not longer.
+_LONGEST_RUNOUT = {
     "plane": bougouin_lacaze_2018.EXPERIMENT.laws[0],
     "axisymmetric": lajeunesse_2004.EXPERIMENT.laws[0],
     "box": bougouin_lacaze_2018.EXPERIMENT.laws[0],
 }
-_NO_BOX = Experiment("none", "no published collapse of a box", "box", "two-sided", "laboratory", "", ())
+_NO_EXPERIMENT_ON_BOXES = Experiment(
+    name="none",
+    title="no published collapse of a box",
+    model="box",
+    release="two-sided",
+    kind="laboratory",
+    material="",
+    laws=(),
+)
 
 
 def find_experiment(name: str, model: str, section: str = "cylinder") -> Experiment:
-    """The experiment of that name; "paper" is the paper's own for the model, and one without laws for a box.
+    """Experiment of a name; "paper" is the paper's own for the model, or one without laws for a box.
 
     Raises:
-        UsageError: there is no such experiment, or it is on another kind of column.
+        UsageError: there is no such experiment, or it is for another kind of column.
     """
     kind = column_kind(model, section)
     if name == "paper" and kind == "box":
-        return _NO_BOX
+        return _NO_EXPERIMENT_ON_BOXES
     experiment = EXPERIMENTS.get(f"paper-{kind}" if name == "paper" else name)
     if experiment is None:
-        raise UsageError(f"no experiment is called {name!r}; {suggestion(name, ['paper', *EXPERIMENTS])}")
+        raise UsageError(f"there is no experiment {name!r}; {suggestion(name, ['paper', *EXPERIMENTS])}")
     if experiment.model != kind:
-        raise UsageError(f"experiment {name!r} is {experiment.model}, the column is {kind}")
+        raise UsageError(f"experiment {name!r} is for a column of kind {experiment.model!r}; this column is {kind!r}")
     return experiment
 
 
@@ -97,21 +114,21 @@ def score(measured: Any, a: float, model: str, section: str = "cylinder") -> lis
     Args:
         measured: a `Measurement`, or a mapping of quantities ("zeta", "beta", "stop_time") to a number or to
             a mapping of front definitions to numbers, or to the mean, min and max of a 3D result.
-        a: h_i / r_i.
+        a: aspect ratio h_i / r_i.
         model: "plane", "axisymmetric", "quarter" or "full".
-        section: of a 3D column, "cylinder" or "box".
+        section: horizontal section of a 3D column, "cylinder" or "box".
 
-    Where a law has no value at a, the score says so in its comment and has no error: nothing is extrapolated.
-    A law that several entries share is scored once, under the first (the paper's) name.
+    Laws are not extrapolated: where a law has no value at a, the score has no error and its comment gives the
+    reason. A law shared by several records is scored once, under the first name (the paper's).
     """
     return score_laws(EXPERIMENTS, measured, a, column_kind(model, section))
 
 
 def profile_score(profile_x: ArrayLike, profile_y: ArrayLike, experiment: Experiment) -> ProfileScore | None:
-    """A deposit profile (m, by increasing x, ending at zero) against the digitised surface of an experiment.
+    """Compare a deposit profile (m, by increasing x, ending at zero) with the digitised surface of an experiment.
 
-    A surface in metres is compared as it is, so the column must have its size (`experiment.fits`); a
-    universal shape is scaled to the deposit's own length and height. None if the experiment has no surface.
+    A surface in metres is compared as it is, so that the column must have its size (`experiment.fits`). A
+    dimensionless shape is scaled to the length and height of the deposit. None if the experiment has no surface.
     """
     return score_profile(profile_x, profile_y, experiment)
 
@@ -119,8 +136,8 @@ def profile_score(profile_x: ArrayLike, profile_y: ArrayLike, experiment: Experi
 def profile_scores(
     profile_x: ArrayLike, profile_y: ArrayLike, model: str, r_i: float, h_i: float, section: str = "cylinder"
 ) -> list[ProfileScore]:
-    """A deposit profile against every digitised surface that fits the column (m), each once."""
-    once = {  # under the first name that has it
+    """Compare a deposit profile (m) with every digitised surface for this kind and size of column, each once."""
+    once = {  # under the first name
         experiment.profiles: experiment
         for experiment in reversed(EXPERIMENTS.values())
         if experiment.model == column_kind(model, section) and experiment.fits(r_i, h_i)
@@ -130,9 +147,9 @@ def profile_scores(
 
 
 def expected_runout(model: str, a: float, section: str = "cylinder") -> float:
-    """A generous zeta for sizing the domain, for every a > 0.
+    """Upper estimate of zeta for sizing the domain, for every a > 0.
 
-    It is the farthest-running laboratory law for the column, with its power laws extended at both ends.
+    The laboratory law with the longest runout for this kind of column, extrapolated at both ends.
     """
-    law = _FARTHEST[column_kind(model, section)]
+    law = _LONGEST_RUNOUT[column_kind(model, section)]
     return next(piece for piece in reversed(law.pieces) if a >= piece.lo)(a)

@@ -1,9 +1,9 @@
-"""Records of published experiments: laws of the aspect ratio, digitised profiles, and scores."""
+"""Types of the records of published experiments: power laws of the aspect ratio, digitised profiles, and scores."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 # No scatter is published for most laws. The one set that gives it (Bougouin & Lacaze 2018) has +-0.3 on
@@ -13,10 +13,15 @@ RUNOUT_SCATTER = 0.10
 HEIGHT_SCATTER = 0.05
 
 
-def column_kind(model: str, section: str = "cylinder") -> str:
-    """Which experiments hold for a column: those on "plane" ones, on "axisymmetric" ones, or on a "box".
+def mark(verified: bool) -> str:
+    """Suffix of a name or comment that stands beside a value: empty if the value is verified."""
+    return "" if verified else " (unverified)"
 
-    A cylinder is the same column in axisymmetry, as a quarter and in full.
+
+def column_kind(model: str, section: str = "cylinder") -> str:
+    """Kind of column by which experiments are selected: "plane", "axisymmetric" or "box".
+
+    A cylinder is the same column in the axisymmetric, the quarter and the full model.
     """
     if model in ("quarter", "full"):
         return "axisymmetric" if section == "cylinder" else "box"
@@ -41,11 +46,14 @@ class Piece:
 
 @dataclass(frozen=True)
 class Law:
-    """A published power law of the aspect ratio a, in pieces of increasing a.
+    """A published piecewise power law of the aspect ratio a, by increasing a.
 
     Quantities: "zeta" = (r_f - r_i) / r_i, "beta" = h_f / h_i, "stop_time" = t / sqrt(h_i / g) at which the
-    front stops. `scatter` is relative to the value and `scatter_source` says where it is from. A law without
-    pieces is known to exist but cannot be evaluated; its note says why.
+    front stops. `scatter` is relative to the value, and `scatter_source` gives its origin. A law without pieces
+    has been published but cannot be evaluated; its note gives the reason.
+
+    `verified`: the numbers were read in the original publication or in a publication that quotes them. Unverified
+    laws are marked in every table and chart, and no check passes or fails by them.
     """
 
     quantity: Literal["zeta", "beta", "stop_time"]
@@ -53,13 +61,14 @@ class Law:
     scatter: float
     scatter_source: str = ASSUMED_SCATTER
     note: str = ""
+    verified: bool = field(kw_only=True)
 
     def __call__(self, a: float) -> float | None:
         """Value at a, or None outside the ranges of the law."""
         return next((piece(a) for piece in self.pieces if a in piece), None)
 
     def gap(self, a: float) -> str:
-        """Why the law has no value at a: the gap or the end of its range that a lies in."""
+        """Why the law has no value at a: the gap between its pieces, or the end of its range."""
         if not self.pieces:
             return self.note
         lo = max((piece.hi for piece in self.pieces if piece.hi <= a), default=0.0)
@@ -71,9 +80,10 @@ class Law:
 
 @dataclass(frozen=True)
 class Profile:
-    """Digitised points of a final deposit, wall or axis at x = 0 and base at y = 0.
+    """Digitised points of a final deposit: wall or axis at x = 0, base at y = 0.
 
-    `unit` is "m", or "1" for a shape in x / r_f and y / h_f.
+    `unit` is "m", or "1" for a shape in x / r_f and y / h_f. `verified`: the points were taken from the original
+    figure, or the digitised profile satisfies conservation of mass.
     """
 
     name: str
@@ -81,11 +91,12 @@ class Profile:
     y: tuple[float, ...]
     unit: Literal["m", "1"]
     source: str
+    verified: bool
 
 
 @dataclass(frozen=True)
 class Experiment:
-    """A published data set; at most one law a quantity, so that (name, quantity) names a law."""
+    """A published data set, with at most one law for each quantity."""
 
     name: str
     title: str
@@ -97,20 +108,25 @@ class Experiment:
     profiles: tuple[Profile, ...] = ()
     doi: str = ""
     note: str = ""
-    column: tuple[float, float] | None = None  # (r_i, h_i) in m, where it is one column
+    column: tuple[float, float] | None = None  # (r_i, h_i) in m, if only one column was tested
 
     def law(self, quantity: str) -> Law | None:
         """The law of a quantity, or None."""
         return next((law for law in self.laws if law.quantity == quantity), None)
 
+    def label(self, quantity: str) -> str:
+        """Name of the experiment for tables and charts, marked where its law of the quantity is unverified."""
+        law = self.law(quantity)
+        return self.name if law is None else self.name + mark(law.verified)
+
     def expected(self, quantity: str, a: float) -> tuple[float, float] | None:
-        """Value of the quantity's law at a and its absolute scatter; None without a law there."""
+        """Value of the quantity's law at a and its absolute scatter; None where there is no law."""
         law = self.law(quantity)
         value = law(a) if law else None
         return None if law is None or value is None else (value, law.scatter * value)
 
     def fits(self, r_i: float, h_i: float) -> bool:
-        """Whether profiles in m can be compared: a column of the experiment's size (to 2 %)."""
+        """Whether profiles in m can be compared: the column has the experiment's size to within 2 %."""
         return self.column is None or all(
             math.isclose(size, own, rel_tol=0.02) for size, own in zip((r_i, h_i), self.column, strict=True)
         )
@@ -118,7 +134,7 @@ class Experiment:
 
 @dataclass(frozen=True)
 class Score:
-    """One value against one law. `error` is value / expected - 1; None with the reason in `comment`."""
+    """One value against one law: `error` is value / expected - 1, or None with the reason in `comment`."""
 
     experiment: str
     quantity: str
@@ -128,10 +144,11 @@ class Score:
     error: float | None
     scatter: float
     comment: str
+    verified: bool  # see `Law`
 
     @property
     def within_scatter(self) -> bool | None:
-        """Whether the error is no larger than the scatter of the experiment; None where there is no law."""
+        """Whether the error is at most the scatter of the experiment; None where there is no law."""
         return None if self.error is None else abs(self.error) <= self.scatter
 
     def as_dict(self) -> dict[str, Any]:
@@ -141,7 +158,7 @@ class Score:
 
 @dataclass(frozen=True)
 class ProfileScore:
-    """A deposit against a digitised surface: RMS distance in height, and the front where both are in m."""
+    """A deposit against a digitised surface: RMS distance in height, and the front if the surface is in m."""
 
     experiment: str
     profile: str
@@ -150,3 +167,4 @@ class ProfileScore:
     expected_front: float | None
     error: float | None  # front / expected_front - 1
     comment: str
+    verified: bool  # see `Profile`

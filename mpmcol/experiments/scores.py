@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mpmcol.experiments.base import Experiment, Law, Profile, ProfileScore, Score
+from mpmcol.experiments.base import Experiment, Law, Profile, ProfileScore, Score, mark
 
 
 def score_laws(experiments: Mapping[str, Experiment], measured: Any, a: float, kind: str) -> list[Score]:
-    """Scores against every law on columns of this kind, each law once, under the first name that has it."""
+    """Scores against every law for columns of this kind; a law in several records is scored once, under the first."""
     values = list(_values(measured))
     return [
         _score(experiment, law, front, value, a)
@@ -59,7 +59,8 @@ def _score(experiment: Experiment, law: Law, front: str, value: float, a: float)
         expected=expected,
         error=None if expected is None else value / expected - 1.0,
         scatter=law.scatter,
-        comment=law.gap(a) if expected is None else experiment.material,
+        comment=(law.gap(a) if expected is None else experiment.material) + mark(law.verified),
+        verified=law.verified,
     )
 
 
@@ -73,7 +74,8 @@ def _score_in_metres(x: np.ndarray, y: np.ndarray, experiment: Experiment, surfa
         front=front,
         expected_front=tip,
         error=front / tip - 1.0,
-        comment=f"both fronts where the surface is {1e3 * surface.y[-1]:.1f} mm high; {experiment.material}",
+        comment=f"fronts at a height of {1e3 * surface.y[-1]:.1f} mm; {experiment.material}{mark(surface.verified)}",
+        verified=surface.verified,
     )
 
 
@@ -86,19 +88,23 @@ def _score_normalised(x: np.ndarray, y: np.ndarray, experiment: Experiment, surf
         front=None,
         expected_front=None,
         error=None,
-        comment="shape only: scaled to the length and height of the deposit",
+        comment=f"shape only: scaled to the length and height of the deposit{mark(surface.verified)}",
+        verified=surface.verified,
     )
 
 
 def _rms_mm(x: np.ndarray, y: np.ndarray, surface_x: np.ndarray, surface_y: np.ndarray) -> float:
-    """Root mean square over the length of the digitised surface: its spacing of points has no weight."""
+    """Root mean square of the distance in height over the length of the digitised surface, mm.
+
+    Stations are equally spaced, so that the spacing of the digitised points has no influence.
+    """
     station = np.linspace(surface_x[0], surface_x[-1], 1001)
     difference = np.interp(station, x, y, right=0.0) - np.interp(station, surface_x, surface_y)
     return float(1e3 * np.sqrt(np.mean(difference**2)))
 
 
 def _crossing(x: np.ndarray, y: np.ndarray, level: float) -> float:
-    """Farthest x at which the profile comes down to the level, linear between points; 0 if always below."""
+    """Farthest x at which the profile falls to the level, linear between points; 0 if it lies below everywhere."""
     above = np.flatnonzero(y > level)
     if not above.size:
         return 0.0

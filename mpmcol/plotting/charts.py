@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from mpmcol.experiments import Experiment, Profile
+from mpmcol.experiments import Experiment, Profile, mark
 from mpmcol.io.atomic import atomic_write
 from mpmcol.measure import Array, ColumnShape, Measurement
 
@@ -195,10 +195,14 @@ def _draw_experiment(axes: Axes, shape: ColumnShape, experiment: Experiment) -> 
     zeta, beta = (experiment.expected(quantity, shape.a) for quantity in ("zeta", "beta"))
     if zeta:
         front, error = 1e3 * shape.r_i * (1.0 + zeta[0]), 1e3 * shape.r_i * zeta[1]
-        axes.errorbar(front, 0.0, xerr=error, marker="D", label="experiment, front and scatter", **BARS)
+        axes.errorbar(
+            front, 0.0, xerr=error, marker="D", label=f"{experiment.label('zeta')}, front and scatter", **BARS
+        )
     if beta:
         height, error = (1e3 * shape.h_i * value for value in beta)
-        axes.errorbar(0.0, height, yerr=error, marker="^", label="experiment, height and scatter", **BARS)
+        axes.errorbar(
+            0.0, height, yerr=error, marker="^", label=f"{experiment.label('beta')}, height and scatter", **BARS
+        )
     for profile in experiment.profiles if experiment.fits(shape.r_i, shape.h_i) else ():
         if profile.unit == "m":
             _draw_profile(axes, profile, 1e3, 1e3)
@@ -209,14 +213,14 @@ def _draw_experiment(axes: Axes, shape: ColumnShape, experiment: Experiment) -> 
 def _draw_profile(axes: Axes, profile: Profile, x_scale: float, y_scale: float) -> None:
     marker = "x" if "surface" in profile.name else "+"
     x, y = x_scale * np.array(profile.x), y_scale * np.array(profile.y)
-    axes.plot(x, y, marker, color=EXPERIMENT_COLOUR, markersize=5, label=profile.name)
+    axes.plot(x, y, marker, color=EXPERIMENT_COLOUR, markersize=5, label=profile.name + mark(profile.verified))
 
 
 def _draw_band(axes: Axes, experiment: Experiment, quantity: str, a: float) -> None:
     if expected := experiment.expected(quantity, a):
         value, half = expected
         axes.axhspan(value - half, value + half, color=EXPERIMENT_COLOUR, alpha=0.15, linewidth=0)
-        label = f"{experiment.name}, final, with scatter"
+        label = f"{experiment.label(quantity)}, final, with scatter"
         axes.axhline(value, color=EXPERIMENT_COLOUR, linestyle=(0, (10, 4)), linewidth=1.0, label=label)
 
 

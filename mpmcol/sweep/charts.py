@@ -94,7 +94,7 @@ def _draw_laws(axes: Axes, quantity: str, experiment: Experiment, low: float, hi
     law = experiment.law(quantity)
     if law and law.pieces:
         bold: dict[str, Any] = {"color": EXPERIMENT_COLOUR, "linewidth": 1.6}
-        label = f"{experiment.name}, with scatter of {law.scatter:.0%}"
+        label = f"{experiment.label(quantity)}, with scatter of {law.scatter:.0%}"
         for i, (a, value) in enumerate(_curves(law, low, high)):
             axes.plot(a, value, label=label if i == 0 else None, **bold)
             scatter = law.scatter * value
@@ -112,10 +112,10 @@ def _draw_laws(axes: Axes, quantity: str, experiment: Experiment, low: float, hi
 def _others(quantity: str, experiment: Experiment, law: Law | None) -> dict[str, Law]:
     """Every other law on columns of this kind, each once, under the first name that has it."""
     found: dict[Law, str] = {}
-    for name, other in EXPERIMENTS.items():
+    for other in EXPERIMENTS.values():
         own = other.law(quantity) if other.model == experiment.model else None
         if own and own != law:
-            found.setdefault(own, name)
+            found.setdefault(own, other.label(quantity))
     return {name: own for own, name in found.items()}
 
 
@@ -132,7 +132,7 @@ def _draw_bands(axes: Axes, quantity: str, experiment: Experiment, aspects: set[
         if expected := experiment.expected(quantity, a):
             value, half = expected
             axes.axhspan(value - half, value + half, color=EXPERIMENT_COLOUR, alpha=0.15, linewidth=0)
-            label = f"{experiment.name}, a = {a:.4g}, with scatter"
+            label = f"{experiment.label(quantity)}, a = {a:.4g}, with scatter"
             axes.axhline(value, color=EXPERIMENT_COLOUR, linewidth=1.2, label=label)
 
 

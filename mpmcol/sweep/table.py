@@ -101,7 +101,9 @@ def _laws(outcome: Outcome) -> Row:
     geometry = case.geometry
     experiment = find_experiment(case.score.experiment, geometry.model, geometry.section)
     expected = {quantity: experiment.expected(quantity, geometry.a) for quantity in ("zeta", "beta")}
-    return {f"law.{quantity}": law[0] if law else None for quantity, law in expected.items()}
+    unverified = [law.quantity for law in experiment.laws if expected.get(law.quantity) and not law.verified]
+    values = {f"law.{quantity}": law[0] if law else None for quantity, law in expected.items()}
+    return {**values, "law.unverified": ";".join(unverified)}
 
 
 def _error_name(error: Mapping[str, Any]) -> str:

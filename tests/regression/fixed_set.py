@@ -123,7 +123,18 @@ def sweep(folder: Path) -> Numbers:
         "sweep", "lube-cylinder", "--aspect", "0.6,1", "--set", "geometry.model=plane,axisymmetric", "--set", PLANE[1],
         "--set", PLANE[2], "--out", str(folder), "--threads", "1", "--jobs", "1", "--quiet",
     )  # fmt: skip
-    left_out = ("seconds", "ns_", "core_", "peak_", "case_hash", "version", "threads", "message", "folder")
+    left_out = (
+        "seconds",
+        "ns_",
+        "core_",
+        "peak_",
+        "case_hash",
+        "version",
+        "threads",
+        "message",
+        "folder",
+        "unverified",
+    )
     return {
         f"{k}.{name}": value
         for k, row in enumerate(_rows(folder / "table.csv"))

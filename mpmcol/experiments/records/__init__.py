@@ -1,1 +1,1 @@
-"""Published experiments, one file each."""
+"""Records of published experiments and reference simulations, one file for each; EXPERIMENT is the record."""

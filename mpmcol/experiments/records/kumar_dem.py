@@ -1,4 +1,4 @@
-"""K. Kumar's thesis: plane collapse of discs with the discrete element method."""
+"""Kumar (thesis, University of Cambridge): plane collapse of discs, discrete element method."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ EXPERIMENT = Experiment(
     release="one-sided",
     kind="simulation",
     material="discs, DEM",
-    laws=(Law("zeta", (Piece(0.0, 2.7, 1.67, 1.0), Piece(2.7, inf, 2.7, 2 / 3)), RUNOUT_SCATTER),),
+    laws=(Law("zeta", (Piece(0.0, 2.7, 1.67, 1.0), Piece(2.7, inf, 2.7, 2 / 3)), RUNOUT_SCATTER, verified=True),),
     note=(
-        "kks32/phd-thesis, chapter 4. Mohr-Coulomb MPM agrees with it below a = 2.7 and runs farther above. "
-        "A thesis without DOI; the ends of its range of a are not known here."
+        "Source: kks32/phd-thesis, chapter 4; a thesis without DOI. Mohr-Coulomb MPM agrees with it below "
+        "a = 2.7 and has a longer runout above. The range of a is not stated."
     ),
 )

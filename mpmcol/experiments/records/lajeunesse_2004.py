@@ -15,13 +15,12 @@ EXPERIMENT = Experiment(
     kind="laboratory",
     material="glass beads",
     laws=(
-        Law("zeta", (Piece(0.0, 0.74, 1.35, 1.0), Piece(0.74, inf, 2.0, 1 / 2)), RUNOUT_SCATTER),
-        Law("beta", (Piece(0.0, 0.74, 1.0, 0.0), Piece(0.74, inf, 0.74, -1.0)), HEIGHT_SCATTER),
+        Law("zeta", (Piece(0.0, 0.74, 1.35, 1.0), Piece(0.74, inf, 2.0, 1 / 2)), RUNOUT_SCATTER, verified=False),
+        Law("beta", (Piece(0.0, 0.74, 1.0, 0.0), Piece(0.74, inf, 0.74, -1.0)), HEIGHT_SCATTER, verified=False),
     ),
     note=(
-        "A truncated cone below a = 0.74, a cone above; h_f / r_i is then 0.74. From a thesis that misprints "
-        "both powers 1/2 as 1.2; consistent with r_f / r_i = sqrt(3 a / 0.74). That the grains are glass "
-        "beads is general knowledge. The original was not read and the ends of its range of a are not known "
-        "here."
+        "The deposit is a truncated cone below a = 0.74 and a cone above, where h_f / r_i = 0.74. Source: "
+        "kks32/phd-thesis, chapter 2, which prints both powers 1/2 as 1.2; 1/2 is consistent with r_f / r_i = "
+        "sqrt(3 a / 0.74). The coefficients, the material and the range of a were not checked in the original."
     ),
 )

@@ -14,15 +14,16 @@ EXPERIMENT = Experiment(
     kind="laboratory",
     material="glass beads, repose 22 deg, avalanche 27.4 deg",
     laws=(
-        Law("zeta", (Piece(0.0, 3.0, 1.8, 1.0), Piece(3.0, inf, 2.3, 2 / 3)), RUNOUT_SCATTER),
-        Law("beta", (Piece(0.0, 0.7, 1.0, 0.0), Piece(1.0, inf, 1.0, -2 / 3)), HEIGHT_SCATTER),
-        Law("stop_time", (Piece(0.0, inf, 3.0, 0.0),), 0.10),
+        Law("zeta", (Piece(0.0, 3.0, 1.8, 1.0), Piece(3.0, inf, 2.3, 2 / 3)), RUNOUT_SCATTER, verified=True),
+        Law("beta", (Piece(0.0, 0.7, 1.0, 0.0), Piece(1.0, inf, 1.0, -2 / 3)), HEIGHT_SCATTER, verified=False),
+        Law("stop_time", (Piece(0.0, inf, 3.0, 0.0),), 0.10, verified=False),
     ),
     note=(
-        "zeta as tabulated by Lagree et al. 2011. beta: h_f / L_i = a (a < 0.7), a^(1/3) (a > 0.7), from a "
-        "thesis; the latter exceeds the initial height for 0.7 < a < 1 and is left out there, so its "
-        "prefactor of 1 is doubtful elsewhere too. Timing from the same thesis: 0.8 + 2 + 0.6 of sqrt(h_i / "
-        "g), slow surface motion to about 6; failure surface at 50-55 deg. Phys. Fluids 17, 103302; DOI not "
-        "checked, original not read, ends of its range of a not known here."
+        "Phys. Fluids 17, 103302; DOI not checked. zeta as quoted by Lagree et al. 2011 "
+        "(doi:10.1017/jfm.2011.335). beta: h_f / r_i = a (a < 0.7), a^(1/3) (a > 0.7), from kks32/phd-thesis, "
+        "chapter 2; the latter exceeds the initial height for 0.7 < a < 1 and is omitted there, so its "
+        "prefactor of 1 is doubtful. Stop time from chapter 4 of the same thesis: 0.8 + 2 + 0.6 of sqrt(h_i / "
+        "g), slow surface motion until about 6; failure surface at 50-55 deg. The range of a was not checked "
+        "in the original."
     ),
 )

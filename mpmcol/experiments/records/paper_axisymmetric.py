@@ -1,4 +1,4 @@
-"""What Coetzee & Purvance 2026 score their cylinders against: their Eq. 38-40."""
+"""The laws with which Coetzee & Purvance 2026 compare their cylinders: their Eq. 38-40."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What Coetzee & Purvance 2026 score their plane columns against: their Eq. 37."""
+"""The law with which Coetzee & Purvance 2026 compare their plane columns: their Eq. 37."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ from mpmcol.studies.runs import Finished, Found, Member, with_settings
 TIME_STEPS = ("0.46", "0.48", "0.5", "0.52")
 ALONE = ("0.5",)
 
-Verdict = Literal["passed", "failed", "proves nothing", "not run"]
+Verdict = Literal["passed", "failed", "proves nothing", "not run", "unverified"]
 Measure = Callable[[Finished], float | None]  # None: there is no such number, as of a front that never stops
 
 
@@ -42,11 +42,15 @@ class Column:
 
 @dataclass(frozen=True)
 class Band:
-    """Where a number must lie, ends included, and who says so: never our own results."""
+    """Where a number must lie, ends included, and who says so: never our own results.
+
+    A check neither passes nor fails by a band whose source is unverified.
+    """
 
     lo: float
     hi: float
     source: str
+    verified: bool = True
 
     def __contains__(self, value: float) -> bool:
         return self.lo <= value <= self.hi
@@ -118,6 +122,8 @@ def _control(check: Check, label: str, column: Column, found: Found, quick: bool
 def _verdict(check: Check, runs: int, value: float | None, controls: list[Control]) -> Verdict:
     if not runs or not all(control.ran for control in controls):
         return "not run"
+    if not check.band.verified:
+        return "unverified"
     if value is None or value not in check.band:
         return "failed"
     return "proves nothing" if not controls or any(control.accepted for control in controls) else "passed"

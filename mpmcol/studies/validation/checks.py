@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from math import radians, tan
 
-from mpmcol.experiments import find_experiment
+from mpmcol.experiments import find_experiment, mark
 from mpmcol.studies.validation.chart import draw_rods, draw_shape
 from mpmcol.studies.validation.check import Band, Check, Column, Measure
 from mpmcol.studies.validation.measures import (
@@ -44,8 +44,9 @@ def law_check(name: str, experiment: str, quantity: str, column: Column, control
     told, unit, measure = LAW_NUMBERS[quantity]
     value, scatter = expected
     notes = "; ".join(filter(None, (f"scatter: {law.scatter_source}", law.note)))
-    source = f"{value:.3g} +- {100.0 * law.scatter:.0f} %, {published.title}, doi:{published.doi} ({notes})"
-    band = Band(value - scatter, value + scatter, source)
+    title = f"{published.title}, doi:{published.doi}{mark(law.verified)}"
+    source = f"{value:.3g} +- {100.0 * law.scatter:.0f} %, {title} ({notes})"
+    band = Band(value - scatter, value + scatter, source, law.verified)
     return Check(name, experiment, f"{told}, a = {column.a:g}", unit, column, measure, band, controls)
 
 
@@ -85,7 +86,7 @@ CHECKS: tuple[Check, ...] = (
     law_check("channel-runout-short", "lube-2007", "zeta", channel_1, frictions(channel_1, 22.0, 45.0)),
     law_check("channel-runout-tall", "lube-2007", "zeta", channel_3, frictions(channel_3, 22.0, 45.0)),
     law_check("channel-height-short", "lube-2007", "beta", channel_1, frictions(channel_1, 15.0)),
-    law_check("channel-height-tall", "lube-2007", "beta", channel_3, frictions(channel_3, 22.0, 45.0)),
+    law_check("channel-height-tall", "lube-2005", "beta", channel_3, frictions(channel_3, 22.0, 45.0)),
     law_check("channel-stop", "lube-2007", "stop_time", channel_3, slow_gate(channel_3)),
     Check(
         "channel-shape", "lube-2005", "a = 3: RMS distance to the universal shape over height", "",

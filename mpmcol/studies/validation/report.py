@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from mpmcol.experiments import EXPERIMENTS, find_experiment
+from mpmcol.experiments import EXPERIMENTS, Experiment, find_experiment, mark
 from mpmcol.io.atomic import atomic_write
 from mpmcol.provenance import code_version
 from mpmcol.studies.runs import Finished, Found
@@ -36,10 +36,15 @@ def other_laws(run: Finished) -> list[Other]:
     own = find_experiment(case.score.experiment, case.geometry.model).name
     numbers = [(one, number) for one in EXPERIMENTS.values() if one.name != own for number in NUMBERS]
     return [
-        Other(row["case"], row["a"], one.name, number, row[number], error, f"{one.kind}: {one.material}")
+        Other(row["case"], row["a"], one.name, number, row[number], error, _material(one, number))
         for one, number in numbers
         if (error := row.get(f"error.{one.name}.{number}")) is not None
     ]
+
+
+def _material(experiment: Experiment, number: str) -> str:
+    law = experiment.law(number.partition(".")[0])
+    return f"{experiment.kind}: {experiment.material}" + ("" if law is None else mark(law.verified))
 
 
 def write_report(
@@ -82,6 +87,14 @@ def band_of(judgement: Judgement) -> str:
     return f"{judgement.check.band.lo:.3g} to {judgement.check.band.hi:.3g}"
 
 
+def summary_of(judgements: Sequence[Judgement]) -> str:
+    """How many of the checks with a verified reference passed, and how many have none."""
+    judged = [judgement for judgement in judgements if judgement.verdict != "unverified"]
+    passed = sum(judgement.verdict == "passed" for judgement in judged)
+    rest = len(judgements) - len(judged)
+    return f"{passed} of {len(judged)} checks passed" + (f"; {rest} with an unverified reference" if rest else "")
+
+
 def controls_of(judgement: Judgement) -> list[str]:
     """What each control measured and whether it was rejected, as it must be."""
     ends = {True: "INSIDE", False: "outside"}
@@ -93,8 +106,7 @@ def controls_of(judgement: Judgement) -> list[str]:
 
 def markdown(judgements: Sequence[Judgement], others: Sequence[Other], charts: Sequence[Path], heading: str) -> str:
     """Verdicts, controls and sources for a reader."""
-    passed = sum(judgement.verdict == "passed" for judgement in judgements)
-    lines = ["# Validation against experiments", "", f"{heading} {passed} of {len(judgements)} checks passed.", ""]
+    lines = ["# Validation against experiments", "", f"{heading} {summary_of(judgements)}.", ""]
     lines += [
         "| check | number | ours | band | verdict | negative controls | where the band is from |",
         "|---" * 7 + "|",

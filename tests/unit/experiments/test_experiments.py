@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -232,7 +233,7 @@ def test_paper_is_resolved_by_model_and_wrong_names_are_explained() -> None:
     assert find_experiment("paper", "axisymmetric").name == "paper-axisymmetric"
     with pytest.raises(UsageError, match="did you mean 'lube-2005'"):
         find_experiment("lube-205", "plane")
-    with pytest.raises(UsageError, match="axisymmetric, the column is plane"):
+    with pytest.raises(UsageError, match="'axisymmetric'; this column is 'plane'"):
         find_experiment("lube-2004", "plane")
 
 
@@ -242,7 +243,7 @@ def test_a_cylinder_in_3d_has_the_experiments_of_the_axisymmetric_one(model: str
     assert score(values, 0.9, model) == score(values, 0.9, "axisymmetric") != []
     assert find_experiment("paper", model).name == "paper-axisymmetric"
     assert find_experiment("lube-2004", model) is EXPERIMENTS["lube-2004"]
-    with pytest.raises(UsageError, match="plane, the column is axisymmetric"):
+    with pytest.raises(UsageError, match="'plane'; this column is 'axisymmetric'"):
         find_experiment("lube-2005", model)
     assert expected_runout(model, 0.9) == expected_runout("axisymmetric", 0.9)
     x, y = [0.0, 0.3], [0.08, 0.0]
@@ -254,7 +255,7 @@ def test_nothing_is_published_on_a_box(model: str) -> None:
     assert score(measured(1.0, 1.0), 1.0, model, "box") == []
     assert profile_scores([0.0, 0.3], [0.08, 0.0], model, 0.09, 0.09, "box") == []
     assert find_experiment("paper", model, "box").laws == ()
-    with pytest.raises(UsageError, match="axisymmetric, the column is box"):
+    with pytest.raises(UsageError, match="'axisymmetric'; this column is 'box'"):
         find_experiment("lube-2004", model, "box")
     assert expected_runout(model, 0.9, "box") == expected_runout("plane", 0.9)
 
@@ -274,3 +275,35 @@ def test_expected_runout_is_generous_finite_and_grows_with_a(model: str) -> None
         if experiment.model == model and experiment.kind == "laboratory" and law is not None:
             assert all(bound >= (law(a) or 0.0) for a, bound in zip(ratios, runout, strict=True))
     assert expected_runout(model, 1e-3) > 0.0 and math.isfinite(expected_runout(model, 1e3))
+
+
+@pytest.mark.parametrize(
+    ("name", "quantity", "verified"),
+    [
+        ("paper-plane", "zeta", True),
+        ("paper-plane", "beta", False),
+        ("paper-plane", "stop_time", False),
+        ("paper-axisymmetric", "zeta", True),
+        ("paper-axisymmetric", "beta", True),
+        ("paper-axisymmetric", "stop_time", False),
+        ("bougouin-lacaze-2018", "zeta", False),
+    ],
+)
+def test_unverified_laws_are_marked_in_labels_and_scores(name: str, quantity: str, verified: bool) -> None:
+    experiment = EXPERIMENTS[name]
+    law = experiment.law(quantity)
+    assert law is not None and law.verified is verified
+    assert experiment.label(quantity) == name + ("" if verified else " (unverified)")
+    result = find(score({quantity: 1.0}, 0.9, experiment.model), name, quantity)
+    assert result.verified is verified
+    assert result.comment.endswith("(unverified)") is not verified
+    assert result.as_dict()["verified"] is verified
+
+
+def test_an_unverified_profile_is_marked_in_its_score() -> None:
+    bui = EXPERIMENTS["bui-2008"]
+    unverified = replace(bui, profiles=tuple(replace(profile, verified=False) for profile in bui.profiles))
+    for experiment, verified in ((bui, True), (unverified, False)):
+        result = profile_score([0.0, 0.3], [0.08, 0.0], experiment)
+        assert result is not None and result.verified is verified
+        assert result.comment.endswith("(unverified)") is not verified

@@ -163,8 +163,8 @@ def test_experiment_is_drawn_at_its_front_height_and_surface(tmp_path: Path, fig
     assert line(figures[0], 0, "failure line")[0][0] == pytest.approx(21.2)
     containers: Any = figures[0].axes[0].containers
     bars = {bar.get_label(): bar.lines[0].get_xydata()[0] for bar in containers}
-    assert bars["experiment, front and scatter"] == pytest.approx([442.3, 0.0])
-    assert bars["experiment, height and scatter"] == pytest.approx([0.0, 99.2])
+    assert bars["bui-2008, front and scatter"] == pytest.approx([442.3, 0.0])
+    assert bars["bui-2008, height and scatter"] == pytest.approx([0.0, 99.2])
 
 
 def test_no_experiment_marks_in_a_gap_and_no_rods_on_another_column(tmp_path: Path, figures: list[Figure]) -> None:
@@ -172,7 +172,7 @@ def test_no_experiment_marks_in_a_gap_and_no_rods_on_another_column(tmp_path: Pa
     charts.profile_chart(tmp_path / "p.png", gap, [(0.3, deposit(1.5, gap))], EXPERIMENTS["paper-plane"])
     charts.profile_chart(tmp_path / "q.png", SHAPE, [(0.3, deposit(1.5))], EXPERIMENTS["bui-2008"])
     labels = [[str(c.get_label()) for c in figure.axes[0].containers] for figure in figures]
-    assert labels == [["experiment, height and scatter"], []]
+    assert labels == [["paper-plane (unverified), height and scatter"], []]
     names = [str(entry.get_label()) for figure in figures for entry in figure.axes[0].lines]
     assert not {"free surface", "universal final surface"} & set(names)
 

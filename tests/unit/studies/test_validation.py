@@ -111,6 +111,19 @@ def test_a_check_whose_control_passes_has_proved_nothing() -> None:
     assert judged([2.5] * 4, 1.9).verdict == "failed"
 
 
+def test_a_check_with_an_unverified_band_neither_passes_nor_fails() -> None:
+    band = Band(1.0, 2.0, "a source", verified=False)
+    (control,) = WRONG["wrong"].members(False, repeated=False)
+    for value in (1.5, 2.5):
+        found = {member: finished(value) for member in COLUMN.members(False)} | {control: finished(3.0)}
+        assert judge(check(band), found, False).verdict == "unverified"
+
+
+def test_stop_times_are_not_judged_since_their_source_is_unverified() -> None:
+    unverified = {one.name for one in CHECKS if not one.band.verified}
+    assert unverified == {"channel-stop", "cylinder-stop", "channel-height-short"}
+
+
 def test_what_did_not_run_has_not_passed() -> None:
     assert judged([1.5] * 4, 0.0).verdict == "not run"
     assert judge(check(Band(1.0, 2.0, "")), {}, False).verdict == "not run"

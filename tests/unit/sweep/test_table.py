@@ -83,6 +83,7 @@ def test_a_row_has_inputs_measurements_errors_cost_and_versions(tmp_path: Path) 
     assert (row["geometry.aspect"], row["material.friction_deg"], row["a"]) == (2.0, 33.0, 2.0)
     assert [row[f"zeta.{name}"] for name in FRONTS] == pytest.approx([1.05 * zeta, 1.02 * zeta, zeta])
     assert row["law.zeta"] == pytest.approx(zeta) and row["law.beta"] == pytest.approx(row["beta"])
+    assert row["law.unverified"] == ""
     assert row["error.paper-axisymmetric.zeta.front_max"] == pytest.approx(0.05)
     assert row["error.paper-axisymmetric.beta"] == pytest.approx(0.0)
     assert row["error.lajeunesse-2004.zeta.front_height"] == pytest.approx(zeta / (2.0 * 2**0.5) - 1.0)
@@ -156,7 +157,7 @@ def test_charts_have_laws_scatter_transition_and_fits(tmp_path: Path, figures: d
     points = plan(tmp_path, aspect="0.5,1,2,3,5")
     write_report([*map(finish, points[:-1]), finish(points[-1], at_rest=False)], tmp_path)
     zeta, beta = labels(figures["zeta.png"]), labels(figures["beta.png"])
-    assert "paper-axisymmetric, with scatter of 10%" in zeta and "lajeunesse-2004" in zeta
+    assert "paper-axisymmetric, with scatter of 10%" in zeta and "lajeunesse-2004 (unverified)" in zeta
     assert [name for name in FRONTS if name in zeta] == list(FRONTS)
     assert "front_max (not at rest)" in zeta
     assert r"front_height: $\zeta \propto a^{0.50}$ (law $a^{0.50}$)" in zeta  # of two points: no uncertainty
