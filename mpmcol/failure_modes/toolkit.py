@@ -17,7 +17,7 @@ from mpmcol.mpm.lanes import ID, KIND, V0
 from mpmcol.mpm.particles import BASE, Points
 from mpmcol.mpm.settings import PAPER, Scheme, Settings
 from mpmcol.mpm.solver import Body, Solver
-from mpmcol.simulation.failure import diagnose, message
+from mpmcol.simulation.failure import diagnose, failure_message
 
 G = 9.81
 DENSITY, E, NU, PHI = 2650.0, 10e6, 0.2, 33.0
@@ -125,7 +125,7 @@ def advance_steps(solver: Solver, steps: int) -> None:
 def _raise_on_failure(solver: Solver, fault: int) -> None:
     if fault >= 0:
         failure = diagnose(solver, fault, "problem")
-        raise NumericalFailure(message(failure), failure)
+        raise NumericalFailure(failure_message(failure), failure)
 
 
 def by_id(solver: Solver) -> Points:

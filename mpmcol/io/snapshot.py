@@ -76,8 +76,12 @@ class Snapshot:
 
 
 def as_stored(snapshot: Snapshot) -> Snapshot:
-    """The snapshot as it is stored and read back: sorted by point id, real numbers as float32."""
-    order = np.argsort(snapshot.arrays["id"], kind="stable")
+    """The snapshot as it is stored and read back: sorted by point id, real numbers as float32.
+
+    Arrays of a snapshot that has this form already are not copied.
+    """
+    ids = snapshot.arrays["id"]
+    order = slice(None) if (ids[:-1] <= ids[1:]).all() else np.argsort(ids, kind="stable")
     arrays = {name: _single_precision(values)[order] for name, values in snapshot.arrays.items()}
     return replace(snapshot, arrays=arrays)
 
@@ -157,7 +161,7 @@ def _attributes(name: str, per: str) -> dict[str, str | np.bytes_]:
 
 
 def _single_precision(values: np.ndarray) -> np.ndarray:
-    return values.astype(np.float32) if values.dtype.kind == "f" else values
+    return values.astype(np.float32, copy=False) if values.dtype.kind == "f" else values
 
 
 def _write_plain(file: h5py.File, name: str, value: str | int | float) -> None:

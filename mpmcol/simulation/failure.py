@@ -1,4 +1,7 @@
-"""What went wrong in a run that had to stop: the `failure` object of its result, and the words for a person."""
+"""Failures that the compiled loop detects in single points, and the `failure` object of result.json.
+
+Checks of the whole state are in `monitor.py`.
+"""
 
 from __future__ import annotations
 
@@ -12,84 +15,88 @@ from mpmcol.mpm.kernels.stress_common import J_MAX, J_MIN
 from mpmcol.mpm.particles import COLUMN
 from mpmcol.mpm.solver import Solver
 
-TIME_STEP = "lower time.cfl ({limit}), or refine grid.spacing"
-UNKNOWN = "0.5 is the default"  # where no case says what a lone point bears
-TOO_LONG = "a time step too long for points that are alone, by a wall or near the axis"
-OPEN = "set method.opening_strain = true"
-LOOSENS = "sand that dilates loosens for as long as it flows"
-PULLED_APART = "points that are pulled apart, or sand that dilates, swell without end"
-SLOW = 0.02  # volumetric strain of a step that waves and flow make; what a step too long makes is larger
-SOFT = 0.5  # free speed over that of waves, from which a fall, half as fast, shortens material by a quarter and more
-TOO_SMALL = "the flow goes farther than the experiments that the domain was sized by, or than the case allows for"
+LOWER_TIME_STEP = "lower time.cfl ({limit}), or refine grid.spacing"
+DEFAULT_CFL = "0.5 is the default"  # where the single-particle stability limit is not known
+TIME_STEP_TOO_LARGE = "a time step beyond the stability limit of single particles, of points at a wall or near the axis"
+OPENING_STRAIN = "set method.opening_strain = true"
+DILATION = "sand that dilates loosens as long as it flows"
+SEPARATION = "points that separate, or sand that dilates, expand without bound"
+SLOW_STRAIN = 0.02  # volumetric strain of one step: waves and flow cause less, too large a time step causes more
+SOFT = 0.5  # free-fall speed over wave speed above which an impact, at half of it, compresses material by a quarter
+DOMAIN_TOO_SMALL = (
+    "the flow runs farther than in the experiments used to size the domain, or than the case provides for"
+)
 
 
-class Fault(NamedTuple):
-    """Something that must not be: what was seen, what it probably comes from, and how to mend it."""
+class Failure(NamedTuple):
+    """A violated condition: what was observed, the probable cause, and the remedy."""
 
-    check: str  # name
-    cause: str  # what was seen
+    check: str  # name of the check
+    cause: str  # what was observed
     value: float
-    limit: float | None  # that the value must keep to
-    likely: str
+    limit: float | None  # of the value
+    likely: str  # probable cause
     remedy: str
-    row: int | None = None  # of the point, if one is to blame
-    position: Sequence[float] | None = None  # m; that of the point where there is one
+    row: int | None = None  # of the point, if one is responsible
+    position: Sequence[float] | None = None  # m, if no point is responsible
     smaller_step_helps: bool = False
 
 
 def diagnose(solver: Solver, row: int, stage: str) -> dict[str, Any]:
-    """The `failure` object of result.json for the point in `row`, at which the compiled loop stopped."""
-    return describe(solver, stage, fault_of(solver, row))
+    """The `failure` object of result.json after the compiled loop has stopped at the point in `row`."""
+    return failure_record(solver, stage, identify_failure(solver, row))
 
 
-def describe(solver: Solver, stage: str, fault: Fault, limit: str = UNKNOWN) -> dict[str, Any]:
-    """The `failure` object of result.json; limit: of the time step, in words."""
-    place = fault.position if fault.row is None else solver.points.x[fault.row]
+def failure_record(solver: Solver, stage: str, failure: Failure, cfl_advice: str = DEFAULT_CFL) -> dict[str, Any]:
+    """The `failure` object of result.json; cfl_advice: text on the largest stable time.cfl."""
+    position = failure.position if failure.row is None else solver.points.x[failure.row]
     return {
-        "check": fault.check,
-        "cause": fault.cause,
-        "likely": fault.likely,
+        "check": failure.check,
+        "cause": failure.cause,
+        "likely": failure.likely,
         "stage": stage,
         "step": solver.steps,
         "time": solver.time,
-        "point": None if fault.row is None else int(solver.points.id[fault.row]),
-        "position": None if place is None else [float(c) for c in place],
-        "value": float(fault.value),
-        "limit": fault.limit,
-        "remedy": fault.remedy.format(limit=limit),
-        "smaller_step_helps": fault.smaller_step_helps,
+        "point": None if failure.row is None else int(solver.points.id[failure.row]),
+        "position": None if position is None else [float(coordinate) for coordinate in position],
+        "value": float(failure.value),
+        "limit": failure.limit,
+        "remedy": failure.remedy.format(limit=cfl_advice),
+        "smaller_step_helps": failure.smaller_step_helps,
     }
 
 
-def fault_of(solver: Solver, row: int) -> Fault:
-    """What is wrong where the compiled loop stopped at a point: the most telling of all points, this one if it is."""
+def identify_failure(solver: Solver, row: int) -> Failure:
+    """The failure at which the compiled loop stopped: of the point in `row`, or of one that violates more."""
     points, free = solver.points, solver.settings.free_speed
     c2 = np.array([body.wave_speed2 for body in solver.bodies])[points.kind.astype(np.intp)]
     with np.errstate(all="ignore"):
         speed, J = np.linalg.norm(points.v, axis=1), points.J
         limit = np.sqrt(np.maximum(c2 * J, free**2))
         finite = np.isfinite(points.x).all(axis=1) & np.isfinite(speed) & np.isfinite(J)
-        beyond = np.maximum(J_MIN - J, J - J_MAX)
+        excess = np.maximum(J_MIN - J, J - J_MAX)
     if not finite.all():
         return not_finite(solver, row if not finite[row] else int(np.argmin(finite)))
-    if beyond.max() > 0.0:
-        row = row if beyond[row] > 0.0 else int(beyond.argmax())
-        return _volume(solver, row, float(J[row]), float(c2[row]))
+    if excess.max() > 0.0:
+        row = row if excess[row] > 0.0 else int(excess.argmax())
+        return _volume_failure(solver, row, float(J[row]), float(c2[row]))
     if (speed > limit).any():
         row = int((speed / limit).argmax())
-        return _too_fast(row, float(speed[row]), float(np.sqrt(c2[row] * J[row])), free)
-    return _outside(solver, row, points.x[row])
+        return _speed_failure(row, float(speed[row]), float(np.sqrt(c2[row] * J[row])), free)
+    return _domain_failure(solver, row, points.x[row])
 
 
-def not_finite(solver: Solver, row: int | None) -> Fault:
-    """A point with a number that is none."""
-    bad = [name for name, sound in finite_fields(solver).items() if row is not None and not sound[row]]
-    cause = "a number became not finite (NaN)" + f": {', '.join(bad)}" * bool(bad)
-    return Fault("finite", cause, float("nan"), None, TOO_LONG, TIME_STEP, row, smaller_step_helps=True)
+def not_finite(solver: Solver, row: int | None) -> Failure:
+    """A number of the point in `row`, or of no point, is NaN or infinite."""
+    bad = [name for name, is_finite in finite_fields(solver).items() if row is not None and not is_finite[row]]
+    cause = "a number is not finite (NaN)" + f": {', '.join(bad)}" * bool(bad)
+    return Failure(
+        "finite", cause, float("nan"), None, TIME_STEP_TOO_LARGE, LOWER_TIME_STEP, row, smaller_step_helps=True
+    )
 
 
 def finite_fields(solver: Solver) -> dict[str, np.ndarray]:
-    """Where the numbers of a point are such (n,), by name; lanes that are not used may hold anything."""
+    """Masks (n,) of the points whose values are finite, by field; unused lanes of a record are not regarded."""
     points, used = solver.points, len(solver.bodies[COLUMN].law.STATE)
     fields = {
         "mass": points.m, "volume ratio": points.J, "velocity": points.v, "position": points.x, "stress": points.sigma,
@@ -99,59 +106,63 @@ def finite_fields(solver: Solver) -> dict[str, np.ndarray]:
     return {name: np.isfinite(values.reshape(len(points), -1)).all(axis=1) for name, values in fields.items()}
 
 
-def _volume(solver: Solver, row: int, J: float, c2: float) -> Fault:
-    swells, opens = J > J_MAX, solver.settings.opening_strain
-    cause, limit = f"the volume ratio J left [{J_MIN:g}, {J_MAX:g}]", J_MAX if swells else J_MIN
-    slow = abs(np.trace(solver.points.grad_v[row])) * solver.dt < SLOW
-    if swells and slow:
+def _volume_failure(solver: Solver, row: int, J: float, c2: float) -> Failure:
+    """J is outside its limits; c2 is the squared wave speed, m2/s2."""
+    expands, has_opening = J > J_MAX, solver.settings.opening_strain
+    cause, limit = f"the volume ratio J is outside [{J_MIN:g}, {J_MAX:g}]", J_MAX if expands else J_MIN
+    is_slow = abs(np.trace(solver.points.grad_v[row])) * solver.dt < SLOW_STRAIN
+    if expands and is_slow:
         remedy = (
-            "let dilatancy fade (law mohr-coulomb-softening), or lower its angle or stages.collapse.max_time_factor"
+            "reduce dilatancy with strain (law mohr-coulomb-softening), or lower its angle or "
+            "stages.collapse.max_time_factor"
         )
-        likely, remedy = (LOOSENS, remedy) if opens else (PULLED_APART, f"{OPEN}; or {remedy}")
-        return Fault("volume", cause, J, limit, likely, remedy, row)
-    soft = solver.settings.free_speed > SOFT * np.sqrt(c2)
-    if not swells and (slow or soft):
-        likely = f"what falls here crushes its material, in which waves run at {np.sqrt(c2):.3g} m/s"
-        return Fault("volume", cause, J, limit, likely, "raise material.youngs_modulus", row)
-    remedy = TIME_STEP + ("" if opens else f"; or {OPEN}")
-    return Fault("volume", cause, J, limit, TOO_LONG, remedy, row, smaller_step_helps=True)
+        likely, remedy = (DILATION, remedy) if has_opening else (SEPARATION, f"{OPENING_STRAIN}; or {remedy}")
+        return Failure("volume", cause, J, limit, likely, remedy, row)
+    is_soft = solver.settings.free_speed > SOFT * np.sqrt(c2)
+    if not expands and (is_slow or is_soft):
+        likely = f"the impact of falling material crushes this material, whose wave speed is {np.sqrt(c2):.3g} m/s"
+        return Failure("volume", cause, J, limit, likely, "raise material.youngs_modulus", row)
+    remedy = LOWER_TIME_STEP + ("" if has_opening else f"; or {OPENING_STRAIN}")
+    return Failure("volume", cause, J, limit, TIME_STEP_TOO_LARGE, remedy, row, smaller_step_helps=True)
 
 
-def _too_fast(row: int, speed: float, waves: float, free: float) -> Fault:
-    cause = f"the point is faster than waves in its material ({waves:.3g} m/s)"
-    cause += f" and than gravity can make it ({free:.3g} m/s)" if free else ""
-    remedy = TIME_STEP + "; if that is slow for the material, check its stiffness and density"
-    return Fault("speed", cause, speed, max(waves, free), TOO_LONG, remedy, row, smaller_step_helps=True)
+def _speed_failure(row: int, speed: float, wave_speed: float, free_speed: float) -> Failure:
+    """The point is faster than waves and than free fall, m/s."""
+    cause = f"the point is faster than waves in its material ({wave_speed:.3g} m/s)"
+    cause += f" and than gravity can make it ({free_speed:.3g} m/s)" if free_speed else ""
+    remedy = LOWER_TIME_STEP + "; if the wave speed is unexpectedly low, check stiffness and density"
+    return Failure(
+        "speed", cause, speed, max(wave_speed, free_speed), TIME_STEP_TOO_LARGE, remedy, row, smaller_step_helps=True
+    )
 
 
-def _outside(solver: Solver, row: int, x: np.ndarray) -> Fault:
+def _domain_failure(solver: Solver, row: int, x: np.ndarray) -> Failure:
+    """The point is outside the domain."""
     box = column_box(solver.grid, solver.settings)
     if x[1] >= box.y_high:
-        cause, likely = "material reached the top of the domain", "something throws it up, or the domain is very low"
-        return Fault("domain", cause, float(x[1]), box.y_high, likely, "set a larger geometry.domain_height", row)
+        cause, likely = "material reached the top of the domain", "material is thrown up, or the domain is very low"
+        return Failure("domain", cause, float(x[1]), box.y_high, likely, "set a larger geometry.domain_height", row)
     horizontal = np.delete(x, 1)
     farthest, cause = float(horizontal[np.argmax(np.abs(horizontal))]), "material reached the end of the domain"
-    return Fault("domain", cause, farthest, None, TOO_SMALL, "set a larger geometry.domain_length", row)
+    return Failure("domain", cause, farthest, None, DOMAIN_TOO_SMALL, "set a larger geometry.domain_length", row)
 
 
-def message(failure: dict[str, Any], retries: Sequence[dict[str, Any]] = ()) -> str:
-    """The failure as a person reads it, with what was tried before the run was given up."""
+def failure_message(failure: dict[str, Any], retries: Sequence[dict[str, Any]] = ()) -> str:
+    """The message of a failure for the user, with the retries that preceded it."""
     point, where = "", ""
     if failure["position"] is not None:
         where = ", ".join(f"{axis} = {x:.5g} m" for axis, x in zip("xyz", failure["position"], strict=False))
         point = ", at " if failure["point"] is None else f", point {failure['point']} at "
     limit = "" if failure["limit"] is None else f", limit {failure['limit']:.4g}"
-    tried = [f"time.cfl = {one['cfl']:g}: {one['cause']} at t = {one['time']:.4g} s" for one in retries]
-    kept = (
-        f"kept: the last good state, snapshot {failure.get('last_valid')}, and the one it stopped in, the last snapshot"
-    )
-    return "\n  ".join(
-        [
-            f"the run stopped: {failure['cause']} (value {failure['value']:.4g}{limit})",
-            f"where: stage {failure['stage']}, step {failure['step']}, t = {failure['time']:.6g} s{point}{where}",
-            f"likely cause: {failure['likely']}",
-            f"remedy: {failure['remedy']}",
-            *(f"tried before, {one}" for one in tried),
-            *([kept] if "last_valid" in failure else []),
-        ]
-    )
+    lines = [
+        f"the run stopped: {failure['cause']} (value {failure['value']:.4g}{limit})",
+        f"where: stage {failure['stage']}, step {failure['step']}, t = {failure['time']:.6g} s{point}{where}",
+        f"likely cause: {failure['likely']}",
+        f"remedy: {failure['remedy']}",
+    ]
+    lines += [f"tried with time.cfl = {one['cfl']:g}: {one['cause']} at t = {one['time']:.4g} s" for one in retries]
+    if "last_valid" in failure:
+        lines.append(
+            f"saved: the last valid state (snapshot {failure['last_valid']}) and the failed one (last snapshot)"
+        )
+    return "\n  ".join(lines)

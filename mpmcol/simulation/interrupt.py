@@ -1,4 +1,4 @@
-"""What asks a run to end, signals and a limit of time: noted when it comes, heeded where nothing is half done."""
+"""Deferred handling of signals and of the wall-clock limit: a run stops between two steps."""
 
 from __future__ import annotations
 
@@ -10,32 +10,32 @@ from contextlib import contextmanager
 from math import inf
 from types import FrameType
 
-SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGUSR1)  # a person, a scheduler, a scheduler some time before
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGUSR1)  # Ctrl-C, schedulers, schedulers some time before the end
 
 
 class Stopped(Exception):
-    """A run has been asked to end, and may keep what it has; the text says by what."""
+    """The run was asked to stop; the text is the reason."""
 
 
 class StopRequest:
-    """Whether this process has been asked to end."""
+    """Records whether this process was asked to stop."""
 
     def __init__(self, max_wall: float = inf) -> None:
         self._deadline = time.monotonic() + max_wall
         self._signal = ""
 
     @property
-    def asked(self) -> str:
-        """By what; "" if it has not been."""
-        return self._signal or ("the limit of time" if time.monotonic() > self._deadline else "")
+    def reason(self) -> str:
+        """The signal or the limit that requested the stop; "" if there is no request."""
+        return self._signal or ("the wall-clock limit" if time.monotonic() > self._deadline else "")
 
-    def heed(self) -> None:
-        """Raise Stopped if it has been."""
-        if asked := self.asked:
-            raise Stopped(asked)
+    def raise_if_requested(self) -> None:
+        """Raise Stopped if a stop was requested."""
+        if reason := self.reason:
+            raise Stopped(reason)
 
-    def note(self, number: int, frame: FrameType | None) -> None:
-        """The handler of the signals; the second one ends the process wherever it is."""
+    def handle(self, number: int, frame: FrameType | None) -> None:
+        """Signal handler: the first signal is recorded, the second one aborts the process at once."""
         if self._signal:
             raise KeyboardInterrupt
         self._signal = signal.Signals(number).name
@@ -43,15 +43,15 @@ class StopRequest:
 
 @contextmanager
 def stop_request(max_wall: float = inf) -> Iterator[StopRequest]:
-    """Note signals while inside, and that `max_wall` seconds have gone by.
+    """Record signals, and a stop after `max_wall` seconds, during the context.
 
-    Outside the main thread Python lets no signal be noted.
+    Outside the main thread signals are not recorded, since Python does not allow it.
     """
     request = StopRequest(max_wall)
     if threading.current_thread() is not threading.main_thread():
         yield request
         return
-    before = {number: signal.signal(number, request.note) for number in SIGNALS}
+    before = {number: signal.signal(number, request.handle) for number in SIGNALS}
     try:
         yield request
     finally:

@@ -1,8 +1,7 @@
-"""What a run is looked at for at its checks: a list of tests on its numbers, each with likely cause and remedy.
+"""Run-time consistency checks: a list of tests of the whole state, each with probable cause and remedy.
 
-The compiled loop itself stops at every step at points that are not finite, whose J left its bounds, that are too fast
-or that reach the ends of the domain (`failure.py`); here stands what only a look at the whole can tell. A new
-check is a function and a line in CHECKS.
+The compiled loop itself stops in every step at points that are not finite, whose J is outside its limits, that are too
+fast or outside the domain (`failure.py`). A new check is a function and an entry of CHECKS.
 """
 
 from __future__ import annotations
@@ -15,30 +14,37 @@ import numpy as np
 from mpmcol.mpm.grid import NODE, Grid
 from mpmcol.mpm.particles import BASE, COLUMN
 from mpmcol.mpm.solver import Solver
-from mpmcol.simulation.failure import OPEN, TIME_STEP, TOO_LONG, Fault, finite_fields, not_finite
+from mpmcol.simulation.failure import (
+    LOWER_TIME_STEP,
+    OPENING_STRAIN,
+    TIME_STEP_TOO_LARGE,
+    Failure,
+    finite_fields,
+    not_finite,
+)
 
 ENERGIES = ("potential", "kinetic", "elastic")
-MEMORY = 50  # rows of the history against which energy is compared
-QUIET = 1e-3  # of the stress under the column: smaller ones are not told apart
-DAMAGED = "damage to the run's numbers, in memory or by a fault of the code"
-NOT_RETURNED = "a law whose return does not end on its surface, or " + DAMAGED
-REPORT = "run it again; if it stops at the same step, the case and this message are worth an issue"
+ENERGY_WINDOW = 50  # rows of the history to which the energy is compared
+STRESS_FLOOR = 1e-3  # of the stress under the column: smaller stresses count as zero
+CORRUPTED = "corrupted numbers: a hardware fault or a program error"
+NO_RETURN = "a law whose return mapping does not end on its yield surface, or " + CORRUPTED
+REPORT = "repeat the run; if it stops at the same step, report the case and this message"
 CHECK_LAW = "check `return_map` of the law; else " + REPORT
 
 
-class View(NamedTuple):
-    """What is looked at: the solver, the history whose last row is of now, and the scales of the column."""
+class Observation(NamedTuple):
+    """What the checks examine: the solver, the history up to now, and the scales of the column."""
 
     solver: Solver
-    rows: Sequence[Mapping[str, Any]]
-    start: Mapping[str, float]  # energies at the start of the ledger, J per metre or radian
-    energy: float  # weight of the column times its height, J per metre or radian
+    rows: Sequence[Mapping[str, Any]]  # of the history; the last one is of the present state
+    initial_energies: Mapping[str, float]  # at the start of the ledger, J (per metre or radian in two dimensions)
+    energy: float  # m g h_i of the column, J
     stress: float  # under the column, Pa
-    tau: float  # sqrt(h_i / g), s
+    fall_time: float  # sqrt(h_i / g), s
 
 
-class Sign(NamedTuple):
-    """What a check found: the number that shows it, and the point (its row) or the place, if there is one."""
+class Violation(NamedTuple):
+    """What a check found: the value that violates its limit, and the row of the point or the position, if known."""
 
     cause: str
     value: float
@@ -47,144 +53,159 @@ class Sign(NamedTuple):
 
 
 class Check(NamedTuple):
-    """A test with its limit, and what it means where it finds something."""
+    """A test with its limit, and the probable cause and the remedy of a violation."""
 
     name: str
-    find: Callable[[View, float], Sign | None]
+    find: Callable[[Observation, float], Violation | None]
     limit: float
     likely: str
     remedy: str
     smaller_step_helps: bool = False
 
 
-def look(view: View) -> Fault | None:
-    """The first fault that a check finds."""
+def find_failure(seen: Observation) -> Failure | None:
+    """The failure that the first violated check describes; None if the state is valid."""
     with np.errstate(all="ignore"):
-        if (row := _first_unsound(view.solver, view.rows[-1])) is not None:
-            return not_finite(view.solver, row if row >= 0 else None)
+        if (row := _first_not_finite(seen.solver, seen.rows[-1])) is not None:
+            return not_finite(seen.solver, row if row >= 0 else None)
         for check in CHECKS:
-            if sign := check.find(view, check.limit):
-                return Fault(
-                    check.name, sign.cause, sign.value, check.limit, check.likely, check.remedy, sign.row,
-                    sign.position, check.smaller_step_helps,
-                )  # fmt: skip
+            if found := check.find(seen, check.limit):
+                return Failure(
+                    check=check.name,
+                    cause=found.cause,
+                    value=found.value,
+                    limit=check.limit,
+                    likely=check.likely,
+                    remedy=check.remedy,
+                    row=found.row,
+                    position=found.position,
+                    smaller_step_helps=check.smaller_step_helps,
+                )
     return None
 
 
-def _first_unsound(solver: Solver, row: Mapping[str, Any]) -> int | None:
-    """Row of the first point with a number that is none, -1 where it is not a point's; None if all are sound.
+def _first_not_finite(solver: Solver, row: Mapping[str, Any]) -> int | None:
+    """Row of the first point with a number that is not finite; -1 if the number is not of a point; None if all are.
 
-    The energies tell of most numbers; a law takes a history that is none for one that does not yield.
+    The sum of the energies covers most fields. The history of the law is summed separately: a law with a NaN in it does
+    not yield.
     """
     points, used = solver.points, len(solver.bodies[COLUMN].law.STATE)
     total = sum(row[name] for name in ENERGIES) + points.opening.sum() + points.history[:, :used].sum()
     if np.isfinite(total):
         return None
-    sound = np.logical_and.reduce(list(finite_fields(solver).values()))
-    return -1 if sound.all() else int(sound.argmin())
+    is_finite = np.logical_and.reduce(list(finite_fields(solver).values()))
+    return -1 if is_finite.all() else int(is_finite.argmin())
 
 
-def _energy(row: Mapping[str, Any]) -> float:
+def _stored_energy(row: Mapping[str, Any]) -> float:
     return float(sum(row[name] for name in ENERGIES))
 
 
-def energy_gain(view: View, limit: float) -> Sign | None:
-    """Potential, kinetic and elastic energy together only fall: sand, damping and walls take, nothing gives."""
-    past = [_energy(view.start), *(_energy(row) for row in view.rows[-MEMORY - 1 : -1])]
-    gain = (_energy(view.rows[-1]) - min(past)) / (view.energy + view.start["kinetic"])
+def energy_gain(seen: Observation, limit: float) -> Violation | None:
+    """The sum of potential, kinetic and elastic energy cannot rise: sand, damping and walls only dissipate."""
+    past = [_stored_energy(seen.initial_energies), *(_stored_energy(row) for row in seen.rows[-ENERGY_WINDOW - 1 : -1])]
+    gain = (_stored_energy(seen.rows[-1]) - min(past)) / (seen.energy + seen.initial_energies["kinetic"])
     if gain <= limit:
         return None
-    points = view.solver.points
-    own = points.m * np.sum(points.v**2, axis=1)
-    return Sign("energy came from nowhere, in units of the column's weight times its height", gain, int(own.argmax()))
+    points = seen.solver.points
+    kinetic = points.m * np.sum(points.v**2, axis=1)
+    return Violation("spurious energy gain, normalised by m g h_i", gain, int(kinetic.argmax()))
 
 
-def ledger_residual(view: View, limit: float) -> Sign | None:
-    """The work at the nodes is the change of potential energy, to round-off where positions follow the trapezoid."""
-    solver = view.solver
-    rule = 0.0 if solver.settings.position_factor == 0.5 else solver.dt * solver.time / view.tau**2
-    residual = abs(view.rows[-1]["residual"]) / view.energy
+def ledger_residual(seen: Observation, limit: float) -> Violation | None:
+    """The work at the nodes is the change of potential energy: to round-off with the trapezoidal position update."""
+    solver = seen.solver
+    rule = 0.0 if solver.settings.position_factor == 0.5 else solver.dt * solver.time / seen.fall_time**2
+    residual = abs(seen.rows[-1]["residual"]) / seen.energy
     if residual <= limit + rule:
         return None
-    return Sign("the energy ledger does not add up, in units of the column's weight times its height", residual)
+    return Violation("the energy ledger does not close, residual normalised by m g h_i", residual)
 
 
-def time_step(view: View, limit: float) -> Sign | None:
-    """Waves and gravity leave a time step that is not far below that of a column at rest."""
-    solver = view.solver
-    waves = max(body.wave_speed2 for body in solver.bodies) ** 0.5
-    share = solver.dt * (waves + solver.settings.free_speed) / (solver.settings.cfl * solver.grid.h)
-    if share >= limit:
+def time_step(seen: Observation, limit: float) -> Violation | None:
+    """Waves and free fall do not reduce the time step far below that of a column at rest."""
+    solver = seen.solver
+    wave_speed = max(body.wave_speed2 for body in solver.bodies) ** 0.5
+    ratio = solver.dt * (wave_speed + solver.settings.free_speed) / (solver.settings.cfl * solver.grid.h)
+    if ratio >= limit:
         return None
     points = solver.points
     speed = np.sqrt(solver.bodies[COLUMN].wave_speed2 * points.J) + np.linalg.norm(points.v, axis=1)
-    return Sign("the time step collapsed, in units of that for waves and gravity", share, int(speed.argmax()))
+    return Violation("the time step collapsed, normalised by that of waves and free fall", ratio, int(speed.argmax()))
 
 
-def outside_surface(view: View, limit: float) -> Sign | None:
-    """No point of the column bears more than its law allows, if that stays as it is."""
-    return None if view.solver.bodies[COLUMN].law.STATE else _outside(view, limit)
+def outside_surface(seen: Observation, limit: float) -> Violation | None:
+    """The stress of no point of the column is outside a constant yield surface."""
+    return None if seen.solver.bodies[COLUMN].law.STATE else _outside(seen, limit)
 
 
-def outside_softened_surface(view: View, limit: float) -> Sign | None:
-    """The same of a law with a history: its surface moves within a step, after the return, as far as a step softens."""
-    return _outside(view, limit) if view.solver.bodies[COLUMN].law.STATE else None
+def outside_softened_surface(seen: Observation, limit: float) -> Violation | None:
+    """The same for a law with history, whose surface moves after the return mapping by the softening of one step."""
+    return _outside(seen, limit) if seen.solver.bodies[COLUMN].law.STATE else None
 
 
-def _outside(view: View, limit: float) -> Sign | None:
-    solver, quiet = view.solver, QUIET * view.stress
+def _outside(seen: Observation, limit: float) -> Violation | None:
+    solver, floor = seen.solver, STRESS_FLOOR * seen.stress
     law, params = solver.bodies[COLUMN].law, solver.bodies[COLUMN].params
     rows = np.flatnonzero(solver.points.kind != BASE)
-    s1, s2, s3 = principal(*(component[rows] for component in solver.points.sigma.T))
+    s1, s2, s3 = principal_stresses(*(component[rows] for component in solver.points.sigma.T))
     history = np.array([values[rows] for values in solver.points.history.T])
-    scale = limit * (np.maximum(np.abs(s1), np.abs(s3)) + quiet)
+    scale = limit * (np.maximum(np.abs(s1), np.abs(s3)) + floor)
     suspects = np.flatnonzero(law.may_yield(s1, s3, tuple(history), params) > scale)
     if not len(suspects):
         return None
     s1, s2, s3, scale, history = s1[suspects], s2[suspects], s3[suspects], scale[suspects], history[:, suspects]
     excess = np.full(len(suspects), np.inf)
-    for known in (tuple(history), (0.0 * s1, 0.0 * s1)):  # softening goes on after the return of a step
+    for known in (tuple(history), (0.0 * s1, 0.0 * s1)):  # the history grows after the return mapping of a step
         excess = np.minimum(excess, limit * law.return_map(s1, s2, s3, known, params)[-1] / scale)
     worst = int(excess.argmax())
     if excess[worst] <= limit:
         return None
-    return Sign(
-        "a stress lies outside the yield surface, in units of itself", excess[worst], int(rows[suspects[worst]])
+    return Violation(
+        "a stress is outside the yield surface, normalised by its magnitude",
+        excess[worst],
+        int(rows[suspects[worst]]),
     )
 
 
-def senseless_nodes(view: View, limit: float) -> Sign | None:
-    """Nodes have a mass that is not negative, and a velocity if they have one."""
-    solver = view.solver
-    assert solver.tiles is not None  # who looks has made steps
+def invalid_nodes(seen: Observation, limit: float) -> Violation | None:
+    """Nodes have finite values and no negative mass; nodes without mass have no velocity."""
+    solver = seen.solver
+    assert solver.tiles is not None  # checks follow steps
     tiles = solver.tiles.active // solver.grid.tile_doubles
     nodes = solver.grid.nodes.reshape(-1, solver.grid.tile_doubles)[tiles].reshape(-1, NODE)
     m = nodes[:, 0]
     if np.isfinite(nodes.sum()) and m.min() >= limit and not nodes[m == 0.0].any():
         return None
-    bad = ~np.isfinite(nodes).all(axis=1) | (m < limit) | ((m == 0.0) & nodes.any(axis=1))
-    first = int(np.flatnonzero(bad)[0])
+    is_invalid = ~np.isfinite(nodes).all(axis=1) | (m < limit) | ((m == 0.0) & nodes.any(axis=1))
+    first = int(np.flatnonzero(is_invalid)[0])
     size = solver.grid.tile_doubles // NODE
     address = int(solver.tiles.active[first // size]) + first % size * NODE
-    return Sign(
-        "a node has no mass, or a velocity that is none", m[first], position=node_position(solver.grid, address)
+    return Violation(
+        "a node has a negative mass, a velocity without mass, or a value that is not finite (NaN)",
+        m[first],
+        position=node_position(solver.grid, address),
     )
 
 
 def node_position(grid: Grid, address: int) -> tuple[float, ...] | None:
-    """Where the node at an address of `grid.nodes` is, m; None for one that only fills a tile."""
+    """Position of the node at an address of `grid.nodes`, m; None if the address only pads a tile."""
     found = np.argwhere(grid.ax[:, None, None] + grid.ay[:, None] + grid.az == address)
     if not len(found):
         return None
     origin = (grid.origin_x, grid.origin_y, grid.origin_z)
-    place = tuple(float(x + grid.h * i) for x, i in zip(origin, found[0], strict=True))
-    return place if grid.n_z > 1 else place[:2]
+    position = tuple(float(x + grid.h * i) for x, i in zip(origin, found[0], strict=True))
+    return position if grid.n_z > 1 else position[:2]
 
 
-def principal(
+def principal_stresses(
     xx: np.ndarray, yy: np.ndarray, zz: np.ndarray, xy: np.ndarray, yz: np.ndarray, xz: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Principal stresses s1 >= s2 >= s3 (n,) from the components of stresses, to 1e-8 of their differences."""
+    """Principal stresses s1 >= s2 >= s3 (n,) of stresses given by component, to 1e-8 of their differences.
+
+    Closed form with the Lode angle, for arrays of points. The kernels have their own form for vector registers.
+    """
     mean = (xx + yy + zz) / 3.0
     if not yz.any() and not xz.any():  # two dimensions
         centre, half = 0.5 * (xx + yy), 0.5 * (xx - yy)
@@ -194,19 +215,32 @@ def principal(
     a, b, c = xx - mean, yy - mean, zz - mean
     j2 = 0.5 * (a * a + b * b + c * c) + xy * xy + yz * yz + xz * xz
     j3 = a * (b * c - yz * yz) - xy * (xy * c - yz * xz) + xz * (xy * yz - b * xz)
-    reach = np.sqrt(j2 / 3.0)
-    lode = np.arccos(np.clip(0.5 * j3 / np.where(reach > 0.0, reach, 1.0) ** 3, -1.0, 1.0)) / 3.0
-    largest, least = mean + 2.0 * reach * np.cos(lode), mean + 2.0 * reach * np.cos(lode + 2.0 * np.pi / 3.0)
+    radius = np.sqrt(j2 / 3.0)
+    lode = np.arccos(np.clip(0.5 * j3 / np.where(radius > 0.0, radius, 1.0) ** 3, -1.0, 1.0)) / 3.0
+    largest, least = mean + 2.0 * radius * np.cos(lode), mean + 2.0 * radius * np.cos(lode + 2.0 * np.pi / 3.0)
     return largest, 3.0 * mean - largest - least, least
 
 
 CHECKS = (
-    Check("energy", energy_gain, 0.05, TOO_LONG + "; or sand so stiff that what is squeezed between nodes springs off",
-          TIME_STEP + ", or lower material.youngs_modulus", smaller_step_helps=True),
-    Check("ledger", ledger_residual, 1e-6, DAMAGED, REPORT),
-    Check("time step", time_step, 0.1, "a point that swells without end, or damage to the clock",
-          OPEN + "; else " + REPORT),
-    Check("yield surface", outside_surface, 1e-6, NOT_RETURNED, CHECK_LAW),
-    Check("yield surface", outside_softened_surface, 0.01, NOT_RETURNED, CHECK_LAW),
-    Check("nodes", senseless_nodes, 0.0, DAMAGED, REPORT, smaller_step_helps=True),
+    Check(
+        name="energy",
+        find=energy_gain,
+        limit=0.05,
+        likely=TIME_STEP_TOO_LARGE + "; or sand so stiff that points squeezed between nodes rebound",
+        remedy=LOWER_TIME_STEP + ", or lower material.youngs_modulus",
+        smaller_step_helps=True,
+    ),
+    Check(name="ledger", find=ledger_residual, limit=1e-6, likely=CORRUPTED, remedy=REPORT),
+    Check(
+        name="time step",
+        find=time_step,
+        limit=0.1,
+        likely="a point that dilates without bound, or a corrupted clock",
+        remedy=OPENING_STRAIN + "; else " + REPORT,
+    ),
+    Check(name="yield surface", find=outside_surface, limit=1e-6, likely=NO_RETURN, remedy=CHECK_LAW),
+    Check(name="yield surface", find=outside_softened_surface, limit=0.01, likely=NO_RETURN, remedy=CHECK_LAW),
+    Check(
+        name="nodes", find=invalid_nodes, limit=0.0, likely=CORRUPTED, remedy=REPORT, smaller_step_helps=True
+    ),
 )  # fmt: skip

@@ -1,4 +1,4 @@
-"""How far a run is: what its loops must know to go on where they were, besides points and grid."""
+"""Mutable progress of a run, saved in its checkpoints."""
 
 from __future__ import annotations
 
@@ -10,32 +10,32 @@ from typing import Any
 
 
 @dataclass
-class Course:
-    """Times are in s of the simulation, `wall_s` and `cpu_s` in s of the machine."""
+class RunProgress:
+    """Stage reached and counters of the loops; `wall_s` and `cpu_s` are wall-clock and processor time."""
 
     stage: str = "equilibrate"
-    until: float = 0.0  # equilibration: when it is looked at next
-    calm: int = 0  # equilibration: looks in a row at which the column rested
-    checks: int = 0  # collapse: looks since the release
-    first_step: int = 0  # of the collapse
-    opening: float = 0.0  # m: how far the gate is lifted
+    next_check: float = 0.0  # s: time of the next check during equilibration
+    converged_checks: int = 0  # consecutive checks during equilibration with the unbalanced force below the tolerance
+    checks: int = 0  # checks since the release
+    release_step: int = 0
+    gate_opening: float = 0.0  # m: height that the lower edge of the gate has reached
     at_rest: bool = False
-    sound: int = 0  # looks since the stage began that found nothing wrong
-    step_share: float = 1.0  # of time.cfl that is left after runs that went wrong with more
-    retries: list[dict[str, Any]] = field(default_factory=list)  # where it went wrong, and with what it went on
+    valid_checks: int = 0  # checks of the present stage that found no failure
+    cfl_factor: float = 1.0  # factor of time.cfl, halved by each retry
+    retries: list[dict[str, Any]] = field(default_factory=list)  # a record of each failure that was retried
     warnings: list[str] = field(default_factory=list)
-    resumed: list[dict[str, Any]] = field(default_factory=list)  # steps from which it was taken up again
+    resumed: list[dict[str, Any]] = field(default_factory=list)  # step and version of each resumption
     wall_s: dict[str, float] = field(
         default_factory=lambda: dict.fromkeys(("compile", "equilibrate", "collapse", "output"), 0.0)
     )
     cpu_s: float = 0.0  # without compilation
 
     @contextmanager
-    def timed(self, what: str) -> Iterator[None]:
-        """Count the time that is spent inside."""
+    def timed(self, part: str) -> Iterator[None]:
+        """Add the time spent in the context to `wall_s[part]`."""
         wall, cpu = time.perf_counter(), time.process_time()
         try:
             yield
         finally:
-            self.wall_s[what] += time.perf_counter() - wall
-            self.cpu_s += (time.process_time() - cpu) * (what != "compile")
+            self.wall_s[part] += time.perf_counter() - wall
+            self.cpu_s += (time.process_time() - cpu) * (part != "compile")

@@ -1,9 +1,10 @@
-"""What a run leaves behind while it goes: rows of history with the energy ledger, and snapshots."""
+"""Output during a run: rows of the history, and snapshots with their index."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Mapping
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -14,9 +15,9 @@ from mpmcol.io.atomic import atomic_write, make_folder, remove
 from mpmcol.io.checksums import checksum_of
 from mpmcol.io.names import CASE_FILE, INDEX_FILES
 from mpmcol.io.run_folder import write_history
-from mpmcol.io.snapshot import Snapshot, describe_snapshot, list_snapshots, write_index, write_snapshot
+from mpmcol.io.snapshot import Snapshot, as_stored, describe_snapshot, list_snapshots, write_index, write_snapshot
 from mpmcol.io.vtkhdf import Step
-from mpmcol.measure import Measurement, measure
+from mpmcol.measure import measure
 from mpmcol.mpm.constitutive import LAWS
 from mpmcol.mpm.kernels import loop
 from mpmcol.mpm.particles import BASE, Points
@@ -24,111 +25,123 @@ from mpmcol.mpm.solver import Solver
 from mpmcol.provenance import versions
 from mpmcol.setup.discretization import column_shape
 from mpmcol.setup.model import Model
+from mpmcol.simulation.energy import Energies, energy_ledger, stored_energies
 
-HISTORY_SECONDS = 5.0  # between two writings of the history, for those who look on
+HISTORY_INTERVAL = 5.0  # s of wall-clock time between two writings of history.csv
 
 
 class Recorder:
-    """Writes history and snapshots of one run into its folder; `seconds` is the time that took."""
+    """Writes history and snapshots of a run to its folder; `seconds` is the wall-clock time spent on it.
+
+    Nothing is written before `open`. `start_ledger` must precede the first row.
+    """
 
     def __init__(self, case: Case, model: Model, solver: Solver, folder: Path, threads: int) -> None:
         self.case, self.model, self.solver = case, model, solver
-        self.folder = make_folder(folder)
+        self.folder, self.threads = folder, threads
         self.shape = column_shape(case, model.discretization)
         self.rows: list[dict[str, Any]] = []
         self.seconds = 0.0
-        self.worst_J = [1.0, 1.0]
-        self.digests: dict[str, str] = {}  # of the snapshots, by their names in the folder
+        self.extreme_J = [1.0, 1.0]  # smallest and largest volume ratio so far
+        self.checksums: dict[str, str] = {}  # of the snapshots, by file name in the folder
         self._written: list[Step] = []
-        self._saved = time.monotonic()  # when the history was last written
-        self._meta = self._make_meta(threads)
+        self._history_written = time.monotonic()
+
+    def open(self) -> None:
+        """Create the folder and write the resolved case to it. Raises OutputError."""
+        make_folder(self.folder)
         derived: dict[str, Any] = {
-            "points": len(model.points),
-            "threads": threads,
-            **describe(model),
+            "points": len(self.model.points),
+            "threads": self.threads,
+            **derived_values(self.model),
             **versions(),
         }
-        atomic_write(folder / CASE_FILE, resolved_toml(case, derived).encode())
-        self.start_ledger()
+        atomic_write(self.folder / CASE_FILE, resolved_toml(self.case, derived).encode())
 
     def start_ledger(self) -> None:
-        """Measure energies and displacements from now on."""
+        """Start the energy ledger and the displacements at the present state."""
         points = self.solver.points
-        self.released = positions_by_id(points)
+        self.initial_positions = positions_by_id(points)
         self.solver.ledger[:] = 0.0
-        self.start = _energies(self.case, points)
+        self.initial_energies: Energies = stored_energies(self.case, points)
 
-    def record(self, stage: str) -> Measurement:
-        """Add a row to the history; returns the measurement in it."""
+    def energy_ledger(self) -> Energies:
+        """Energies and work since `start_ledger`, J."""
+        return energy_ledger(self.case, self.solver, self.initial_energies)
+
+    def record(self, stage: str) -> None:
+        """Add the present state as a row of the history."""
         started = time.perf_counter()
-        points, clock = self.solver.points, self.solver.clock
-        column = (points.kind != BASE) & np.isfinite(sum(points.x.T))  # of a state that failed, what is left
+        points, solver = self.solver.points, self.solver
+        column = (points.kind != BASE) & np.isfinite(sum(points.x.T))  # after a failure some may not be finite
         measured = measure(points.x[column], points.m[column], None, self.shape)
-        least_J, largest_J = points.J.min(), points.J.max()
-        self.worst_J = [min(self.worst_J[0], least_J), max(self.worst_J[1], largest_J)]
-        row = {"stage": stage, "step": self.solver.steps, "time": clock[loop.TIME], "dt": clock[loop.DT]}
-        row |= self.energy_ledger() | measured.front | {"height": measured.height}
-        row |= {
-            "J_min": least_J,
-            "J_max": largest_J,
+        J_min, J_max = points.J.min(), points.J.max()
+        self.extreme_J = [min(self.extreme_J[0], J_min), max(self.extreme_J[1], J_max)]
+        row: dict[str, Any] = {
+            "stage": stage,
+            "step": solver.steps,
+            "time": solver.clock[loop.TIME],
+            "dt": solver.clock[loop.DT],
+            **self.energy_ledger(),
+            **measured.front,
+            "height": measured.height,
+            "J_min": J_min,
+            "J_max": J_max,
             "open_points": int(np.sum(points.opening > 0.0)),
-        }
-        row |= {
-            "grid_kinetic": self.solver.ledger[loop.L_KINETIC],
-            "unbalanced": self.solver.ledger[loop.L_UNBALANCED],
+            "grid_kinetic": solver.ledger[loop.L_KINETIC],
+            "unbalanced": solver.ledger[loop.L_UNBALANCED],
         }
         self.rows.append(row)
-        if time.monotonic() - self._saved > HISTORY_SECONDS:
-            self._save_history()
+        if time.monotonic() - self._history_written > HISTORY_INTERVAL:
+            self._write_history()
         self.seconds += time.perf_counter() - started
-        return measured
 
-    def energy_ledger(self) -> dict[str, float]:
-        """Where the energy is since `start_ledger`, J per metre or radian; `residual` is what is missing.
+    def write_snapshot(self, stage: str) -> Snapshot:
+        """Write the present state as the next snapshot; return it as it is stored. Raises OutputError."""
+        solver = self.solver
+        return self.write(self.snapshot_of(solver.points, solver.time, solver.steps, stage))
 
-        potential + kinetic + elastic + plastic + damping + walls + transfer = constant. `plastic` is the stress work
-        that is not stored, `transfer` what P2G and G2P take from the points' kinetic energy and from their stress work.
-        """
-        now, start, sums = _energies(self.case, self.solver.points), self.start, self.solver.ledger
-        plastic = sums[loop.L_WORK] - (now["elastic"] - start["elastic"])
-        transfer = sums[loop.L_GRID] - (now["kinetic"] - start["kinetic"])
-        transfer += sums[loop.L_NODE_WORK] - sums[loop.L_WORK]
-        lost = {"damping": sums[loop.L_DAMPING], "walls": sums[loop.L_WALLS], "transfer": transfer}
-        residual = sum(now.values()) - sum(start.values()) + plastic + sum(lost.values())
-        return {name: float(value) for name, value in {**now, "plastic": plastic, **lost, "residual": residual}.items()}
+    def snapshot_of(self, points: Points, time: float, steps: int, stage: str) -> Snapshot:
+        """A snapshot of points, with displacements from the positions at `start_ledger`."""
+        return take_snapshot(self.case, points, self.initial_positions, time, steps, stage)
 
-    def snapshot(self, stage: str) -> None:
-        """Write the present state as the next snapshot, and the index and the history with it."""
+    def write(self, snapshot: Snapshot) -> Snapshot:
+        """Write the next snapshot, the index and the history; return the snapshot as it is stored."""
         started = time.perf_counter()
-        taken = take_snapshot(self.case, self.solver, stage, self.released)
-        path = write_snapshot(self.folder, len(self._written), taken, self._meta, self.case.output.compression)
+        stored = as_stored(snapshot)
+        path = write_snapshot(self.folder, len(self._written), stored, self._meta, self.case.output.compression)
         self._written.append(describe_snapshot(path))
-        self.digests[self._written[-1].name] = checksum_of(path)
+        self.checksums[self._written[-1].name] = checksum_of(path)
         write_index(self.folder, self._written)
-        self._save_history()
+        self._write_history()
         self.seconds += time.perf_counter() - started
+        return stored
 
     @property
     def snapshot_times(self) -> list[float]:
-        """Times of the snapshots so far, s."""
+        """Times of the snapshots written so far, s."""
         return [step.time for step in self._written]
 
     def memory(self) -> dict[str, Any]:
-        """What it knows of the run so far, but for `released`, as plain values."""
+        """Everything recorded so far except `initial_positions`, as plain values for a checkpoint."""
         return {
-            "rows": self.rows, "start": self.start, "worst_J": [float(J) for J in self.worst_J],
-            "snapshots": dict(self.digests), "seconds": self.seconds,
-        }  # fmt: skip
+            "rows": self.rows,
+            "initial_energies": self.initial_energies,
+            "extreme_J": [float(J) for J in self.extreme_J],
+            "snapshots": dict(self.checksums),
+            "seconds": self.seconds,
+        }
 
-    def recall(self, memory: Mapping[str, Any], released: np.ndarray) -> None:
-        """Go on from `memory`; snapshots taken later will be written over."""
-        self.rows, self.start, self.worst_J = memory["rows"], memory["start"], memory["worst_J"]
-        self.released, self.seconds = released, memory["seconds"]
-        self.digests = dict(memory["snapshots"])
-        self._written = [describe_snapshot(self.folder / name) for name in self.digests]
+    def set_memory(self, memory: Mapping[str, Any], initial_positions: np.ndarray) -> None:
+        """Continue from `memory`, which is not changed; snapshots written after it will be overwritten."""
+        self.rows, self.extreme_J = list(memory["rows"]), memory["extreme_J"]
+        self.initial_energies, self.initial_positions = memory["initial_energies"], initial_positions
+        self.seconds = memory["seconds"]
+        self.checksums = dict(memory["snapshots"])
+        self._written = [describe_snapshot(self.folder / name) for name in self.checksums]
 
-    def forget_others(self) -> None:
-        """Remove the snapshots that are not of the run so far; the index no longer names them by then."""
+    def remove_later_snapshots(self) -> None:
+        """Remove snapshots that an abandoned part of the run wrote, after the index no longer lists them."""
         later = list_snapshots(self.folder)[len(self._written) :]
         if later and self._written:
             write_index(self.folder, self._written)
@@ -138,64 +151,56 @@ class Recorder:
         for path in later:
             remove(path)
 
-    def _save_history(self) -> None:
+    def _write_history(self) -> None:
         write_history(self.folder, self.rows)
-        self._saved = time.monotonic()
+        self._history_written = time.monotonic()
 
-    def _make_meta(self, threads: int) -> dict[str, str | int | float]:
+    @cached_property
+    def _meta(self) -> dict[str, str | int | float]:
         shape = self.shape
         return {
-            "title": self.case.title, "case": resolved_toml(self.case), "threads": threads, "model": shape.model,
+            "title": self.case.title, "case": resolved_toml(self.case), "threads": self.threads, "model": shape.model,
             "release": shape.release, "spacing": shape.spacing, "point_size": shape.point_size, "r_i": shape.r_i,
             "h_i": shape.h_i, "section": shape.section, "depth": shape.half_depth, **versions(),
         }  # fmt: skip
 
 
-def describe(model: Model) -> dict[str, float]:
-    """Derived numbers of a model that a user may want to know."""
-    used = model.discretization
+def derived_values(model: Model) -> dict[str, float]:
+    """Values that follow from the case and that users may need: the spacing used, sizes of column and domain, m."""
+    discretization = model.discretization
     return {
-        "column_points": model.column_points, "spacing_used": used.h, "r_i": used.r_i, "h_i": used.h_i,
-        "base_used": used.base, "domain_length": used.length, "domain_height": used.cells_up * used.h - used.base,
-    }  # fmt: skip
+        "column_points": model.column_points,
+        "spacing_used": discretization.h,
+        "r_i": discretization.r_i,
+        "h_i": discretization.h_i,
+        "base_used": discretization.base,
+        "domain_length": discretization.length,
+        "domain_height": discretization.cells_up * discretization.h - discretization.base,
+    }
 
 
 def positions_by_id(points: Points) -> np.ndarray:
-    """Positions (n, d) in order of point id."""
-    out = np.empty_like(points.x)
-    out[points.id] = points.x
-    return out
+    """Positions (n, d) sorted by point id, m."""
+    positions = np.empty_like(points.x)
+    positions[points.id] = points.x
+    return positions
 
 
-def take_snapshot(case: Case, solver: Solver, stage: str, released: np.ndarray) -> Snapshot:
-    """The present state as arrays; `released` are the positions by id from which displacements count."""
-    points = solver.points
-    moved = points.x - released[points.id]
+def take_snapshot(
+    case: Case, points: Points, initial_positions: np.ndarray, time: float, steps: int, stage: str
+) -> Snapshot:
+    """A snapshot of points, with displacements from `initial_positions` (n, d), which are sorted by point id."""
     arrays = {
-        "position": _in_space(points.x), "velocity": _in_space(points.v), "displacement": _in_space(moved),
+        "position": _padded(points.x), "velocity": _padded(points.v),
+        "displacement": _padded(points.x - initial_positions[points.id]),
         "stress": points.sigma, "volume_ratio": points.J, "opening_strain": points.opening, "mass": points.m,
         "volume": points.V, "material": points.kind.astype(np.uint8), "id": points.id.astype(np.int32),
     }  # fmt: skip
     for k, name in enumerate(LAWS[case.material.law].STATE):
         arrays[name] = points.history[:, k]
-    return Snapshot(solver.time, solver.steps, stage, arrays)
+    return Snapshot(time, steps, stage, arrays)
 
 
-def _in_space(values: np.ndarray) -> np.ndarray:
-    """(n, d) to (n, 3)."""
-    return np.pad(values, ((0, 0), (0, 3 - values.shape[1])))
-
-
-def _energies(case: Case, points: Points) -> dict[str, float]:
-    """Potential, kinetic and elastic energy of all points, J per metre or radian."""
-    (xx, yy, zz, xy, yz, xz), is_base = points.sigma.T, points.kind == BASE
-    bulk = np.where(is_base, case.base_material.bulk_modulus, case.material.bulk_modulus)
-    shear = np.where(is_base, case.base_material.shear_modulus, case.material.shear_modulus)
-    p = (xx + yy + zz) / 3.0
-    deviator = (xx - p) ** 2 + (yy - p) ** 2 + (zz - p) ** 2 + 2.0 * (xy**2 + yz**2 + xz**2)
-    v2 = sum(v**2 for v in points.v.T)  # one component after the other: sums along short rows are slow
-    return {
-        "potential": float(np.sum(points.m * case.geometry.gravity * points.x[:, 1])),
-        "kinetic": float(0.5 * np.sum(points.m * v2)),
-        "elastic": float(np.sum(points.V * (0.5 * p**2 / bulk + 0.25 * deviator / shear))),
-    }
+def _padded(vectors: np.ndarray) -> np.ndarray:
+    """(n, d) to (n, 3), with z = 0 in two dimensions."""
+    return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))

@@ -1,17 +1,12 @@
-"""Keeping the state of a run while it goes, and going on from it: afterwards every bit is as without the stop.
-
-States are kept on disk, for a run that is stopped or killed, and in memory, for one that goes wrong.
-"""
+"""Checkpoints of a run: when they are written, what they hold, and how a run resumes from one with equal bits."""
 
 from __future__ import annotations
 
 import json
 import time
-from collections import deque
-from copy import deepcopy
-from dataclasses import asdict
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -21,194 +16,168 @@ from mpmcol.errors import OutputError, UsageError
 from mpmcol.io.checkpoint import FORMAT, Checkpoint, damaged_snapshots, read_checkpoints, write_checkpoint
 from mpmcol.io.lock import Lock
 from mpmcol.io.names import CHECKPOINT_FILES
-from mpmcol.mpm.grid import INACTIVE, WALLS, Tiles
+from mpmcol.mpm.grid import Tiles
 from mpmcol.mpm.kernels import loop
 from mpmcol.provenance import code_version
-from mpmcol.setup.model import Model, close_walls
+from mpmcol.setup.model import Model
 from mpmcol.simulation.interrupt import StopRequest
-from mpmcol.simulation.progress import Course
-from mpmcol.simulation.stages import Notify, Run
+from mpmcol.simulation.state import Notify, RunState, Simulation
 
-INTERVAL = 300.0  # s of the machine between two checkpoints
-GO_BACK = 2  # states that are kept to go back to, at KEEP_CHECKS of each other: the older one is before the trouble
-MOST_HALVINGS = 4  # of the time step of a run that goes wrong
-WITHOUT_A_SAY = ("title", "score.experiment")  # keys of a case that may change on the way
+INTERVAL = 300.0  # s of wall-clock time between two checkpoints
+NON_NUMERICAL_KEYS = ("title", "score.experiment")  # keys of a case that do not affect the state
+ARRAYS = ("points", "clock", "ledger", "initial_positions", "inactive")  # of a RunState, besides its tiles
 
 
-class Keeper:
-    """Writes checkpoints of a run when they are due, and when it is asked to end."""
+class Checkpointer:
+    """Writes checkpoints of a simulation to its folder: at intervals, and before the run stops on request."""
 
-    def __init__(self, run: Run, stop: StopRequest, lock: Lock, interval: float, begun: Checkpoint | None) -> None:
-        self._run, self._stop, self._lock, self._interval = run, stop, lock, interval
-        self._serial = begun.serial if begun else 0
+    def __init__(
+        self, simulation: Simulation, stop: StopRequest, lock: Lock, interval: float, resumed_from: Checkpoint | None
+    ) -> None:
+        self._simulation, self._stop, self._lock, self._interval = simulation, stop, lock, interval
+        self._serial = resumed_from.serial if resumed_from else 0
         self._written = time.monotonic()
 
-    def pause(self) -> None:
-        """To be called where the run is between two steps.
+    def between_steps(self) -> None:
+        """Write a checkpoint if one is due or a stop was requested.
 
-        Raises Stopped if it has been asked to end, OutputError if its folder is gone.
+        Raises Stopped if a stop was requested, OutputError if the folder is gone.
         """
         self._lock.check()
-        if self._stop.asked:
+        if self._stop.reason:
             self.write()
-            self._stop.heed()
+            self._stop.raise_if_requested()
         if time.monotonic() - self._written > self._interval:
             self.write()
 
     def write(self) -> None:
-        """Write a checkpoint now; raises OutputError."""
+        """Write a checkpoint now. Raises OutputError."""
         self._serial += 1
-        write_checkpoint(self._run.recorder.folder, capture(self._run, self._serial))
+        write_checkpoint(self._simulation.recorder.folder, make_checkpoint(self._simulation, self._serial))
         self._written = time.monotonic()
 
 
-class State(NamedTuple):
-    """A run between two steps."""
-
-    meta: dict[str, Any]
-    arrays: dict[str, np.ndarray]
-
-
-def remember(run: Run) -> None:
-    """Add a copy of the present state to those that the run can go back to."""
-    meta, arrays = _present(run)
-    copies = {name: arrays[name].copy() for name in ("rows", "clock", "ledger")}  # the others are never changed
-    meta["recorder"]["rows"] = list(meta["recorder"]["rows"])
-    run.good.append(State(meta, arrays | copies))
+def make_checkpoint(simulation: Simulation, serial: int) -> Checkpoint:
+    """A checkpoint of the present state and, for a retry, of the last valid states."""
+    values, arrays = _disassemble(simulation.state())
+    states = [_disassemble(state) for state in simulation.valid_states] if simulation.retry else []
+    for k, (_, others) in enumerate(states):
+        arrays |= {f"valid-{k}-{name}": array for name, array in others.items()}
+    header = {"format": FORMAT, "identity": identity(simulation.case)}
+    return Checkpoint(serial, {**header, **values, "valid_states": [others for others, _ in states]}, arrays)
 
 
-def capture(run: Run, serial: int) -> Checkpoint:
-    """The state of a run between two steps, with those that it can go back to."""
-    meta, arrays = _present(run)
-    kept = run.good if run.good.maxlen == GO_BACK else ()
-    for k, state in enumerate(kept):
-        arrays |= {f"good-{k}-{name}": array for name, array in state.arrays.items()}
-    meta = {"format": FORMAT, "identity": identity(run.case), **meta, "good": [state.meta for state in kept]}
-    return Checkpoint(serial, meta, arrays)
+def resume(simulation: Simulation, checkpoint: Checkpoint) -> None:
+    """Set a simulation that was just started to the state of a checkpoint of the same model."""
+    values, arrays = checkpoint.values, checkpoint.arrays
+    for k, others in enumerate(values["valid_states"]):
+        prefix = f"valid-{k}-"
+        own = {name.removeprefix(prefix): array for name, array in arrays.items() if name.startswith(prefix)}
+        simulation.valid_states.append(_assemble(others, own))
+    simulation.set_state(_assemble(values, arrays))
+    simulation.recorder.remove_later_snapshots()
+    simulation.progress.resumed.append({"step": simulation.solver.steps, "version": code_version()})
 
 
-def way_on(folder: Path) -> str:
-    """What becomes of a run that cannot write any more, as a person reads it."""
-    if any((folder / name).exists() for name in CHECKPOINT_FILES):
-        return f"once that is mended, the same command goes on from the state that is kept in {folder}"
-    return f"no state is kept in {folder}: once that is mended, the same command begins anew"
+def find_checkpoint(case: Case, folder: Path, force_resume: bool, notify: Notify) -> Checkpoint | None:
+    """The checkpoint from which to resume the run in a folder; None if there is none.
 
-
-def last_state(folder: Path, notify: Notify) -> Checkpoint | None:
-    """The latest state in a folder that is whole, and whose snapshots are; None if there is no whole state.
-
-    notify: receives damage. Raises OutputError if there are states, but none has its snapshots, UsageError if they
-    are of a format that this version does not know.
+    Raises UsageError if it is of another case or version, unless `force_resume`.
     """
-    states, damaged = read_checkpoints(folder)
+    checkpoint = latest_valid_checkpoint(folder, notify)
+    if checkpoint is None:
+        return None
+    found = differences(checkpoint, case)
+    if found and not force_resume:
+        raise UsageError(
+            f"{folder} holds an unfinished run that differs from this one:\n  "
+            + "\n  ".join(found)
+            + "\nuse --fresh to restart from scratch, --out for another folder, or --force-resume to resume it anyway"
+        )
+    notify(f"resuming from step {step_of(checkpoint)}")
+    return checkpoint
+
+
+def latest_valid_checkpoint(folder: Path, notify: Notify) -> Checkpoint | None:
+    """The newest checkpoint that is not damaged and whose snapshots are not; None if there is no valid checkpoint.
+
+    notify: receives a line for each damaged file. Raises OutputError if valid checkpoints lack their snapshots,
+    UsageError if they are of another format.
+    """
+    checkpoints, damaged = read_checkpoints(folder)
+    consequence = "resuming from the previous one" if checkpoints else "restarting from scratch"
     for name in damaged:
-        notify(f"note: {folder / name} is damaged; " + ("going on from the one before" if states else "beginning anew"))
-    if any(state.values.get("format") != FORMAT for state in states):
-        raise UsageError(f"{folder} holds an unfinished run of another version's format; --fresh begins anew")
-    lost: list[str] = []
-    for state in states:
-        if not (lost := damaged_snapshots(folder, state)):
-            return state
-        notify(f"note: {folder / lost[0]} is damaged or missing, and step {step_of(state)} needs it")
-    if not states:
+        notify(f"note: {folder / name} is damaged; {consequence}")
+    if any(checkpoint.values.get("format") != FORMAT for checkpoint in checkpoints):
+        raise UsageError(
+            f"{folder} holds checkpoints in the format of another version; use --fresh to restart from scratch"
+        )
+    missing: list[str] = []
+    for checkpoint in checkpoints:
+        if not (missing := damaged_snapshots(folder, checkpoint)):
+            return checkpoint
+        notify(
+            f"note: {folder / missing[0]} is damaged or missing; the checkpoint of step {step_of(checkpoint)} needs it"
+        )
+    if not checkpoints:
         return None
     raise OutputError(
-        f"{folder / lost[0]} is damaged or missing, and the unfinished run cannot take it again: it is of a time "
-        f"before the states that are kept ({', '.join(CHECKPOINT_FILES)}); copy it back, or begin anew with --fresh"
+        f"{folder / missing[0]} is damaged or missing and cannot be written again, since it precedes the checkpoints "
+        f"({', '.join(CHECKPOINT_FILES)}); restore it from a copy, or use --fresh to restart from scratch"
     )
 
 
-def step_of(state: Checkpoint) -> int:
-    """The number of steps done."""
-    return int(state.arrays["clock"][loop.STEPS])
+def step_of(checkpoint: Checkpoint) -> int:
+    """Number of steps up to a checkpoint."""
+    return int(checkpoint.arrays["clock"][loop.STEPS])
 
 
 def require_same_points(model: Model, checkpoint: Checkpoint) -> None:
-    """Raise UsageError if a model has not the points of a state."""
-    if model.points.rows.shape != checkpoint.arrays["rows"].shape:
-        raise UsageError("the unfinished run has other points than this case makes; --fresh starts anew")
+    """Raise UsageError if the points of a model and of a checkpoint differ in number."""
+    if model.points.rows.shape != checkpoint.arrays["points"].shape:
+        raise UsageError(
+            "the unfinished run has another number of material points than this case; use --fresh to restart"
+        )
 
 
-def restore(run: Run, checkpoint: Checkpoint) -> None:
-    """Put a run that has just been set up into the state of a checkpoint of the same model."""
-    meta, arrays = checkpoint.values, dict(checkpoint.arrays)
-    for k, other in enumerate(meta["good"]):
-        prefix = f"good-{k}-"
-        kept = {name.removeprefix(prefix): arrays.pop(name) for name in list(arrays) if name.startswith(prefix)}
-        run.good.append(State(other, kept))
-    _put(run, State(dict(meta), arrays))
-    run.recorder.forget_others()
-    run.course.resumed.append({"step": run.solver.steps, "version": code_version()})
-
-
-def step_back(run: Run, failure: dict[str, Any]) -> bool:
-    """Take a run that has gone wrong back to where nothing was, with half the time step; False if that cannot help."""
-    last, before = run.course, run.solver
-    if not failure["smaller_step_helps"] or len(last.retries) >= MOST_HALVINGS:
-        return False
-    cfl = before.settings.cfl
-    told = {name: failure[name] for name in ("check", "cause", "stage", "step", "time")}
-    seconds, state = run.recorder.seconds, run.good[0]
-    _put(run, state)
-    told |= {"cfl": cfl, "new_cfl": 0.5 * cfl, "from_step": run.solver.steps, "from_time": run.solver.time}
-    run.good = deque([state], GO_BACK)
-    run.recorder.seconds = seconds
-    course = run.course
-    course.step_share, course.retries = 0.5 * last.step_share, [*last.retries, told]
-    course.warnings, course.resumed, course.wall_s, course.cpu_s = (
-        last.warnings, last.resumed, last.wall_s, last.cpu_s
-    )  # fmt: skip
-    run.solver.clock[loop.DT] *= 0.5
-    return True
-
-
-def snapshot_failed(run: Run, failure: dict[str, Any]) -> None:
-    """Write the last state that no check complained of, unless a later snapshot is there, and then the present one."""
-    recorder, solver, state = run.recorder, run.solver, run.good[-1]
-    sound_until = max([state.arrays["clock"][loop.TIME], *(row["time"] for row in recorder.rows[-2:-1])])
-    if not any(time >= state.arrays["clock"][loop.TIME] for time in recorder.snapshot_times):
-        rows, clock = solver.points.rows.copy(), solver.clock.copy()
-        solver.points.rows[:], solver.clock[:] = state.arrays["rows"], state.arrays["clock"]
-        recorder.snapshot("last_valid")
-        solver.points.rows[:], solver.clock[:] = rows, clock
-    failure["last_valid"] = max(k for k, time in enumerate(recorder.snapshot_times) if time <= sound_until)
-    recorder.snapshot("failed")
-
-
-def _present(run: Run) -> State:
-    solver, recorder = run.solver, run.recorder
-    assert solver.tiles is not None  # a run pauses only after it has prepared its kernels
-    arrays = {
-        "rows": solver.points.rows, "clock": solver.clock, "ledger": solver.ledger, "released": recorder.released,
-        "inactive": np.flatnonzero(solver.grid.fixed & INACTIVE), **solver.tiles._asdict(),
-    }  # fmt: skip
-    return State({"course": asdict(run.course), "recorder": recorder.memory()}, arrays)
-
-
-def _put(run: Run, state: State) -> None:
-    """Make `state`, which stays as it is, that of a run of the same model."""
-    solver, (meta, arrays) = run.solver, state
-    run.course = Course(**deepcopy(meta["course"]))
-    solver.points.rows[:] = arrays["rows"]
-    solver.clock[:], solver.ledger[:] = arrays["clock"], arrays["ledger"]
-    close_walls(solver.grid, run.model.discretization, run.course.opening)
-    solver.grid.fixed[:] &= WALLS
-    solver.grid.fixed[arrays["inactive"]] |= INACTIVE
-    solver.list_tiles(Tiles(*(arrays[name] for name in Tiles._fields)))
-    run.recorder.recall(meta["recorder"] | {"rows": list(meta["recorder"]["rows"])}, arrays["released"])
+def recovery_hint(folder: Path) -> str:
+    """What the same command will do after a failed write."""
+    if any((folder / name).exists() for name in CHECKPOINT_FILES):
+        return f"after the problem is fixed, repeat the command to resume from the checkpoint in {folder}"
+    return f"{folder} holds no checkpoint: after the problem is fixed, repeat the command to restart from scratch"
 
 
 def identity(case: Case) -> dict[str, Any]:
-    """What decides the bits of a run: the values of its case, and the code."""
-    values = {key: value for key, value in leaf_values(case).items() if key not in WITHOUT_A_SAY}
+    """What determines the bits of a run: the values of the case, except NON_NUMERICAL_KEYS, and the code version."""
+    values = {key: value for key, value in leaf_values(case).items() if key not in NON_NUMERICAL_KEYS}
     return {"case": json.loads(json.dumps(values)), "version": code_version()}
 
 
 def differences(checkpoint: Checkpoint, case: Case) -> list[str]:
-    """How the run that a checkpoint is of differs from one of this case and this code, a line each."""
-    there, here = checkpoint.values["identity"], identity(case)
-    old, new = there["case"], here["case"]
-    told = [f"{key}: {old.get(key)} there, {new.get(key)} here" for key in old | new if old.get(key) != new.get(key)]
-    if there["version"] != here["version"]:
-        told.append(f"made by mpmcol {there['version']}, this is {here['version']}")
-    return told
+    """One line for each difference between the run of a checkpoint and a run of this case with this code."""
+    checkpointed, present = checkpoint.values["identity"], identity(case)
+    old, new = checkpointed["case"], present["case"]
+    lines = [
+        f"{key}: {old.get(key)} in the checkpoint, {new.get(key)} in this case"
+        for key in old | new
+        if old.get(key) != new.get(key)
+    ]
+    if checkpointed["version"] != present["version"]:
+        lines.append(f"made by mpmcol {checkpointed['version']}, this is {present['version']}")
+    return lines
+
+
+def _disassemble(state: RunState) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+    """Plain values and arrays of a state."""
+    arrays = {name: getattr(state, name) for name in ARRAYS} | state.tiles._asdict()
+    return {"progress": state.progress, "recorder": state.recorder}, arrays
+
+
+def _assemble(values: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> RunState:
+    """The state of these values and arrays."""
+    return RunState(
+        **{name: arrays[name] for name in ARRAYS},
+        tiles=Tiles(*(arrays[name] for name in Tiles._fields)),
+        progress=values["progress"],
+        recorder=values["recorder"],
+    )

@@ -1,45 +1,38 @@
-"""A run from beginning to end in its folder: begun there, or taken up again where it was."""
+"""The life cycle of a run in its folder: start or resume, complete the stages, write the result."""
 
 from __future__ import annotations
 
-from collections import deque
-from functools import partial
 from math import inf
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from mpmcol.case import Case
 from mpmcol.errors import Interrupted, NumericalFailure, OutputError, UsageError
 from mpmcol.io.atomic import remove
-from mpmcol.io.checkpoint import Checkpoint
 from mpmcol.io.lock import locked
 from mpmcol.io.names import CHECKPOINT_FILES
 from mpmcol.io.results import Results
 from mpmcol.io.run_folder import prepare_folder, reopen_folder, write_result
 from mpmcol.mpm.jit import set_threads
+from mpmcol.mpm.kernels import loop
+from mpmcol.mpm.particles import Points
 from mpmcol.mpm.solver import Solver
 from mpmcol.setup.model import Model, build_model
-from mpmcol.simulation.failure import message
+from mpmcol.simulation.failure import failure_message
 from mpmcol.simulation.interrupt import Stopped, stop_request
-from mpmcol.simulation.progress import Course
 from mpmcol.simulation.recorder import Recorder
 from mpmcol.simulation.restart import (
-    GO_BACK,
     INTERVAL,
-    MOST_HALVINGS,
-    Keeper,
-    differences,
-    last_state,
-    remember,
+    Checkpointer,
+    find_checkpoint,
+    recovery_hint,
     require_same_points,
-    restore,
-    snapshot_failed,
-    step_back,
-    step_of,
-    way_on,
+    resume,
 )
-from mpmcol.simulation.stages import Notify, Progress, Run
-from mpmcol.simulation.summary import outcome
+from mpmcol.simulation.retry import halve_time_step
+from mpmcol.simulation.stages import Stages
+from mpmcol.simulation.state import Notify, RunState, ShowProgress, Simulation
+from mpmcol.simulation.summary import summarize
 
 
 def run(
@@ -52,126 +45,125 @@ def run(
     checkpoint_seconds: float = INTERVAL,
     max_wall: float = inf,
     on_instability: Literal["stop", "retry"] = "stop",
-    progress: Progress = lambda stage, share: None,
+    progress: ShowProgress = lambda stage, fraction: None,
     notify: Notify = lambda line: None,
 ) -> Results:
-    """Run a case into a folder, or go on with its unfinished run there, and return its results.
+    """Run a case in a folder, or resume its unfinished run there, and return the results.
 
     Args:
-        threads: number of threads (default: all cores); results are the same for any.
-        fresh: begin anew whatever the folder holds of a run.
-        force_resume: go on even if the unfinished run is of another version of the code or of the case.
-        checkpoint_seconds: time between two checkpoints, s of the machine.
-        max_wall: time after which to stop as if by a signal, s of the machine.
-        on_instability: "retry" goes on from the last good state with half the time step where a run goes wrong in a way
-            that this may mend, at most four times.
-        progress: is told the stage and the share of it that is done.
-        notify: is told what happens, in one line.
+        threads: number of threads (default: all cores); results do not depend on it.
+        fresh: restart from scratch, whatever the folder holds of a run.
+        force_resume: resume an unfinished run even if it is of another version of the code or of the case.
+        checkpoint_seconds: wall-clock time between two checkpoints, s.
+        max_wall: wall-clock limit after which the run stops as on a signal, s.
+        on_instability: "retry": after a numerical failure return to the last valid state with half the time step, if
+            that can help, at most four times.
+        progress: called with the stage and the fraction of it that is done.
+        notify: called with each message for the user, one line.
 
     Raises:
-        UsageError: the folder holds a finished run, or an unfinished one that differs, or the case does not fit.
-        NumericalFailure: the run diverges; the folder then holds everything up to there.
-        OutputError: something cannot be written, or another run writes there.
-        Interrupted: SIGINT, SIGTERM, SIGUSR1 or `max_wall` ended it; the same call goes on with it. The second signal
-            ends it at once, with KeyboardInterrupt.
+        UsageError: the folder holds a finished run, or an unfinished one that differs, or the case cannot be run.
+        NumericalFailure: the run diverged; the folder holds everything up to the failure.
+        OutputError: a file cannot be written, or another run writes to the folder.
+        Interrupted: SIGINT, SIGTERM, SIGUSR1 or `max_wall` stopped the run; the same call resumes it. A second signal
+            aborts it at once with KeyboardInterrupt.
     """
     if on_instability not in ("stop", "retry"):
         raise UsageError(f'on_instability = "{on_instability}": expected "stop" or "retry"')
     folder, used = Path(folder), set_threads(threads)
     if threads is not None and used != threads:
-        notify(f"note: {used} threads instead of {threads}; NUMBA_NUM_THREADS sets the most")
+        notify(f"note: {used} threads instead of {threads}; set NUMBA_NUM_THREADS to allow more")
     with stop_request(max_wall) as stop, locked(folder) as lock:
-        found = None if fresh else _unfinished(case, folder, force_resume, notify)
-        model = build_model(case)  # may refuse the case: before anything old is removed
-        if found:
-            require_same_points(model, found)
+        checkpoint = None if fresh else find_checkpoint(case, folder, force_resume, notify)
+        model = build_model(case)  # may refuse the case: before old files are removed
+        if checkpoint:
+            require_same_points(model, checkpoint)
         try:
-            reopen_folder(folder) if found else prepare_folder(folder, case, fresh, notify)
-            simulation = set_up(case, model, folder, used, progress, notify)
-            if on_instability == "retry":
-                simulation.good = deque(maxlen=GO_BACK)
-            if found:
-                restore(simulation, found)
-            return _carry_out(simulation, Keeper(simulation, stop, lock, checkpoint_seconds, found), used)
+            reopen_folder(folder) if checkpoint else prepare_folder(folder, case, fresh, notify)
+            simulation = start(
+                case, model, folder, used, retry=on_instability == "retry", show_progress=progress, notify=notify
+            )
+            if checkpoint:
+                resume(simulation, checkpoint)
+            _complete(simulation, Checkpointer(simulation, stop, lock, checkpoint_seconds, checkpoint))
         except OutputError as error:
-            lock.check()  # where the folder itself is gone, that is what went wrong
-            raise OutputError(f"{error}\n{way_on(folder)}") from error
+            lock.check()  # if the folder itself is gone, report that
+            raise OutputError(f"{error}\n{recovery_hint(folder)}") from error
+    return Results(folder)
 
 
-def set_up(case: Case, model: Model, folder: Path, threads: int, progress: Progress, notify: Notify) -> Run:
-    """A run at its beginning."""
+def start(case: Case, model: Model, folder: Path, threads: int = 1, **options: Any) -> Simulation:
+    """A simulation at its start, with the resolved case in its folder; options: those of Simulation."""
     stage = model.equilibrate
     solver = Solver(model.points, model.grid, stage.settings, stage.column, model.base, model.scheme)
-    simulation = Run(case, model, Recorder(case, model, solver, folder, threads), Course(), progress, notify)
-    simulation.keep = partial(remember, simulation)
+    recorder = Recorder(case, model, solver, folder, threads)
+    recorder.open()
+    recorder.start_ledger()
+    simulation = Simulation(case, model, recorder, **options)
     for warning in model.discretization.warnings:
         simulation.warn(warning)
     return simulation
 
 
-def _unfinished(case: Case, folder: Path, force_resume: bool, notify: Notify) -> Checkpoint | None:
-    """The state to go on from, if the folder has one."""
-    found = last_state(folder, notify)
-    if found is None:
-        return None
-    told = differences(found, case)
-    if told and not force_resume:
-        raise UsageError(
-            f"{folder} holds an unfinished run that differs from this one:\n  "
-            + "\n  ".join(told)
-            + "\nuse --fresh to begin anew, --out for another folder, or --force-resume to resume it anyway"
-        )
-    notify(f"going on from step {step_of(found)}")
-    return found
-
-
-def _carry_out(simulation: Run, keeper: Keeper, threads: int) -> Results:
-    """All that is left of a run, with a result.json however it ends."""
-    recorder = simulation.recorder
-    folder = recorder.folder
-
-    def conclude(status: str, **more: object) -> None:
-        recorder.forget_others()
-        result = outcome(status, simulation.case, simulation.model, recorder, simulation.course, threads)
-        write_result(folder, result | more, recorder.digests)
-
+def _complete(simulation: Simulation, checkpointer: Checkpointer) -> None:
+    """Run the remaining stages; write the final snapshot and result.json, however the run ends."""
     try:
-        _go(simulation, keeper)
-        conclude("done")
+        _run_stages(simulation, checkpointer)
     except NumericalFailure as error:
-        snapshot_failed(simulation, error.failure)
-        conclude("failed", failure=error.failure)
-        _remove_checkpoints(folder)
-        raise NumericalFailure(message(error.failure, simulation.course.retries), error.failure) from None
+        _write_last_valid_state(simulation, error.failure)
+        _write_result(simulation, "failed", snapshot="failed", failure=error.failure)
+        _remove_checkpoints(simulation)
+        text = failure_message(error.failure, simulation.progress.retries)
+        raise NumericalFailure(text, error.failure) from None
     except Stopped as stopped:
-        recorder.snapshot("stopped")
-        conclude("stopped")
-        solver = simulation.solver
+        _write_result(simulation, "stopped", snapshot="stopped")
+        solver, folder = simulation.solver, simulation.recorder.folder
         raise Interrupted(
             f"stopped by {stopped} at step {solver.steps}, t = {solver.time:.4g} s, in {folder}; "
-            "the same command goes on from there"
+            "repeat the command to resume"
         ) from None
-    _remove_checkpoints(folder)  # the run has ended
-    return Results(folder)
+    _write_result(simulation, "done", snapshot="rest" if simulation.progress.at_rest else "end")
+    _remove_checkpoints(simulation)
 
 
-def _go(simulation: Run, keeper: Keeper) -> None:
-    """All that is left of a run; where it goes wrong, with smaller time steps if that is asked for."""
+def _run_stages(simulation: Simulation, checkpointer: Checkpointer) -> None:
+    """Run the remaining stages; after a failure retry with a smaller time step if that is allowed."""
+    stages = Stages(simulation, checkpointer.between_steps)
     while True:
         try:
-            return simulation.go(keeper.pause)
+            return stages.run()
         except NumericalFailure as error:
-            if simulation.good.maxlen != GO_BACK or not step_back(simulation, error.failure):
+            if not halve_time_step(simulation, error.failure):
                 raise
-            told = simulation.course.retries
-            simulation.notify(
-                f"note: {told[-1]['cause']} at step {told[-1]['step']}, t = {told[-1]['time']:.4g} s; going back to "
-                f"t = {told[-1]['from_time']:.4g} s and on with time.cfl = {told[-1]['new_cfl']:g} "
-                f"(retry {len(told)} of at most {MOST_HALVINGS})"
-            )
-            keeper.write()  # the last one is of a course that is given up, and needs its snapshots
+            checkpointer.write()  # the previous checkpoint belongs to the abandoned part and refers to its snapshots
 
 
-def _remove_checkpoints(folder: Path) -> None:
+def _write_result(simulation: Simulation, status: str, snapshot: str, **more: Any) -> None:
+    """Write the final snapshot, whose stage is `snapshot`, and result.json."""
+    recorder = simulation.recorder
+    final = recorder.write_snapshot(snapshot)
+    recorder.remove_later_snapshots()
+    write_result(recorder.folder, summarize(status, simulation, final) | more, recorder.checksums)
+
+
+def _write_last_valid_state(simulation: Simulation, failure: dict[str, Any]) -> None:
+    """Write the last valid state as a snapshot unless there is a later one; note its index in the failure."""
+    recorder, state = simulation.recorder, simulation.valid_states[-1]
+    if not any(time >= state.time for time in recorder.snapshot_times):
+        points = _points_of(state, simulation.solver.points.dimension)
+        steps = int(state.clock[loop.STEPS])
+        recorder.write(recorder.snapshot_of(points, state.time, steps, "last_valid"))
+    last_check = [row["time"] for row in recorder.rows[-2:-1]]  # the last row is of the failed state
+    valid_until = max([state.time, *last_check])
+    failure["last_valid"] = max(k for k, time in enumerate(recorder.snapshot_times) if time <= valid_until)
+
+
+def _points_of(state: RunState, dimension: int) -> Points:
+    points = Points(len(state.points), dimension)
+    points.rows[:] = state.points
+    return points
+
+
+def _remove_checkpoints(simulation: Simulation) -> None:
     for name in CHECKPOINT_FILES:
-        remove(folder / name)
+        remove(simulation.recorder.folder / name)

@@ -1,75 +1,84 @@
-"""result.json: what came of a run, measured and scored."""
+"""Content of result.json: measurements of the final state, errors, cost and provenance of a run."""
 
 from __future__ import annotations
 
+import resource
+import sys
 from hashlib import sha256
 from typing import Any
 
 import numpy as np
 
-from mpmcol.case import Case, case_hash
+from mpmcol.case import case_hash
 from mpmcol.experiments import profile_scores, score
-from mpmcol.io.results import RESULT_SCHEMA, Results, measure_snapshot
-from mpmcol.measure import stop_time
+from mpmcol.io.results import RESULT_SCHEMA, measure_snapshot, measure_stop_time
+from mpmcol.io.snapshot import Snapshot
 from mpmcol.mpm.solver import Solver
 from mpmcol.provenance import versions
-from mpmcol.setup.model import Model
-from mpmcol.simulation.memory import peak_memory
-from mpmcol.simulation.progress import Course
-from mpmcol.simulation.recorder import Recorder, describe
+from mpmcol.simulation.recorder import derived_values
+from mpmcol.simulation.state import Simulation
+
+MEMORY_UNIT = 1 if sys.platform == "darwin" else 1024  # bytes, of ru_maxrss
 
 
-def outcome(status: str, case: Case, model: Model, recorder: Recorder, course: Course, threads: int) -> dict[str, Any]:
-    """The content of result.json for the present state, of which the last snapshot must have been taken."""
-    solver, discretization, geometry = recorder.solver, model.discretization, case.geometry
-    measured = measure_snapshot(Results(recorder.folder).snapshot(), recorder.shape)
+def summarize(status: str, simulation: Simulation, final: Snapshot) -> dict[str, Any]:
+    """The content of result.json for the present state.
+
+    final: the snapshot of that state as it is stored. Its float32 values are measured, not the float64 values of the
+    solver, so that `mpmcol measure`, which reads the file, gives the same numbers bit by bit.
+    """
+    case, model, solver = simulation.case, simulation.model, simulation.solver
+    recorder, progress, geometry = simulation.recorder, simulation.progress, simulation.case.geometry
+    measured, fall_time = measure_snapshot(final, recorder.shape), simulation.fall_time
     profiles = profile_scores(
         measured.profile_x, measured.profile_y, geometry.model, geometry.r_i, geometry.h_i, geometry.section
     )
-    tau = discretization.fall_time(geometry.gravity)
-    flow_steps = solver.steps - course.first_step if course.stage == "collapse" else 0
+    collapse_steps = solver.steps - progress.release_step if progress.stage == "collapse" else 0
     return {
         "schema": RESULT_SCHEMA,
         "status": status,
         "title": case.title,
         "case_hash": case_hash(case),
         **measured.scalars(),
-        "stop_time": _stop_time(recorder, discretization.h, tau) if course.at_rest else None,
+        "stop_time": _stop_time(simulation) if progress.at_rest else None,
         "errors": [entry.as_dict() for entry in score(measured, geometry.a, geometry.model, geometry.section)],
         "profile_scores": [vars(entry) for entry in profiles],
-        "at_rest": course.at_rest,
+        "at_rest": progress.at_rest,
         "time": solver.time,
-        "time_over_tau": solver.time / tau,
+        "time_over_tau": solver.time / fall_time,
         "points": len(model.points),
-        **describe(model),
+        **derived_values(model),
         "steps": solver.steps,
         "dt": solver.dt,
-        "state_sha256": _fingerprint(solver),
-        "wall_s": {**course.wall_s, "output": recorder.seconds},
-        "core_seconds": course.cpu_s,
-        "ns_per_point_step": course.wall_s["collapse"] / max(flow_steps * len(model.points), 1) * 1e9,
+        "state_sha256": state_checksum(solver),
+        "wall_s": {**progress.wall_s, "output": recorder.seconds},
+        "core_seconds": progress.cpu_s,
+        "ns_per_point_step": progress.wall_s["collapse"] / max(collapse_steps * len(model.points), 1) * 1e9,
         "peak_memory_bytes": peak_memory(),
         "ledger": recorder.energy_ledger(),
-        "worst_J": [float(J) for J in recorder.worst_J],
-        "threads": threads,
+        "worst_J": [float(J) for J in recorder.extreme_J],
+        "threads": recorder.threads,
         "versions": versions(),
-        "warnings": course.warnings,
-        "resumed": course.resumed,
-        "retries": course.retries,
+        "warnings": progress.warnings,
+        "resumed": progress.resumed,
+        "retries": progress.retries,
     }
 
 
-def _fingerprint(solver: Solver) -> str:
-    """Digest of every bit of points, clock and ledger: two runs of one digest went alike, step by step."""
+def state_checksum(solver: Solver) -> str:
+    """SHA-256 of points, clock and ledger: runs that end with the same one were equal bit by bit in every step."""
     state = sha256()
     for array in (solver.points.rows, solver.clock, solver.ledger):
         state.update(array.data)
     return state.hexdigest()
 
 
-def _stop_time(recorder: Recorder, h: float, tau: float) -> float | None:
-    """When the front of a column at rest came within a cell of its end, in tau."""
-    flow = [row for row in recorder.rows if row["stage"] == "collapse"]
-    time, front = (np.array([row[name] for row in flow]) for name in ("time", "front_height"))
-    stop = stop_time(time, front, h)
-    return None if stop is None else stop / tau
+def peak_memory() -> int:
+    """Peak resident memory of this process, bytes, including interpreter, compiler and kernels."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * MEMORY_UNIT
+
+
+def _stop_time(simulation: Simulation) -> float | None:
+    rows = simulation.recorder.rows
+    history = {name: np.array([row[name] for row in rows]) for name in ("stage", "time", "front_height")}
+    return measure_stop_time(history, simulation.model.discretization.h, simulation.fall_time)

@@ -1,4 +1,4 @@
-"""What a failing disk, a damaged file and a clock that is set do to a run: never a loss that is not told."""
+"""Failing disks, damaged files and changed clocks: no loss of data is left unreported."""
 
 from __future__ import annotations
 
@@ -24,16 +24,16 @@ from tests.support.runs import TINY, assert_equal_runs
 
 
 class Killed(Exception):
-    """The end of a process, as far as a test can tell."""
+    """Stands for the end of the process."""
 
 
 @pytest.fixture
 def killed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A run killed just after the first state that knows two snapshots; the state before knows one."""
+    """A run killed after the first checkpoint that lists two snapshots; the previous checkpoint lists one."""
 
-    def write(folder: Path, state: Any) -> None:
-        write_checkpoint(folder, state)
-        if len(state.values["recorder"]["snapshots"]) == 2:
+    def write(folder: Path, checkpoint: Any) -> None:
+        write_checkpoint(folder, checkpoint)
+        if len(checkpoint.values["recorder"]["snapshots"]) == 2:
             raise Killed
 
     monkeypatch.setattr(restart, "write_checkpoint", write)
@@ -48,7 +48,7 @@ def resume(folder: Path, *more: str) -> Any:
 
 
 @pytest.mark.parametrize("how", ["flip", "truncate", "remove"])
-def test_with_a_damaged_snapshot_it_goes_on_from_the_state_before_it(killed: Path, how: str) -> None:
+def test_with_a_damaged_snapshot_a_run_resumes_from_the_checkpoint_before_it(killed: Path, how: str) -> None:
     snapshot = killed / "snapshots" / "000001.vtkhdf"
     content = snapshot.read_bytes()
     if how == "remove":
@@ -57,51 +57,56 @@ def test_with_a_damaged_snapshot_it_goes_on_from_the_state_before_it(killed: Pat
         snapshot.write_bytes(content[:-1] if how == "truncate" else content[:-1] + bytes([content[-1] ^ 1]))
     done = resume(killed)
     assert done.exit_code == 0, done.output
-    assert re.search(r"000001.vtkhdf is damaged or missing, and step \d+ needs it\ngoing on from step", done.output)
+    assert re.search(
+        r"000001.vtkhdf is damaged or missing; the checkpoint of step \d+ needs it\nresuming from step", done.output
+    )
     assert snapshot.read_bytes() == content and not [f for r in verify(killed) for f in r.findings]
 
 
-def test_with_a_damaged_snapshot_before_all_states_it_is_refused_with_the_remedy(killed: Path) -> None:
+def test_with_a_damaged_snapshot_before_all_checkpoints_a_run_is_refused_with_the_remedy(killed: Path) -> None:
     snapshot = killed / "snapshots" / "000000.vtkhdf"
     content = snapshot.read_bytes()
     snapshot.write_bytes(content[:1000])
     refused = resume(killed)
-    assert refused.exit_code == 5 and "copy it back, or begin anew with --fresh" in refused.output
-    snapshot.write_bytes(content)  # nothing was lost by the refusal
-    assert "going on from step" in resume(killed).output
+    assert refused.exit_code == 5 and "restore it from a copy, or use --fresh to restart from scratch" in refused.output
+    snapshot.write_bytes(content)  # the refusal has changed nothing
+    assert "resuming from step" in resume(killed).output
 
 
-def test_snapshots_after_the_state_are_taken_again_or_gone(killed: Path) -> None:
-    """A run that goes on with fewer snapshots must not be measured on one that it did not take."""
+def test_snapshots_after_the_checkpoint_are_written_again_or_removed(killed: Path) -> None:
+    """A run resumed with fewer snapshots must not be measured on a snapshot that it did not write."""
     for name in ("000002", "000003", "000009"):
-        (killed / "snapshots" / f"{name}.vtkhdf").write_bytes(b"of a course that was given up")
+        (killed / "snapshots" / f"{name}.vtkhdf").write_bytes(b"of an abandoned run")
     done = resume(killed, "--force-resume", "--set", "output.snapshots=1")
     assert done.exit_code == 0 and len(Results(killed).snapshots) == 3
     assert not [finding for report in verify(killed) for finding in report.findings]
 
 
-def test_a_state_of_another_format_is_refused(killed: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_checkpoint_of_another_format_is_refused(killed: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(restart, "FORMAT", 1)
     refused = resume(killed)
-    assert refused.exit_code == 2 and "of another version's format; --fresh begins anew" in refused.output
+    assert (
+        refused.exit_code == 2
+        and "in the format of another version; use --fresh to restart from scratch" in refused.output
+    )
 
 
-def test_a_case_with_other_points_changes_nothing(killed: Path) -> None:
+def test_a_refused_case_with_other_points_changes_nothing(killed: Path) -> None:
     before = {path: path.read_bytes() for path in killed.rglob("*") if path.is_file()}
     assert resume(killed, "--force-resume", "--set", "grid.points_per_cell=9").exit_code == 2
     assert before == {path: path.read_bytes() for path in killed.rglob("*") if path.is_file()}
 
 
-def test_a_result_that_says_nothing_known_is_not_taken_for_an_unfinished_run(tmp_path: Path) -> None:
+def test_a_result_of_unknown_status_is_not_replaced(tmp_path: Path) -> None:
     assert resume(tmp_path).exit_code == 0
     result = tmp_path / "result.json"
     result.write_text(result.read_text().replace('"done"', '"dong"'))
     refused = resume(tmp_path)
-    assert refused.exit_code == 5 and "its status is 'dong'; --fresh replaces the run" in refused.output
+    assert refused.exit_code == 5 and "its status is 'dong'; use --fresh to replace the run" in refused.output
     assert resume(tmp_path, "--fresh").exit_code == 0
 
 
-def test_what_told_the_end_is_gone_once_a_stopped_run_goes_on(tmp_path: Path) -> None:
+def test_the_result_of_a_stopped_run_is_removed_when_it_resumes(tmp_path: Path) -> None:
     assert resume(tmp_path, "--max-wall", "0.001s").exit_code == 75
     disk = Disk(tmp_path)
     disk.then_at, seen = 10, []
@@ -111,11 +116,11 @@ def test_what_told_the_end_is_gone_once_a_stopped_run_goes_on(tmp_path: Path) ->
     assert not {RESULT_FILE, CHECKSUM_FILE} & set(seen[0])
 
 
-# ------------------------------------------------------------------------------------ small draws of promises
+# ------------------------------------------------------------------------------------ random trials, a few of each
 
 
 @pytest.mark.parametrize("seed", random.Random(11).sample(range(writes.COUNT), 6))
-def test_any_moment_of_a_loss_of_power(seed: int, tmp_path: Path) -> None:
+def test_loss_of_power_at_any_moment(seed: int, tmp_path: Path) -> None:
     assert writes.trial(seed, tmp_path) is None
 
 
@@ -129,8 +134,8 @@ def test_any_damage(seed: int, tmp_path: Path) -> None:
     assert damage.trial(seed, tmp_path) is None
 
 
-def test_what_was_not_forced_to_the_disk_is_lost(tmp_path: Path) -> None:
-    """The failing disk can tell a program that relies on luck."""
+def test_the_simulated_disk_loses_what_was_not_synced(tmp_path: Path) -> None:
+    """Otherwise the trials above could not fail."""
     disk = Disk(tmp_path)
     disk.dies_at, disk.forgets_renames = 3, True
     (tmp_path / "b").write_bytes(b"old")
@@ -144,26 +149,26 @@ def test_what_was_not_forced_to_the_disk_is_lost(tmp_path: Path) -> None:
     assert (tmp_path / "b").read_bytes() == b"old"
 
 
-# ------------------------------------------------------------------------------------------- clocks that are set
+# ------------------------------------------------------------------------------------------- changed clocks
 
 
-def test_a_clock_that_is_set_forth_and_back_changes_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    case, draw, states = mpmcol.load_case("quickstart", TINY), random.Random(3), []
+def test_a_clock_set_forward_and_back_changes_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    case, draw, written = mpmcol.load_case("quickstart", TINY), random.Random(3), []
 
-    def count(folder: Path, state: Any) -> None:
-        states.append(state)
+    def count(folder: Path, checkpoint: Any) -> None:
+        written.append(checkpoint)
 
     mpmcol.run(case, tmp_path / "plain", threads=1)
     monkeypatch.setattr(time, "time", lambda: draw.uniform(-1e9, 1e10))
     monkeypatch.setattr(restart, "write_checkpoint", count)
     mpmcol.run(case, tmp_path / "set", threads=1, max_wall=600.0)
-    assert not states
+    assert not written
     assert_equal_runs(tmp_path / "plain", tmp_path / "set")
     mpmcol.run(case, tmp_path / "again", threads=1, checkpoint_seconds=0.0)
-    assert len(states) > 10
+    assert len(written) > 10
 
 
-def test_only_the_age_of_files_is_told_by_a_clock_that_may_be_set() -> None:
+def test_the_system_clock_is_used_for_the_age_of_files_only() -> None:
     package = Path(mpmcol.__file__).parent
     users = {
         path.relative_to(package).as_posix() for path in package.rglob("*.py") if "time.time()" in path.read_text()

@@ -43,7 +43,7 @@ def result(**changes: Any) -> SimpleNamespace:
 
 def test_a_sound_result_passes() -> None:
     assert list(unsound(load_case("quickstart"), result())) == []
-    told = {"zeta": {"front_max": 3.5}, "warnings": ["grains ran far ahead of the flow: ..."]}
+    told = {"zeta": {"front_max": 3.5}, "warnings": ["detached particles ahead of the flow front: ..."]}
     assert list(unsound(load_case("quickstart"), result(**told))) == []
 
 

@@ -1,4 +1,4 @@
-"""A run that is stopped and taken up again ends with the bits of one that was not."""
+"""A run that is stopped and resumed ends with the same bits as an uninterrupted one."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ from tests.support.runs import SMALL_CASES, assert_equal_runs, small_case
 
 @pytest.fixture
 def stop_after(monkeypatch: pytest.MonkeyPatch) -> Any:
-    """Sets after how many pauses, a few steps apart, the next runs are asked to stop."""
+    """Sets after how many calls of the compiled loop, of a few steps each, further runs are asked to stop."""
     monkeypatch.setattr(solver, "CALL_SECONDS", 0.003)
     left = [0]
 
     class Counted(StopRequest):
         @property
-        def asked(self) -> str:
+        def reason(self) -> str:
             left[0] -= 1
             return "the test" if left[0] < 0 else ""
 
@@ -39,25 +39,25 @@ def stop_after(monkeypatch: pytest.MonkeyPatch) -> Any:
 
     monkeypatch.setattr(run, "stop_request", counted)
 
-    def set_left(pauses: int) -> None:
-        left[0] = pauses
+    def set_left(calls: int) -> None:
+        left[0] = calls
 
     return set_left
 
 
 @pytest.mark.parametrize("name", list(SMALL_CASES))
-def test_stopped_again_and_again_it_ends_with_equal_bits(name: str, stop_after: Any, tmp_path: Path) -> None:
+def test_a_run_stopped_repeatedly_ends_with_equal_bits(name: str, stop_after: Any, tmp_path: Path) -> None:
     case, whole, cut = small_case(name), tmp_path / "whole", tmp_path / "cut"
     stop_after(10**9)
     mpmcol.run(case, whole, threads=1)
-    stops, pauses = 0, 2
+    stops, calls = 0, 2
     while True:
-        stop_after(pauses)
+        stop_after(calls)
         try:
             mpmcol.run(case, cut, threads=1 + stops % 2)
             break
         except Interrupted:
-            stops, pauses = stops + 1, pauses + 5
+            stops, calls = stops + 1, calls + 5
             assert Results(cut).status == "stopped" and Results(cut).snapshot(-1).stage == "stopped"
     assert stops >= 3
     assert_equal_runs(whole, cut)
@@ -66,8 +66,8 @@ def test_stopped_again_and_again_it_ends_with_equal_bits(name: str, stop_after: 
     assert not any((cut / file).exists() for file in CHECKPOINT_FILES)
 
 
-def test_killed_it_goes_on_from_the_last_checkpoint(stop_after: Any, tmp_path: Path) -> None:
-    """What was written after the checkpoint is written again; a damaged checkpoint is left for the one before."""
+def test_a_killed_run_resumes_from_the_last_valid_checkpoint(stop_after: Any, tmp_path: Path) -> None:
+    """Output after the checkpoint is written again; if the newest checkpoint is damaged, the previous one is used."""
     case, whole, cut = small_case("plane"), tmp_path / "whole", tmp_path / "cut"
     stop_after(10**9)
     mpmcol.run(case, whole)
@@ -83,10 +83,10 @@ def test_killed_it_goes_on_from_the_last_checkpoint(stop_after: Any, tmp_path: P
         mpmcol.run(case, cut, checkpoint_seconds=0.0, progress=kill)
     newest = max((cut / file for file in CHECKPOINT_FILES), key=lambda path: path.stat().st_mtime_ns)
     newest.write_bytes(newest.read_bytes()[:-5])
-    told: list[str] = []
-    mpmcol.run(case, cut, notify=told.append)
-    assert f"note: {newest} is damaged; going on from the one before" in told
-    assert any(line.startswith("going on from step ") for line in told)
+    messages: list[str] = []
+    mpmcol.run(case, cut, notify=messages.append)
+    assert f"note: {newest} is damaged; resuming from the previous one" in messages
+    assert any(line.startswith("resuming from step ") for line in messages)
     assert_equal_runs(whole, cut)
 
 
@@ -94,13 +94,15 @@ def test_another_case_or_code_is_refused_with_the_difference(
     stop_after: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     stop_after(3)
-    with pytest.raises(Interrupted, match=r"stopped by the test at step \d+, t = .*same command goes on"):
+    with pytest.raises(Interrupted, match=r"stopped by the test at step \d+, t = .*repeat the command to resume"):
         mpmcol.run(small_case("plane"), tmp_path)
     stop_after(10**9)
     other = small_case("plane", "stages.collapse.damping=0.1", 'title="another"')
-    with pytest.raises(UsageError, match=r"damping: 0.05 there, 0.1 here\n(.*)--fresh(.*)--out(.*)--force-resume"):
+    with pytest.raises(
+        UsageError, match=r"damping: 0.05 in the checkpoint, 0.1 in this case\n(.*)--fresh(.*)--out(.*)--force-resume"
+    ):
         mpmcol.run(other, tmp_path)
-    with pytest.raises(UsageError, match="other points than this case makes"):
+    with pytest.raises(UsageError, match="another number of material points than this case"):
         mpmcol.run(small_case("plane", "grid.points_per_cell=9"), tmp_path, force_resume=True)
     monkeypatch.setattr("mpmcol.simulation.restart.code_version", lambda: "0+other")
     with pytest.raises(UsageError, match=r"made by mpmcol .*, this is 0\+other"):
@@ -109,7 +111,7 @@ def test_another_case_or_code_is_refused_with_the_difference(
     assert done["status"] == "done" and done["resumed"][0]["version"] == "0+other"
 
 
-def test_without_a_whole_checkpoint_it_begins_anew(stop_after: Any, tmp_path: Path) -> None:
+def test_without_a_valid_checkpoint_a_run_restarts_from_scratch(stop_after: Any, tmp_path: Path) -> None:
     stop_after(3)
     with pytest.raises(Interrupted):
         mpmcol.run(small_case("plane"), tmp_path)
@@ -119,10 +121,10 @@ def test_without_a_whole_checkpoint_it_begins_anew(stop_after: Any, tmp_path: Pa
     assert mpmcol.run(small_case("plane"), tmp_path).summary["resumed"] == []
 
 
-def test_the_limit_of_time_and_the_exit_codes(tmp_path: Path) -> None:
+def test_the_wall_clock_limit_and_the_exit_codes(tmp_path: Path) -> None:
     command = ("run", "quickstart", "--set", "grid.spacing=0.01", "--out", tmp_path / "run")
     first = invoke(*command, "--max-wall", "0.001s", "--quiet")
-    assert first.exit_code == 75 and "stopped by the limit of time at step" in first.stderr
+    assert first.exit_code == 75 and "stopped by the wall-clock limit at step" in first.stderr
     assert invoke(*command, "--max-wall", "0.001s", "--requeue-code", "99").exit_code == 99
     done = invoke(*command, "--json")
     assert done.exit_code == 0 and len(json.loads(done.stdout)["resumed"]) == 2

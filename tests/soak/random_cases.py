@@ -118,7 +118,7 @@ def unsound(case: Case, results: Results) -> Iterator[str]:
         yield f"runout {front} and height {measured.beta} are no numbers"
     if not front["front_connected"] <= MOST_ZETA * expected_runout(geometry.model, geometry.a, geometry.section) + 1.0:
         yield f"it ran {front['front_connected']:.3g} r_i far"
-    told = any("far ahead" in warning for warning in results.summary["warnings"])
+    told = any("detached particles" in warning for warning in results.summary["warnings"])
     if front["front_max"] > 2.0 * max(front["front_connected"], 0.0) + STRAY and not told:
         yield f"grains are {front['front_max']:.3g} r_i ahead, the pile {front['front_connected']:.3g}"
     if not (0.0 < measured.beta <= MOST_BETA and history["height"].max() <= MOST_BETA * geometry.h_i):

@@ -11,16 +11,16 @@ import mpmcol
 from mpmcol.mpm.particles import BASE
 from mpmcol.setup.model import build_model, free_speed
 from mpmcol.simulation.failure import diagnose
-from mpmcol.simulation.run import set_up
-from mpmcol.simulation.stages import Run
+from mpmcol.simulation.run import start
+from mpmcol.simulation.stages import Stages
 
 SOFT = ("grid.spacing=0.015", "material.youngs_modulus=0.002 MPa", "stages.initial_stress=k0")
 
 
-def falling(folder: Path, share: float) -> Run:
+def falling(folder: Path, share: float) -> Stages:
     """A soft column at its release, with a point thrown up at this share of the speed that gravity can give."""
     case = mpmcol.load_case("quickstart", SOFT)
-    run = set_up(case, build_model(case), folder / "run", 1, lambda stage, share: None, lambda line: None)
+    run = Stages(start(case, build_model(case), folder / "run"))
     run.release()
     points, waves = run.solver.points, np.sqrt(run.solver.bodies[0].wave_speed2)
     speed = share * run.solver.settings.free_speed

@@ -14,7 +14,8 @@ from mpmcol.mpm.particles import BASE
 from mpmcol.mpm.solver import Solver
 from mpmcol.setup.discretization import Discretization
 from mpmcol.setup.model import Model, build_model, close_walls
-from mpmcol.simulation.run import set_up
+from mpmcol.simulation.run import start
+from mpmcol.simulation.stages import Stages
 
 H, RADIUS, HEIGHT, DEPTH, DENSITY = 0.02, 0.1, 0.0875, 0.06, 2650.0
 ROWS = 9  # rows of points over the height, which is not a multiple of half a cell
@@ -123,7 +124,7 @@ def test_the_gate_rises_at_its_speed(section: tuple[str, ...], tmp_path: Path) -
 
     short = (f"stages.gate_speed={speed}", "stages.collapse.max_time_factor=0.2", "output.snapshots=1")
     case = case_of("quarter", section, *short)
-    run = set_up(case, build_model(case), tmp_path / "run", 1, record, lambda line: None)
+    run = Stages(start(case, build_model(case), tmp_path / "run", show_progress=record))
     run.release()
     run.collapse()
     y = node_coordinates(run.model.grid)[1].ravel()

@@ -1,4 +1,4 @@
-"""Runs that are made to fail are stopped within one look, with the right cause and place; sound ones are not."""
+"""Stages-time checks: defects planted in a run are reported within one check with their cause; valid runs pass."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ from mpmcol.mpm.kernels import loop
 from mpmcol.mpm.lanes import OPENING, S_ZZ, VX, J, M, X, Y
 from mpmcol.mpm.particles import BASE
 from mpmcol.setup.model import build_model
-from mpmcol.simulation.failure import fault_of
-from mpmcol.simulation.monitor import node_position, principal
-from mpmcol.simulation.run import set_up
-from mpmcol.simulation.stages import CHECKS_PER_TAU, Run
+from mpmcol.simulation.failure import identify_failure
+from mpmcol.simulation.monitor import node_position, principal_stresses
+from mpmcol.simulation.run import start
+from mpmcol.simulation.stages import CHECKS_PER_FALL_TIME, Stages
 
 MODELS = {
     "plane": ("quickstart", "grid.spacing=0.015"),
@@ -32,69 +32,74 @@ MODELS = {
     "quarter": ("lube-quarter", "grid.spacing=0.0194", "geometry.aspect=0.4"),
     "full": ("lube-quarter", "grid.spacing=0.0194", "geometry.aspect=0.4", "geometry.model=full"),
 }
-ALWAYS = ("stages.initial_stress=k0", "output.snapshots=1")
-SOUND_LOOKS = 3  # before the damage is done
+OPTIONS = ("stages.initial_stress=k0", "output.snapshots=1")
+VALID_CHECKS = 3  # before the defect is planted
 
 
-class Saboteur:
-    """A run at its release that does damage once, before a step or before a look, and notes when and where."""
+class DefectiveRun:
+    """A run at its release in which a defect is planted once, before a step or before a check.
 
-    def __init__(self, model: str, folder: Path, damage: Callable[[Run, int], Any], moment: str, seed: int = 0) -> None:
-        case = mpmcol.load_case(MODELS[model][0], [*MODELS[model][1:], *ALWAYS])
-        self.run = set_up(case, build_model(case), folder / "run", 1, lambda stage, share: None, lambda line: None)
+    Time, point and position of the defect are recorded.
+    """
+
+    def __init__(
+        self, model: str, folder: Path, plant: Callable[[Stages, int], Any], moment: str, seed: int = 0
+    ) -> None:
+        case = mpmcol.load_case(MODELS[model][0], [*MODELS[model][1:], *OPTIONS])
+        self.run = Stages(start(case, build_model(case), folder / "run"), self.between_steps)
         self.run.release()
-        self.damage, self.moment = damage, moment
-        self.time, self.point, self.place = np.inf, -1, None
-        self.number = np.random.default_rng(seed)
+        self.plant, self.moment = plant, moment
+        self.time, self.point, self.position = np.inf, -1, None
+        self.random = np.random.default_rng(seed)
         self._record = self.run.recorder.record
         self.run.recorder.record = self.record  # type: ignore[method-assign]
 
-    def pause(self) -> None:
+    def between_steps(self) -> None:
         if self.moment == "step":
-            self.act()
+            self.plant_once()
 
-    def record(self, stage: str) -> Any:
-        if self.moment == "look":
-            self.act()
-        return self._record(stage)
+    def record(self, stage: str) -> None:
+        if self.moment == "check":
+            self.plant_once()
+        self._record(stage)
 
-    def act(self) -> None:
-        if self.time < np.inf or self.run.course.checks < SOUND_LOOKS:
+    def plant_once(self) -> None:
+        if self.time < np.inf or self.run.simulation.progress.checks < VALID_CHECKS:
             return
         points = self.run.solver.points
-        row = int(self.number.choice(np.flatnonzero(points.kind != BASE)))
+        row = int(self.random.choice(np.flatnonzero(points.kind != BASE)))
         self.time, self.point = self.run.solver.time, int(points.id[row])
-        self.place = points.x[row].copy()
-        self.damage(self.run, row)
+        self.position = points.x[row].copy()
+        self.plant(self.run, row)
 
     def failure(self) -> dict[str, Any]:
         with pytest.raises(NumericalFailure) as stopped:
-            self.run.collapse(self.pause)
+            self.run.collapse()
         self.text = str(stopped.value)
         return stopped.value.failure
 
 
-def put(lane: int, value: float, run: Run, row: int) -> None:
+def put(lane: int, value: float, run: Stages, row: int) -> None:
     run.solver.points.rows[row, lane] = value
 
 
-def history(run: Run, row: int) -> None:
+def history(run: Stages, row: int) -> None:
     run.solver.points.history[row, 0] = np.nan
 
 
-def faster(factor: float, run: Run, row: int) -> None:
+def faster(factor: float, run: Stages, row: int) -> None:
     run.solver.points.v[row, 0] = factor * max(run.solver.settings.free_speed, run.solver.bodies[0].wave_speed2 ** 0.5)
 
 
-def heavier(factor: float, run: Run, row: int) -> None:
+def heavier(factor: float, run: Stages, row: int) -> None:
     run.solver.points.m[row] *= factor
 
 
-def lifted(cells: float, run: Run, row: int) -> None:
+def lifted(cells: float, run: Stages, row: int) -> None:
     run.solver.points.x[row, 1] += cells * run.model.discretization.h
 
 
-def outside(axis: int, run: Run, row: int) -> None:
+def outside(axis: int, run: Stages, row: int) -> None:
     discretization = run.model.discretization
     run.solver.points.x[row, axis] = (
         discretization.length,
@@ -104,19 +109,19 @@ def outside(axis: int, run: Run, row: int) -> None:
     run.solver.sort()
 
 
-def thrown(speed: float, run: Run, row: int) -> None:
+def thrown(speed: float, run: Stages, row: int) -> None:
     run.solver.points.v[run.solver.points.kind != BASE, 1] += speed
 
 
-def gravity(factor: float, run: Run, row: int) -> None:
+def gravity(factor: float, run: Stages, row: int) -> None:
     run.solver.settings = run.solver.settings._replace(gravity_y=factor * run.solver.settings.gravity_y)
 
 
-def slow_clock(run: Run, row: int) -> None:
+def slow_clock(run: Stages, row: int) -> None:
     run.solver.clock[loop.DT] *= 1e-3
 
 
-def strained(deviator: float, tension: float, run: Run, row: int) -> None:
+def strained(deviator: float, tension: float, run: Stages, row: int) -> None:
     points = run.solver.points
     sigma = points.sigma
     pressure = -1e3
@@ -124,7 +129,7 @@ def strained(deviator: float, tension: float, run: Run, row: int) -> None:
     points.sigma = sigma
 
 
-def node(lane: int, value: float, run: Run, row: int) -> None:
+def node(lane: int, value: float, run: Stages, row: int) -> None:
     solver = run.solver
     records = solver.grid.nodes.reshape(-1, 8)
     tiles = [range(first // 8, (first + solver.grid.tile_doubles) // 8) for first in solver.tiles.active]
@@ -132,126 +137,126 @@ def node(lane: int, value: float, run: Run, row: int) -> None:
     records[heavy, lane] = value
 
 
-def massless(run: Run, row: int) -> None:
+def massless(run: Stages, row: int) -> None:
     node(0, 0.0, run, row)
 
 
-class Case(NamedTuple):
+class Defect(NamedTuple):
     name: str
-    damage: Callable[[Run, int], Any]
+    plant: Callable[[Stages, int], Any]
     check: str
     cause: str
     moment: str = "step"
-    of_point: bool = True  # whether the damaged point or one near it is named; what has no place spoils another one
+    of_point: bool = True  # whether the failure names the defective point or one near it
     models: tuple[str, ...] = ("plane",)
-    looks: int = 1
 
 
 NAN, FLAT, ALL = float("nan"), ("plane", "softening", "axisymmetric"), tuple(MODELS)
 SOLID = ("plane", "quarter")
-DAMAGE = (
-    Case("velocity NaN", partial(put, VX, NAN), "finite", "velocity", models=ALL),
-    Case("velocity inf", partial(put, VX, np.inf), "finite", "velocity"),
-    Case("position NaN", partial(put, X, NAN), "finite", "position", of_point=False, models=SOLID),
-    Case("height NaN", partial(put, Y, NAN), "finite", "position", of_point=False, models=("axisymmetric", "full")),
-    Case("stress NaN", partial(put, S_ZZ, NAN), "finite", "velocity", models=("axisymmetric", "quarter")),
-    Case("J NaN", partial(put, J, NAN), "finite", "volume ratio", models=SOLID),
-    Case("mass NaN", partial(put, M, NAN), "finite", "mass", models=SOLID),
-    Case("opening NaN", partial(put, OPENING, NAN), "finite", "not finite", of_point=False, models=SOLID),
-    Case("opening NaN, just now", partial(put, OPENING, NAN), "finite", "opening strain", "look", models=SOLID),
-    Case("history NaN", history, "finite", "not finite", models=("softening",)),
-    Case("history NaN, just now", history, "finite", "history of the law", "look", models=("softening",)),
-    Case("J to nothing", partial(put, J, 1e-9), "volume", "J left", models=ALL),
-    Case("J negative", partial(put, J, -0.5), "volume", "J left"),
-    Case("J beyond bounds", partial(put, J, 80.0), "volume", "J left", models=SOLID),
-    Case("twice too fast", partial(faster, 2.0), "speed", "faster than waves", models=ALL),
-    Case("thrown out", partial(faster, 1e4), "volume", "J left", of_point=False, models=SOLID),
-    Case("out of the top", partial(outside, 1), "domain", "top of the domain", models=SOLID),
-    Case("out of the end", partial(outside, 0), "domain", "end of the domain", models=("axisymmetric", "full")),
-    Case("out of the far end", partial(outside, 2), "domain", "end of the domain", models=("quarter",)),
-    Case("energy planted", partial(thrown, 1.0), "energy", "came from nowhere", of_point=False, models=ALL),
-    Case("mass planted", partial(heavier, 3.0), "ledger", "does not add up", of_point=False, models=FLAT),
-    Case("negative mass", partial(heavier, -1.0), "ledger", "does not add up", of_point=False, models=SOLID),
-    Case("point lifted", partial(lifted, 0.3), "ledger", "does not add up", of_point=False, models=ALL),
-    Case("gravity doubled", partial(gravity, 2.0), "ledger", "does not add up", of_point=False),
-    Case("time step lost", slow_clock, "time step", "collapsed", "look", of_point=False, models=SOLID),
-    Case("sheared too far", partial(strained, 0.95, 0.0), "yield surface", "outside", "look", models=ALL),
-    Case("tension", partial(strained, 0.0, 2e3), "yield surface", "outside", "look", models=ALL),
-    Case("node without mass", massless, "nodes", "a node", "look", of_point=False, models=SOLID),
-    Case("node of negative mass", partial(node, 0, -1.0), "nodes", "a node", "look", of_point=False, models=SOLID),
-    Case("node mass NaN", partial(node, 0, NAN), "nodes", "a node", "look", of_point=False),
-    Case("node velocity NaN", partial(node, 1, NAN), "nodes", "a node", "look", of_point=False, models=SOLID),
+DEFECTS = (
+    Defect("velocity NaN", partial(put, VX, NAN), "finite", "velocity", models=ALL),
+    Defect("velocity inf", partial(put, VX, np.inf), "finite", "velocity"),
+    Defect("position NaN", partial(put, X, NAN), "finite", "position", of_point=False, models=SOLID),
+    Defect("height NaN", partial(put, Y, NAN), "finite", "position", of_point=False, models=("axisymmetric", "full")),
+    Defect("stress NaN", partial(put, S_ZZ, NAN), "finite", "velocity", models=("axisymmetric", "quarter")),
+    Defect("J NaN", partial(put, J, NAN), "finite", "volume ratio", models=SOLID),
+    Defect("mass NaN", partial(put, M, NAN), "finite", "mass", models=SOLID),
+    Defect("opening NaN", partial(put, OPENING, NAN), "finite", "not finite", of_point=False, models=SOLID),
+    Defect("opening NaN before a check", partial(put, OPENING, NAN), "finite", "opening strain", "check", models=SOLID),
+    Defect("history NaN", history, "finite", "not finite", models=("softening",)),
+    Defect("history NaN before a check", history, "finite", "history of the law", "check", models=("softening",)),
+    Defect("J near zero", partial(put, J, 1e-9), "volume", "volume ratio J", models=ALL),
+    Defect("J negative", partial(put, J, -0.5), "volume", "volume ratio J"),
+    Defect("J above its limit", partial(put, J, 80.0), "volume", "volume ratio J", models=SOLID),
+    Defect("twice the allowed speed", partial(faster, 2.0), "speed", "faster than waves", models=ALL),
+    Defect("enormous speed", partial(faster, 1e4), "volume", "volume ratio J", of_point=False, models=SOLID),
+    Defect("out of the top", partial(outside, 1), "domain", "top of the domain", models=SOLID),
+    Defect("out of the end", partial(outside, 0), "domain", "end of the domain", models=("axisymmetric", "full")),
+    Defect("out of the far end", partial(outside, 2), "domain", "end of the domain", models=("quarter",)),
+    Defect("energy added", partial(thrown, 1.0), "energy", "energy gain", of_point=False, models=ALL),
+    Defect("mass added", partial(heavier, 3.0), "ledger", "does not close", of_point=False, models=FLAT),
+    Defect("negative mass", partial(heavier, -1.0), "ledger", "does not close", of_point=False, models=SOLID),
+    Defect("point lifted", partial(lifted, 0.3), "ledger", "does not close", of_point=False, models=ALL),
+    Defect("gravity doubled", partial(gravity, 2.0), "ledger", "does not close", of_point=False),
+    Defect("time step reduced", slow_clock, "time step", "collapsed", "check", of_point=False, models=SOLID),
+    Defect("excessive shear", partial(strained, 0.95, 0.0), "yield surface", "outside", "check", models=ALL),
+    Defect("tension", partial(strained, 0.0, 2e3), "yield surface", "outside", "check", models=ALL),
+    Defect("node without mass", massless, "nodes", "a node", "check", of_point=False, models=SOLID),
+    Defect("node of negative mass", partial(node, 0, -1.0), "nodes", "a node", "check", of_point=False, models=SOLID),
+    Defect("node mass NaN", partial(node, 0, NAN), "nodes", "a node", "check", of_point=False),
+    Defect("node velocity NaN", partial(node, 1, NAN), "nodes", "a node", "check", of_point=False, models=SOLID),
 )
 STEPS = [(cfl, model) for model in ("plane", "axisymmetric", "quarter") for cfl in (1.1, 1.5, 2.0, 4.0, 10.0)]
-SCENES = [pytest.param(case, model, id=f"{case.name}, {model}") for case in DAMAGE for model in case.models]
+PLANTED = [pytest.param(defect, model, id=f"{defect.name}, {model}") for defect in DEFECTS for model in defect.models]
 
 
-def test_there_are_enough_scenes() -> None:
-    assert len(SCENES) + len(STEPS) >= 50
+def test_there_are_enough_defects() -> None:
+    assert len(PLANTED) + len(STEPS) >= 50
 
 
-@pytest.mark.parametrize(("case", "model"), SCENES)
-def test_damage_is_found_within_one_look_and_named(case: Case, model: str, tmp_path: Path) -> None:
-    scene = Saboteur(model, tmp_path, case.damage, case.moment, crc32(f"{case.name}, {model}".encode()))
-    failure, solver = scene.failure(), scene.run.solver
-    assert failure["check"] == case.check and case.cause in failure["cause"], failure
+@pytest.mark.parametrize(("defect", "model"), PLANTED)
+def test_a_defect_is_reported_within_one_check(defect: Defect, model: str, tmp_path: Path) -> None:
+    planted = DefectiveRun(model, tmp_path, defect.plant, defect.moment, crc32(f"{defect.name}, {model}".encode()))
+    failure, solver = planted.failure(), planted.run.solver
+    assert failure["check"] == defect.check and defect.cause in failure["cause"], failure
     assert failure["stage"] == "collapse" and failure["step"] == solver.steps
-    assert scene.time <= failure["time"] <= scene.time + scene.run.tau / CHECKS_PER_TAU + 2.0 * solver.dt + 1e-3
-    for word in ("likely cause: ", "remedy: ", f"step {failure['step']}", "stage collapse"):
-        assert word in scene.text
-    if case.of_point:
-        near = np.abs(np.array(failure["position"]) - scene.place).max() < 4.0 * scene.run.model.discretization.h
-        assert failure["point"] == scene.point or near
-        assert f"point {failure['point']} at x = " in scene.text
+    interval = planted.run.fall_time / CHECKS_PER_FALL_TIME
+    assert planted.time <= failure["time"] <= planted.time + interval + 2.0 * solver.dt + 1e-3
+    for text in ("likely cause: ", "remedy: ", f"step {failure['step']}", "stage collapse"):
+        assert text in planted.text
+    if defect.of_point:
+        distance = np.abs(np.array(failure["position"]) - planted.position).max()
+        assert failure["point"] == planted.point or distance < 4.0 * planted.run.model.discretization.h
+        assert f"point {failure['point']} at x = " in planted.text
 
 
 @pytest.mark.parametrize(
     ("value", "opening_strain", "likely", "remedy"),
     [
         (80.0, True, "dilates", "dilatancy"),
-        (80.0, False, "pulled apart", "opening_strain"),
+        (80.0, False, "separate", "opening_strain"),
         (0.01, True, "crushes", "youngs"),
     ],
 )
-def test_a_volume_that_leaves_its_bounds_slowly_is_not_put_down_to_the_time_step(
+def test_a_slow_change_of_volume_is_not_attributed_to_the_time_step(
     value: float, opening_strain: bool, likely: str, remedy: str, tmp_path: Path
 ) -> None:
-    def damage(run: Run, row: int) -> None:
+    def plant(run: Stages, row: int) -> None:
         run.solver.settings = run.solver.settings._replace(opening_strain=opening_strain)
         put(J, value, run, row)
 
-    failure = Saboteur("plane", tmp_path, damage, "step").failure()
+    failure = DefectiveRun("plane", tmp_path, plant, "step").failure()
     assert likely in failure["likely"] and remedy in failure["remedy"] and not failure["smaller_step_helps"]
 
 
 @pytest.mark.parametrize(("share", "likely"), [(0.4, "time step"), (0.6, "crushes")])
-def test_a_volume_lost_at_once_is_put_down_to_the_softness_of_what_falls(
+def test_a_sudden_loss_of_volume_of_soft_material_is_attributed_to_its_stiffness(
     share: float, likely: str, tmp_path: Path
 ) -> None:
-    solver = Saboteur("plane", tmp_path, lambda run, row: None, "step").run.solver
+    solver = DefectiveRun("plane", tmp_path, lambda run, row: None, "step").run.solver
     solver.settings = solver.settings._replace(free_speed=share * solver.bodies[0].wave_speed2 ** 0.5)
     solver.points.J[0] = 0.01
     solver.points.grad_v = -np.ones_like(solver.points.grad_v) / solver.dt
-    assert likely in fault_of(solver, 0).likely
+    assert likely in identify_failure(solver, 0).likely
 
 
 @pytest.mark.parametrize(("cfl", "model"), STEPS)
-def test_a_time_step_too_long_is_found_within_a_few_looks(cfl: float, model: str, tmp_path: Path) -> None:
-    """Loading under gravity, from the first step on; what it comes from is said, and what helps."""
+def test_too_large_a_time_step_is_reported_within_a_few_checks(cfl: float, model: str, tmp_path: Path) -> None:
+    """From the first step of the loading by gravity, with cause and remedy."""
     case = mpmcol.load_case(MODELS[model][0], [*MODELS[model][1:]])
-    run = set_up(case, build_model(case), tmp_path / "run", 1, lambda stage, share: None, lambda line: None)
+    run = Stages(start(case, build_model(case), tmp_path / "run"))
     stage = run.model.equilibrate
     run.solver.clock[loop.DT] *= cfl / stage.settings.cfl
     run.model = replace(run.model, equilibrate=replace(stage, settings=stage.settings._replace(cfl=cfl)))
-    with pytest.raises(NumericalFailure, match="a time step too long") as stopped:
-        run.go()
+    with pytest.raises(NumericalFailure, match="a time step beyond the stability limit") as stopped:
+        run.run()
     failure = stopped.value.failure
     assert failure["check"] in ("finite", "volume", "speed", "energy") and failure["smaller_step_helps"]
     assert failure["stage"] == "equilibrate" and "lower time.cfl" in failure["remedy"]
-    assert run.course.sound <= 3
+    assert run.simulation.progress.valid_checks <= 3
 
 
-SOUND = (
+VALID = (
     ("method.transfer=flip",),
     ("method.transfer=pic",),
     ("method.position_update=paper",),
@@ -267,28 +272,27 @@ SOUND = (
 )
 
 
-@pytest.mark.parametrize("overrides", SOUND, ids=" ".join)
-def test_sound_runs_are_let_be(overrides: tuple[str, ...], tmp_path: Path) -> None:
-    """Also such as do badly what they do; the shipped cases are run by the regression tests."""
+@pytest.mark.parametrize("overrides", VALID, ids=" ".join)
+def test_valid_runs_pass(overrides: tuple[str, ...], tmp_path: Path) -> None:
+    """Including unfavourable choices of the method; the regression tests run the shipped cases."""
     case = mpmcol.load_case(
-        "quickstart", ["grid.spacing=0.015", "stages.collapse.max_time_factor=2", *ALWAYS[1:], *overrides]
+        "quickstart", ["grid.spacing=0.015", "stages.collapse.max_time_factor=2", *OPTIONS[1:], *overrides]
     )
     assert mpmcol.run(case, tmp_path / "run", threads=1).summary["status"] == "done"
 
 
-def test_a_run_that_ends_in_no_numbers_still_has_its_result(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Snapshots of the last good state and of the last one, and a result that can be read."""
-    case, looks = mpmcol.load_case("quickstart", ["grid.spacing=0.015", "output.snapshots=1"]), [0]
-    look = Run._look
+def test_a_run_that_ends_in_nan_has_a_result(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With snapshots of the last valid state and of the failed one."""
+    case = mpmcol.load_case("quickstart", ["grid.spacing=0.015", "output.snapshots=1"])
+    check_collapse = Stages._check_collapse
 
-    def spoil(run: Run, lifting: float) -> None:
-        look(run, lifting)
-        looks[0] += 1
-        if looks[0] == 8:
+    def spoil(run: Stages, lifting_time: float) -> None:
+        check_collapse(run, lifting_time)
+        if run.simulation.progress.checks == 8:
             run.solver.points.rows[:, VX] = NAN
 
-    monkeypatch.setattr(Run, "_look", spoil)
-    with pytest.raises(NumericalFailure, match=r"(?s)not finite.*last good state, snapshot 1, and"):
+    monkeypatch.setattr(Stages, "_check_collapse", spoil)
+    with pytest.raises(NumericalFailure, match=r"(?s)not finite.*the last valid state \(snapshot 1\) and"):
         mpmcol.run(case, tmp_path / "run", threads=1)
     results = Results(tmp_path / "run")
     failure = results.summary["failure"]
@@ -299,18 +303,18 @@ def test_a_run_that_ends_in_no_numbers_still_has_its_result(tmp_path: Path, monk
     assert failure["last_valid"] == 1
 
 
-def test_grains_far_ahead_are_told_of_and_no_fault(tmp_path: Path) -> None:
-    run = Saboteur("plane", tmp_path, partial(faster, 0.9), "step").run
+def test_detached_particles_are_reported_and_do_not_stop_the_run(tmp_path: Path) -> None:
+    run = DefectiveRun("plane", tmp_path, partial(faster, 0.9), "step").run
     top = run.solver.points.id == run.solver.points.id[run.solver.points.kind != BASE].max()
     run.solver.points.v[top, 0] = 0.9 * run.solver.settings.free_speed
     run.collapse()
-    (told,) = run.course.warnings[-1:]
+    (warning,) = run.simulation.progress.warnings[-1:]
     row = run.recorder.rows[-1]
-    assert f"front_max {row['front_max']:.4g} m, front_connected {row['front_connected']:.4g} m" in told
+    assert f"front_max {row['front_max']:.4g} m, front_connected {row['front_connected']:.4g} m" in warning
 
 
 @pytest.mark.parametrize("model", ["plane", "quarter"])
-def test_a_node_is_found_by_its_address(model: str, tmp_path: Path) -> None:
+def test_the_position_of_a_node_follows_from_its_address(model: str, tmp_path: Path) -> None:
     case = mpmcol.load_case(MODELS[model][0], [*MODELS[model][1:]])
     grid = build_model(case).grid
     i, j, k = 5, 3, 2 if grid.n_z > 1 else 0
@@ -324,7 +328,7 @@ def test_a_node_is_found_by_its_address(model: str, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("d", [2, 3])
 def test_principal_stresses(d: int) -> None:
-    """Against a library's; random ones, and such as are equal to each other."""
+    """Against NumPy, for random stresses and for repeated principal values."""
     number = np.random.default_rng(d)
     sigma = number.normal(0.0, 1e3, (200, 6))
     sigma[:20, 3:], sigma[:5, :3], sigma[5:9, 1] = 0.0, -5.0, sigma[5:9, 0]
@@ -332,4 +336,4 @@ def test_principal_stresses(d: int) -> None:
         sigma[:, 4:] = 0.0
     xx, yy, zz, xy, yz, xz = sigma.T
     known = np.linalg.eigvalsh(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]).transpose(2, 0, 1))
-    np.testing.assert_allclose(np.array(principal(*sigma.T)).T, known[:, ::-1], atol=1e-4)
+    np.testing.assert_allclose(np.array(principal_stresses(*sigma.T)).T, known[:, ::-1], atol=1e-4)
