@@ -1,4 +1,4 @@
-"""mpmcol verify: whether the files of runs are as they were written."""
+"""`mpmcol verify`: check that the files of runs are unchanged."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ import click
 from mpmcol.errors import OutputError
 
 if TYPE_CHECKING:
-    from mpmcol.integrity import Report
+    from mpmcol.integrity import FolderReport
 
-VERIFY_SCHEMA = 1
-STATES = {
+VERIFY_SCHEMA = 2
+STATUS_TEXTS = {
     "failed": ", of a run that diverged",
-    "stopped": ", of a run that was stopped; the same command goes on with it",
-    "unfinished": ", of an unfinished run; the same command goes on with it",
-    "missing": ", no run was begun",
+    "stopped": ", of a run that was stopped; repeat its command to resume",
+    "unfinished": ", of an unfinished run; repeat its command to resume",
+    "missing": ", of a run that was not started",
 }
 
 
@@ -26,32 +26,33 @@ STATES = {
 @click.option("--json", "as_json", is_flag=True, help="Print one line of JSON.")
 @click.pass_context
 def verify(context: click.Context, folders: tuple[Path, ...], as_json: bool) -> None:
-    """Check every file of the runs in DIR and below: a line for each folder, and for all that is wrong in it.
+    """Check every file of the runs in DIR and below; print one line for each folder and for each problem.
 
-    Every file of a run that has ended is compared with its digest in SHA256SUMS, so that no changed byte goes unseen.
-    DIR may be the folder of a run, a sweep or a study. The exit code is 5 if a file is damaged or missing.
+    Every file of a completed run is compared with its checksum in SHA256SUMS, which reveals any changed byte. DIR may
+    be the folder of a run, a sweep or a study. The exit code is 5 if a file is damaged or missing.
     """
     import json
 
     from mpmcol.integrity import verify as check
 
     reports = [report for folder in folders for report in check(folder)]
-    is_sound = all(report.is_sound for report in reports)
+    is_intact = all(report.is_intact for report in reports)
     if as_json:
         found = [report.as_dict() for report in reports]
-        click.echo(json.dumps({"schema": VERIFY_SCHEMA, "sound": is_sound, "folders": found}))
+        click.echo(json.dumps({"schema": VERIFY_SCHEMA, "intact": is_intact, "folders": found}))
     else:
         for report in reports:
             click.echo("\n".join(_lines(report)))
-    if not is_sound:
+    if not is_intact:
         context.exit(OutputError.exit_code)
 
 
-def _lines(report: Report) -> list[str]:
+def _lines(report: FolderReport) -> list[str]:
     damaged = len({finding.file for finding in report.findings if finding.is_damage})
     files = f"{report.files} file{'' if report.files == 1 else 's'}"
-    if report.state == "running":
-        told = "not checked"
+    if report.status == "running":
+        verdict = "not checked"
     else:
-        told = f"sound, {files}" if report.is_sound else f"DAMAGED, {damaged} of {files}"
-    return [f"{report.folder}: {told}{STATES.get(report.state, '')}", *(f"  {finding}" for finding in report.findings)]
+        verdict = f"intact, {files}" if report.is_intact else f"DAMAGED, {damaged} of {files}"
+    heading = f"{report.folder}: {verdict}{STATUS_TEXTS.get(report.status, '')}"
+    return [heading, *(f"  {finding}" for finding in report.findings)]

@@ -1,4 +1,4 @@
-"""Whether the files of runs are as they were written: every run in or below a folder, and the tables made of them."""
+"""Integrity of results: every run in or below a folder, and the tables and charts made from runs."""
 
 from __future__ import annotations
 
@@ -7,43 +7,53 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from mpmcol.errors import OutputError
-from mpmcol.integrity.finding import Finding, Report
-from mpmcol.integrity.readable import READERS, unreadable
+from mpmcol.integrity.readable import READERS, read_error
+from mpmcol.integrity.report import Finding, FolderReport
 from mpmcol.integrity.run import check_run
-from mpmcol.io.names import CASE_FILE, CHECKPOINT_FILES, CHECKSUM_FILE, GIVEN_CASE_FILE, HISTORY_FILE, RESULT_FILE
+from mpmcol.io.names import (
+    CASE_FILE,
+    CHECKPOINT_FILES,
+    CHECKSUM_FILE,
+    GIVEN_CASE_FILE,
+    HISTORY_FILE,
+    RESULT_FILE,
+    SNAPSHOT_FOLDER,
+)
 
-__all__ = ["Finding", "Report", "verify"]
+__all__ = ["Finding", "FolderReport", "verify"]
 
-OF_A_RUN = {RESULT_FILE, CHECKSUM_FILE, HISTORY_FILE, CASE_FILE, GIVEN_CASE_FILE, "snapshots", *CHECKPOINT_FILES}
+RUN_FILES = {
+    RESULT_FILE, CHECKSUM_FILE, HISTORY_FILE, CASE_FILE, GIVEN_CASE_FILE, SNAPSHOT_FOLDER, *CHECKPOINT_FILES
+}  # fmt: skip
 
 
-def verify(folder: Path) -> list[Report]:
-    """Check the run in a folder, or all runs in the folders below it with the tables and charts made of them.
+def verify(folder: Path) -> list[FolderReport]:
+    """Check the run in a folder, or all runs in the folders below with the tables and charts made from them.
 
     Raises OutputError if there is no run.
     """
-    reports: list[Report] = []
+    reports: list[FolderReport] = []
     for path, names in _folders(folder):
-        if OF_A_RUN & set(names):
+        if RUN_FILES & set(names):
             reports.append(check_run(path))
         elif any(Path(name).suffix in READERS for name in names):
-            reports.append(_check_others(path, names))
-    if not any(report.state for report in reports):
-        raise OutputError(f"{folder}: no run in it; expected the folder of a run, or one above such folders")
+            reports.append(_check_derived(path, names))
+    if not any(report.status for report in reports):
+        raise OutputError(f"{folder}: no run found; expected the folder of a run, or a folder above such folders")
     return reports
 
 
 def _folders(top: Path) -> Iterator[tuple[Path, list[str]]]:
-    """A folder and those below it, with the names in them; those inside of a run's folder are its own business."""
+    """A folder and those below it, each with the names in it; folders inside that of a run are left out."""
     for root, folders, files in os.walk(top):
         names = sorted(folders + files)
-        folders[:] = [] if OF_A_RUN & set(names) - {GIVEN_CASE_FILE} else sorted(folders)
+        folders[:] = [] if RUN_FILES & set(names) - {GIVEN_CASE_FILE} else sorted(folders)
         yield Path(root), names
 
 
-def _check_others(folder: Path, names: list[str]) -> Report:
-    """Tables and charts of a sweep or a study, which are made anew from its runs."""
+def _check_derived(folder: Path, names: list[str]) -> FolderReport:
+    """Check tables and charts of a sweep or a study, which can be written again from its runs."""
     paths = [folder / name for name in names if (folder / name).is_file()]
-    remedy = "delete it; the command that made it makes it anew from the runs"
-    findings = [Finding(path.name, why, remedy) for path in paths if (why := unreadable(path))]
-    return Report(folder, "", len(paths), tuple(findings))
+    remedy = "delete it, and repeat the command that wrote it; the runs are kept"
+    findings = [Finding(path.name, what, remedy) for path in paths if (what := read_error(path))]
+    return FolderReport(folder, "", len(paths), tuple(findings))

@@ -1,4 +1,4 @@
-"""Whether a file is what its name says: charts, tables and texts, which anybody may have made."""
+"""Read charts, tables and texts completely, by the suffix of their names."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ import h5py
 from PIL import Image, ImageSequence
 
 
-def unreadable(path: Path) -> str:
-    """Why a file cannot be read; "" if it can, or if its kind is not known."""
+def read_error(path: Path) -> str:
+    """Why a file cannot be read; "" if it can be, or if its suffix is not known."""
     reader = READERS.get(path.suffix)
     try:
         if reader is not None:
             reader(path)
-    except Exception as error:  # each of these libraries has its own ways to stumble over damaged files
+    except Exception as error:  # the libraries raise many types of errors on damaged files
         return f"it cannot be read ({type(error).__name__}: {error})"
     return ""
 
@@ -31,7 +31,7 @@ def _table(path: Path) -> None:
     with path.open(newline="") as file:
         lengths = {len(row) for row in csv.reader(file, strict=True)}
     if len(lengths) != 1:
-        raise ValueError("its rows differ in length")
+        raise ValueError("rows differ in length")
 
 
 def _hdf5(path: Path) -> None:
@@ -45,7 +45,7 @@ def _hdf5(path: Path) -> None:
 
 def _png(path: Path) -> None:
     with Image.open(path) as picture:
-        picture.verify()  # the checksum of every part
+        picture.verify()  # checksums of all chunks
 
 
 def _gif(path: Path) -> None:

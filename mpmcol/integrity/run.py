@@ -1,4 +1,4 @@
-"""The files of one run: byte for byte by its list of digests, and what is in them where that is not possible."""
+"""Check the files of one run: every byte by SHA256SUMS, and the content where there is no checksum."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from shlex import quote
 from typing import Any
 
 from mpmcol.integrity.content import case_problem, history_problem, index_problem, result_problem, snapshot_problems
-from mpmcol.integrity.finding import Finding, Report
-from mpmcol.integrity.readable import unreadable
+from mpmcol.integrity.readable import read_error
+from mpmcol.integrity.report import Finding, FolderReport
 from mpmcol.io.atomic import temporary_files
 from mpmcol.io.checkpoint import FORMAT, damaged_snapshots, read_checkpoints
 from mpmcol.io.checksums import has_checksum, read_checksums
@@ -22,113 +22,120 @@ from mpmcol.io.names import (
     INDEX_FILES,
     LOCK_FILE,
     RESULT_FILE,
+    SNAPSHOT_FOLDER,
 )
 from mpmcol.io.run_status import read_status
 from mpmcol.io.snapshot import list_snapshots
 
-Problems = Mapping[str, str]  # name of a file: what is wrong with it
+Problems = Mapping[str, str]  # file name: problem
 INDEX = INDEX_FILES[0]
-FOREIGN = "it is not of this run"
+FOREIGN = "it does not belong to this run"
+CHANGED = "its checksum does not match"
 
 
-def check_run(folder: Path) -> Report:
-    """Check all files of the folder of a run, which need not have ended."""
+def check_run(folder: Path) -> FolderReport:
+    """Check all files of a run, which need not have ended."""
     files = [path for path in sorted(folder.rglob("*")) if path.is_file() and path.name != LOCK_FILE]
-    state = read_status(folder)
-    if state.name == "running":
-        note = Finding(LOCK_FILE, "a run is writing here", "verify it when it has ended", is_damage=False)
-        return Report(folder, state.name, len(files), (note,))
+    status = read_status(folder)
+    if status.name == "running":
+        note = Finding(LOCK_FILE, "a run is writing here", "verify it after it has ended", is_damage=False)
+        return FolderReport(folder, status.name, len(files), (note,))
     if (folder / RESULT_FILE).exists():  # it is written last
-        digests, problems = _changed(folder)
+        checksums, problems = _changed_files(folder)
     else:
-        digests, problems = {}, _lost(folder)
-    problems |= _content(folder, digests, problems, state.result)
-    found = [Finding(name, what, _remedy(folder, name, problems)) for name, what in sorted(problems.items())]
-    return Report(folder, state.name, len(files), (*found, *_states(folder), *_charts(folder), *_rests(folder)))
+        checksums, problems = {}, _changed_snapshots(folder)
+    problems |= _content_problems(folder, checksums, problems, status.result)
+    findings = [Finding(name, what, _remedy(folder, name, problems)) for name, what in sorted(problems.items())]
+    findings += [*_checkpoints(folder), *_charts(folder), *_temporary_files(folder)]
+    return FolderReport(folder, status.name, len(files), tuple(findings))
 
 
-def _changed(folder: Path) -> tuple[dict[str, str], dict[str, str]]:
-    """The digests of a run that has ended, and the files that are not as it wrote them."""
+def _changed_files(folder: Path) -> tuple[dict[str, str], dict[str, str]]:
+    """The checksums of a run that has ended, and the problems of files that do not match them."""
     try:
-        digests = read_checksums(folder)
+        checksums = read_checksums(folder)
     except FileNotFoundError:
-        return {}, {CHECKSUM_FILE: "it is missing, and without it a changed byte cannot be found"}
+        return {}, {CHECKSUM_FILE: "it is missing; without it changed bytes cannot be found"}
     except (OSError, ValueError) as error:
-        return {}, {CHECKSUM_FILE: f"it is damaged ({error}), and without it a changed byte cannot be found"}
+        return {}, {CHECKSUM_FILE: f"it is damaged ({error}); without it changed bytes cannot be found"}
     problems = {}
-    for name, digest in digests.items():
+    for name, checksum in checksums.items():
         if not (folder / name).exists():
             problems[name] = "it is missing"
-        elif not has_checksum(folder / name, digest):
-            problems[name] = "its bytes are not those that the run wrote"
+        elif not has_checksum(folder / name, checksum):
+            problems[name] = CHANGED
     for path in list_snapshots(folder):
-        if (name := path.relative_to(folder).as_posix()) not in digests:
+        if (name := path.relative_to(folder).as_posix()) not in checksums:
             problems[name] = FOREIGN
-    return digests, problems
+    return checksums, problems
 
 
-def _lost(folder: Path) -> dict[str, str]:
-    """Snapshots that the states of an unfinished run need and that are not as they were."""
-    known = [state for state in read_checkpoints(folder)[0] if state.values.get("format") == FORMAT]
-    what = "it is missing, or its bytes are not those that the run wrote"
-    return {name: what for state in known for name in damaged_snapshots(folder, state)}
+def _changed_snapshots(folder: Path) -> dict[str, str]:
+    """Problems of snapshots that the checkpoints of an unfinished run refer to."""
+    checkpoints = [known for known in read_checkpoints(folder)[0] if known.values.get("format") == FORMAT]
+    what = f"it is missing, or {CHANGED}"
+    return {name: what for checkpoint in checkpoints for name in damaged_snapshots(folder, checkpoint)}
 
 
-def _content(folder: Path, digests: Problems, known: Problems, result: dict[str, Any] | None) -> dict[str, str]:
-    """What is wrong inside of the files that are not known to be damaged: on those HDF5 may end the whole process.
+def _content_problems(
+    folder: Path, checksums: Problems, known: Problems, result: dict[str, Any] | None
+) -> dict[str, str]:
+    """Problems of the content of files that are not known to be damaged, on which HDF5 may crash.
 
-    A case whose digest is right is left alone, since its words may be those of another version.
+    A case whose checksum matches is not read: its keys may be those of another version.
     """
     problems: dict[str, str] = {}
     if RESULT_FILE in known or not isinstance(result, dict):
         result = None
-    for name, problem in (
+    for name, problem_of in (
         (RESULT_FILE, result_problem), (HISTORY_FILE, history_problem), (CASE_FILE, case_problem),
         (GIVEN_CASE_FILE, case_problem),
     ):  # fmt: skip
-        is_vouched = name in known or (problem is case_problem and name in digests)
-        if not is_vouched and (folder / name).exists() and (what := problem(folder / name, result)):
+        is_settled = name in known or (problem_of is case_problem and name in checksums)
+        if not is_settled and (folder / name).exists() and (what := problem_of(folder / name, result)):
             problems[name] = what
     problems |= snapshot_problems(folder, known, result)
-    if not any(name.startswith(("snapshots/", INDEX)) for name in {**known, **problems}):
-        broken = index_problem(folder, is_complete=result is not None)
-        problems |= {INDEX: broken} if broken else {}
+    if not any(name.startswith((f"{SNAPSHOT_FOLDER}/", INDEX)) for name in {**known, **problems}):
+        what = index_problem(folder, is_complete=result is not None)
+        problems |= {INDEX: what} if what else {}
     return problems
 
 
 def _remedy(folder: Path, name: str, problems: Problems) -> str:
-    """How to get a file back at the least cost."""
-    if name.startswith(INDEX) and not any(other.startswith("snapshots/") for other in problems):
+    """How to restore a file at the least cost."""
+    if name.startswith(INDEX) and not any(other.startswith(f"{SNAPSHOT_FOLDER}/") for other in problems):
         call = (
             f"from pathlib import Path; from mpmcol.io.snapshot import write_index; write_index(Path({str(folder)!r}))"
         )
-        return f"only viewers read it, and the snapshots are whole: python -c {quote(call)} writes it again"
+        return f"only viewers need it, and the snapshots are intact; write it again with: python -c {quote(call)}"
     if problems[name] == FOREIGN:
         return "delete it"
     sources = [folder / case for case in (CASE_FILE, GIVEN_CASE_FILE) if case not in problems]
     source = next((path for path in sources if path.exists()), None)
     if source is None:
-        return "copy it back, or run the case again with --fresh"
-    return f"copy it back, or run it again: mpmcol run {quote(str(source))} --out {quote(str(folder))} --fresh"
+        return "restore it from a copy, or run the case again with --fresh"
+    command = f"mpmcol run {quote(str(source))} --out {quote(str(folder))} --fresh"
+    return f"restore it from a copy, or run the case again: {command}"
 
 
-def _states(folder: Path) -> Iterator[Finding]:
-    """States are kept with digests of their own."""
-    whole, damaged = read_checkpoints(folder)
-    left = "the same command goes on from the other one" if whole else "the same command begins anew"
+def _checkpoints(folder: Path) -> Iterator[Finding]:
+    """Damaged checkpoints, by their own checksums; a note if an unfinished run has none."""
+    valid, damaged = read_checkpoints(folder)
+    consequence = "resumes from the other one" if valid else "restarts from scratch"
     for name in damaged:
-        yield Finding(name, "this state is damaged", f"{left}, and writes it again")
-    if not whole and not damaged and not (folder / RESULT_FILE).exists():
-        yield Finding(CHECKPOINT_FILES[0], "the run has kept no state yet", "the same command begins anew", False)
+        yield Finding(name, "this checkpoint is damaged", f"repeat the command of the run, which {consequence}")
+    if not valid and not damaged and not (folder / RESULT_FILE).exists():
+        remedy = "repeat the command of the run, which restarts from scratch"
+        yield Finding(CHECKPOINT_FILES[0], "the run has written no checkpoint yet", remedy, is_damage=False)
 
 
 def _charts(folder: Path) -> Iterator[Finding]:
     for path in sorted(folder.iterdir()):
-        if path.suffix in (".png", ".gif", ".svg") and (what := unreadable(path)):
+        if path.suffix in (".png", ".gif", ".svg") and (what := read_error(path)):
             yield Finding(path.name, what, "delete it, and plot or render again")
 
 
-def _rests(folder: Path) -> Iterator[Finding]:
+def _temporary_files(folder: Path) -> Iterator[Finding]:
     for path in temporary_files(folder):
-        what, remedy = "a process was killed while it wrote this", "delete it; a run here removes it, too"
+        what, remedy = "a temporary file of a process that was killed", "delete it; the next run here does so as well"
         yield Finding(path.relative_to(folder).as_posix(), what, remedy, is_damage=False)

@@ -56,7 +56,7 @@ def vanishing(step: int, draw: random.Random, folder: Path) -> str | None:
     run, moved, disk = folder / "run", folder / "moved", Disk(folder / "run")
     disk.then_at = draw.randrange(2, changes("new") * 3 // 4)
     disk.then = (lambda: shutil.rmtree(run)) if step % 2 else (lambda: run.rename(moved))  # type: ignore[assignment]
-    wrong = on(disk, "was removed or replaced while the run was going", moved)
+    wrong = on(disk, "was removed or replaced during the run", moved)
     return f"change {disk.then_at}: {wrong}" if wrong else None
 
 
@@ -86,7 +86,7 @@ def tried(run: Path, words: str, mend_it: Callable[[], object], moved: Path | No
     if wrong := look(run):
         return f"after the fault: {wrong}"
     if code == 5:
-        if "the same command" not in said and (run / "case.resolved.toml").exists():
+        if "repeat the command" not in said and (run / "case.resolved.toml").exists():
             return f"it does not say how to go on: {said}"
         code, said = command(run)
         if code:

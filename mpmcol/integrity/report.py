@@ -1,4 +1,4 @@
-"""What a check has found."""
+"""Findings of a check, and the report of a folder."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Finding:
-    """Something about a file, named as in its folder, and how to mend it; a note if nothing is damaged."""
+    """A problem of a file, given by its path relative to the folder, and the remedy; a note if nothing is damaged."""
 
     file: str
     what: str
@@ -21,20 +21,20 @@ class Finding:
 
 
 @dataclass(frozen=True)
-class Report:
-    """A folder after its check. state: how far its run is (`mpmcol.io.run_status`), "" if it holds none itself."""
+class FolderReport:
+    """The result of checking a folder. status: of its run (`mpmcol.io.run_status`), "" if it holds no run itself."""
 
     folder: Path
-    state: str
+    status: str
     files: int
     findings: tuple[Finding, ...]
 
     @property
-    def is_sound(self) -> bool:
-        """Whether nothing is damaged."""
+    def is_intact(self) -> bool:
+        """Whether no file is damaged or missing."""
         return not any(finding.is_damage for finding in self.findings)
 
     def as_dict(self) -> dict[str, Any]:
-        """For JSON."""
+        """Plain values for JSON."""
         findings = [asdict(finding) for finding in self.findings]
-        return {**asdict(self), "folder": str(self.folder), "sound": self.is_sound, "findings": findings}
+        return {**asdict(self), "folder": str(self.folder), "intact": self.is_intact, "findings": findings}
