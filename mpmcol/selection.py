@@ -34,7 +34,7 @@ def matches(item: Named, name: str) -> bool:
 def select(items: Sequence[Item], names: Sequence[str], kind: str) -> list[Item]:
     """The items that match any of the names, in their own order; all items if no names are given.
 
-    Raises UsageError for a name that matches no item; `kind` says in the message what an item is.
+    Raises UsageError for a name that matches no item; `kind` names the items in the message.
     """
     for name in names:
         if not any(matches(item, name) for item in items):

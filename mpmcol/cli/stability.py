@@ -37,7 +37,7 @@ def stability(
     """Run small benchmark problems, each with methods expected to fail and to pass, and report the metric.
 
     SCENARIO is the name of a scenario or of a group (time-step, wall, axis, ...); all by default. Both expectations are
-    asserted: a method that passes although it should fail is a defect, too. Exit code 4 if an outcome is unexpected.
+    asserted: a method that passes although it should fail is a defect. Exit code 4 if an outcome is unexpected.
 
     With --map many short collapses over choices of method are run, and a chart and tables show where each stands,
     degrades or fails. The same command again completes what is missing.

@@ -1,7 +1,7 @@
 """Catalogue of failure modes: small problems, each run with methods expected to fail and methods expected to pass.
 
 The catalogue is in `scenarios/`, the benchmark problems are in `problems/`. Both expectations are asserted: a method
-that passes although it should fail is a defect, too.
+that passes although it should fail is a defect.
 """
 
 from __future__ import annotations

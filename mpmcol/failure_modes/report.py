@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from itertools import cycle
 from pathlib import Path
+from typing import Any
 
 from mpmcol.failure_modes.scenario import Scenario, ScenarioOutcome, TheoryOutcome, Trial, TrialOutcome
 from mpmcol.io.atomic import atomic_write
@@ -12,7 +13,13 @@ from mpmcol.provenance import code_version
 from mpmcol.sweep.table import Row, csv_text
 
 CSV_FILE, TEXT_FILE = "stability.csv", "stability.md"
-DASHES = ("-", "--", "-.", ":")
+# Of the first, second, ... method of each kind; thin lines over thick ones remain visible where they coincide.
+LINE_STYLES: tuple[dict[str, Any], ...] = (
+    {"linestyle": "-", "linewidth": 2.6},
+    {"linestyle": "--", "linewidth": 1.5},
+    {"linestyle": ":", "linewidth": 1.5},
+)
+COLOURS = {False: ("#b2182b", "#f4a582", "#d6604d"), True: ("black", "0.65", "0.45")}  # failing, passing methods
 PASSED = {True: "passed", False: "failed"}
 
 
@@ -117,11 +124,12 @@ def _draw_chart(outcome: ScenarioOutcome, out: Path) -> Path | None:
 
     figure = Figure(figsize=(6.4, 3.6), layout="constrained")
     axes = figure.subplots()
-    for one, dash in zip(drawn, cycle(DASHES), strict=False):
-        colour = "black" if one.trial.should_pass else "#b2182b"
-        assert one.observation.curve is not None
-        label = f"{method_name(one.trial)}: {PASSED[one.passed]}"
-        axes.plot(*one.observation.curve, linestyle=dash, color=colour, label=label)
+    for should_pass, colours in COLOURS.items():
+        same_kind = [one for one in drawn if one.trial.should_pass is should_pass]
+        for one, colour, style in zip(same_kind, cycle(colours), cycle(LINE_STYLES), strict=False):
+            assert one.observation.curve is not None
+            label = f"{method_name(one.trial)}: {PASSED[one.passed]}"
+            axes.plot(*one.observation.curve, color=colour, label=label, **style)
     axes.set(xlabel=scenario.axes[0], ylabel=scenario.axes[1], title=scenario.name)
     axes.grid(color="0.9")
     figure.legend(loc="outside lower center", ncols=2, frameon=False, fontsize="small")

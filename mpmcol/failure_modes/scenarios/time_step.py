@@ -18,7 +18,7 @@ PARTICLES = {
 SCENARIOS = tuple(
     stability_scenario(
         f"time-step-{name}",
-        f"A single particle half-way between nodes, {kind}: its strain overshoots in every step and grows.",
+        f"A single particle half-way between nodes in {kind}: its strain overshoots in every step and grows.",
         particle,
         "time.cfl below 0.67 in 3D and 0.73 in 2D (nu = 0.2); the default 0.5 leaves a margin of a quarter",
     )
