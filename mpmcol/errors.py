@@ -1,4 +1,4 @@
-"""Errors that are meant to be read by a person; the command line prints them and exits with their code."""
+"""Errors for the user; the command line prints their message and exits with their code."""
 
 from __future__ import annotations
 
@@ -6,19 +6,19 @@ from typing import Any
 
 
 class MpmcolError(Exception):
-    """Any failure whose message says what happened, where, and how to mend it."""
+    """Base class of all errors of mpmcol; the message states what happened, where, and how to fix it."""
 
     exit_code = 1
 
 
 class UsageError(MpmcolError):
-    """The command or call cannot be carried out as it was asked for."""
+    """Invalid arguments of a command or function."""
 
     exit_code = 2
 
 
 class CaseError(MpmcolError):
-    """A case file or an override is wrong; `problems` lists everything that was found."""
+    """Invalid case file or override; `problems` lists all problems."""
 
     exit_code = 2
 
@@ -28,7 +28,7 @@ class CaseError(MpmcolError):
 
 
 class NumericalFailure(MpmcolError):
-    """The simulation diverged; `failure` holds cause, stage, step, time, point, position, value and remedy."""
+    """A simulation failed; `failure` holds cause, stage, step, time, point, position, value and remedy."""
 
     exit_code = 3
 
@@ -38,12 +38,12 @@ class NumericalFailure(MpmcolError):
 
 
 class Interrupted(MpmcolError):
-    """A run was asked to end and has kept its state; the same command goes on with it."""
+    """A run was stopped by a signal or a time limit and wrote a checkpoint; the same command resumes it."""
 
     exit_code = 75
 
 
 class OutputError(MpmcolError):
-    """A file could not be written or read."""
+    """A file could not be written or read, or is damaged."""
 
     exit_code = 5

@@ -1,4 +1,4 @@
-"""Quantities of a case file: strict numbers in SI, or strings with a unit that are converted to it."""
+"""Keys of a case file: quantities in SI units or as strings with a unit, and options."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from pydantic_core import PydanticCustomError, PydanticUndefined
 
 DEGREE = math.pi / 180.0
 
-# unit -> (base unit, factor): two units convert into each other when they share the base unit
+# unit -> (base unit, factor); units with the same base unit can be converted into each other
 FACTORS: dict[str, tuple[str, float]] = {
     "m": ("m", 1.0), "mm": ("m", 1e-3), "cm": ("m", 1e-2),
     "s": ("s", 1.0), "ms": ("s", 1e-3),
@@ -27,9 +27,9 @@ FACTORS: dict[str, tuple[str, float]] = {
     "": ("", 1.0), "%": ("", 1e-2),
 }  # fmt: skip
 
-# Beyond these no quantity of a column lies, and products of some of them would overflow.
+# Limits of the magnitude of a quantity: no column needs more, and products of larger numbers could overflow.
 SMALLEST, LARGEST = 1e-30, 1e30
-# possessive (++, *+): a long text that does not match takes no longer than one that does
+# possessive quantifiers (++, *+): the time is linear in the length of the text
 _NUMBER_AND_UNIT = re.compile(r"\s*+([-+]?(?:\d++\.?\d*+|\.\d++)(?:[eE][-+]?\d++)?)\s*+(\S*+)\s*+", re.ASCII)
 _COMPARISONS = {
     "gt": (">", operator.gt),
@@ -39,15 +39,15 @@ _COMPARISONS = {
 }
 
 
-class Keys(BaseModel):
-    """A table of a case file: frozen, and a key that it does not know is an error."""
+class Table(BaseModel):
+    """A table of a case file; immutable, unknown keys are errors."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
 
 @dataclass(frozen=True)
 class Number:
-    """What a float key accepts; calling it turns a value of the case file into a float in `unit`."""
+    """Unit and bounds of a quantity; calling it converts a value of a case file to a float in `unit`."""
 
     unit: str
     bounds: dict[str, float]
@@ -55,13 +55,13 @@ class Number:
 
     @cached_property
     def expected(self) -> str:
-        """Say what the number must be, for example "a number > 0 and < 0.5, in Pa"."""
+        """Description of the accepted values, for example "a number > 0 and < 0.5, in Pa"."""
         limits = " and ".join(f"{_COMPARISONS[name][0]} {bound:g}" for name, bound in self.bounds.items())
         parts = ["a number", f" {limits}" if limits else "", ", or inf" if self.allow_inf else ""]
         return "".join(parts) + (f", in {self.unit}" if self.unit else "")
 
     def __call__(self, value: Any) -> float | None:
-        """Convert and check; an absent value (None) stays absent. PydanticCustomError says what is wrong."""
+        """Convert and check a value; None stays None. Raises PydanticCustomError with the reason."""
         if value is None:
             return None
         try:
@@ -71,7 +71,7 @@ class Number:
         if math.isnan(number) or (math.isinf(number) and not self.allow_inf) or not self._within(number):
             raise self._error()
         if number and not SMALLEST <= abs(number) <= LARGEST and math.isfinite(number):
-            raise self._error(f"too {'large' if abs(number) > 1.0 else 'small'} for any quantity")
+            raise self._error(f"magnitude not between {SMALLEST:g} and {LARGEST:g}")
         return number
 
     def _convert(self, value: Any) -> float:
@@ -90,7 +90,7 @@ class Number:
 
 
 def quantity(
-    doc: str,
+    description: str,
     unit: str = "",
     default: Any = PydanticUndefined,
     *,
@@ -100,32 +100,39 @@ def quantity(
     le: float | None = None,
     allow_inf: bool = False,
 ) -> Any:
-    """Declare a float key: one sentence, its unit, its default (without one the key is required), its bounds.
+    """Declare a key for a physical quantity; without a default it is required.
 
-    The key takes an integer, a float, or a string with a unit such as "2 mm"; the value is in `unit`.
+    The key accepts an integer, a float, or a string with a unit such as "2 mm"; its value is a float in `unit`.
+
+    Args:
+        description: one sentence for the reference.
+        unit: unit of the value, a key of FACTORS.
+        default: default value in `unit`, or None for an optional key.
+        gt, ge, lt, le: bounds in `unit`.
+        allow_inf: whether inf is accepted.
     """
     limits = {"gt": gt, "ge": ge, "lt": lt, "le": le}
     number = Number(unit, {name: bound for name, bound in limits.items() if bound is not None}, allow_inf)
-    field: FieldInfo = Field(default=default, description=doc, json_schema_extra={"unit": unit})
+    field: FieldInfo = Field(default=default, description=description, json_schema_extra={"unit": unit})
     field.metadata += [number, BeforeValidator(number)]
     return field
 
 
-def choice(doc: str, default: Any = PydanticUndefined) -> Any:
-    """Declare a key that is a word, a text, a yes or no, or an integer: one sentence and its default."""
-    return Field(default=default, description=doc)
+def option(description: str, default: Any = PydanticUndefined) -> Any:
+    """Declare a key that is not a quantity (string, boolean, integer or table); without a default it is required."""
+    return Field(default=default, description=description)
 
 
 def to_unit(text: str, unit: str) -> float:
-    """Read a number with an optional unit ("2 mm") and give it in `unit`; ValueError says what is wrong."""
+    """Convert a number with an optional unit ("2 mm") to `unit`; raises ValueError with the reason."""
     match = _NUMBER_AND_UNIT.fullmatch(text)
     if match is None:
-        raise ValueError("this is not a number with a unit")
+        raise ValueError("not a number with a unit")
     number, written = float(match[1]), match[2] or unit
     if written not in FACTORS:
         raise ValueError(f'unknown unit "{written[:20]}"')
-    (base, factor), (wanted, divisor) = FACTORS[written], FACTORS[unit]
-    if base != wanted:
-        raise ValueError(f'"{written}" cannot be converted')
-    # rounded to 15 digits, so that "2 mm" is exactly 0.002 and not 0.002 plus an ulp
+    (base, factor), (target, divisor) = FACTORS[written], FACTORS[unit]
+    if base != target:
+        raise ValueError(f'"{written}" cannot be converted to {unit or "a number without unit"}')
+    # rounded to 15 digits, so that "2 mm" is exactly 0.002
     return number if written == unit else float(f"{number * factor / divisor:.15g}")

@@ -1,4 +1,4 @@
-"""Case files: the words that they may use, reading and checking them, and writing them with all defaults."""
+"""Case files: schema, loading, checking, overrides, and writing with all defaults resolved."""
 
 from __future__ import annotations
 

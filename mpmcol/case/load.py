@@ -1,4 +1,4 @@
-"""From a case file to a checked Case, and back to a file with all defaults filled in."""
+"""Loading and checking of case files, and writing of resolved cases."""
 
 from __future__ import annotations
 
@@ -20,10 +20,13 @@ from mpmcol.case.toml_lines import KeyPath
 def load_case(source: str | Path, overrides: Sequence[str] = ()) -> Case:
     """Load and check a case.
 
-    source: path of a TOML file, or the name of a shipped case.
-    overrides: "geometry.aspect=3", TOML values; bare words are texts. Giving geometry.height replaces
-    geometry.aspect of the file, and the other way round.
-    Raises CaseError with all problems at once, each with file, line, key and how to mend it.
+    Args:
+        source: path of a TOML file, or name of a shipped case.
+        overrides: assignments such as "geometry.aspect=3"; the value is TOML or a bare string. An override of
+            geometry.height removes geometry.aspect of the file, and vice versa.
+
+    Raises:
+        CaseError: the case is invalid; lists all problems with file, line, key and remedy.
     """
     parsed, problems = _parsed(overrides)
     given = read_case(source, parsed)
@@ -49,9 +52,11 @@ def _parsed(overrides: Sequence[str]) -> tuple[dict[KeyPath, Override], list[Pro
 
 
 def resolved_toml(case: Case, derived: Mapping[str, str | float] | None = None) -> str:
-    """Write a case with all defaults filled in; it loads back to an equal case.
+    """TOML text of a case with all defaults resolved; loading it gives an equal case.
 
-    derived: numbers that follow from the case (time step, points, ...); they are added as comments.
+    Args:
+        case: the case.
+        derived: derived numbers (time step, number of points, ...), appended as comments.
     """
     tables = case.model_dump(by_alias=True, exclude_none=True)
     tables["material"] = {"law": case.material.law} | tables["material"]
@@ -60,7 +65,7 @@ def resolved_toml(case: Case, derived: Mapping[str, str | float] | None = None) 
 
 
 def flattened_text(source: str | Path) -> str:
-    """Give the text of a case, comments included, with the tables that it takes over from other files."""
+    """Text of a case, comments included, with the tables inherited from the cases that it extends."""
     blocks: dict[str, str] = {}
     for link in reversed(read_chain(source)):
         blocks |= _blocks(link.text)
@@ -68,7 +73,7 @@ def flattened_text(source: str | Path) -> str:
 
 
 def _blocks(text: str) -> dict[str, str]:
-    """Split a case file before each line that begins with a table's header; the first block has no header."""
+    """Blocks of a case file by table header; the block before the first header has the key ""."""
     alone = re.sub(r"^extends\b.*\n", "", text, flags=re.MULTILINE)
     parts = re.split(r"^(?=\[)", alone, flags=re.MULTILINE)
     return {part.partition("]")[0] if part.startswith("[") else "": part for part in parts}

@@ -6,15 +6,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from mpmcol.case.toml_lines import KeyPath, Unfit, parse
+from mpmcol.case.toml_lines import KeyPath, TomlError, parse
 
-# one of these replaces the other when it is given by an override
+# an override of one of these removes the other
 _ALTERNATIVES: dict[KeyPath, str] = {("geometry", "height"): "aspect", ("geometry", "aspect"): "height"}
 
 
 @dataclass(frozen=True)
 class Override:
-    """A key, its new value, and the argument as it was written."""
+    """A key, its new value, and the argument as given."""
 
     key: KeyPath
     value: Any
@@ -22,30 +22,30 @@ class Override:
 
 
 def parse_override(argument: str) -> Override:
-    """Split "geometry.aspect=3" into key and value (TOML, or a bare word); ValueError says what is wrong."""
+    """Parse "geometry.aspect=3"; the value is TOML or a bare string. Raises ValueError with the reason."""
     name, equals, text = argument.partition("=")
     key, text = tuple(part.strip() for part in name.split(".")), text.strip()
     if not (equals and all(key) and text):
         raise ValueError('expected key=value, for example "geometry.aspect=3"')
     if any("\ud800" <= character <= "\udfff" for character in argument):
-        raise ValueError("this is not UTF-8 text")
+        raise ValueError("not valid UTF-8")
     if key == ("extends",):
-        raise ValueError("only a case file can extend another; name that one instead of this case")
+        raise ValueError("extends can only be set in a case file; run the other case instead")
     return Override(key, _parsed(text), argument)
 
 
 def _parsed(text: str) -> Any:
     try:
         parsed = parse(f"value = {text}")
-    except Unfit:
+    except TomlError:
         parsed = {} if text[0] in "\"'[{" or "\n" in text else {"value": text}
     if len(parsed) != 1:
-        raise ValueError("this value is not valid TOML")
+        raise ValueError("the value is not valid TOML")
     return parsed["value"]
 
 
 def apply_overrides(tables: dict[str, Any], overrides: Mapping[KeyPath, Override]) -> None:
-    """Put the new values into the tables, which are changed."""
+    """Set the new values in `tables`, in place."""
     for key, override in overrides.items():
         *path, name = key
         table = tables

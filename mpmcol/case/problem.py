@@ -1,4 +1,4 @@
-"""Problems of a case as a user sees them: file, line, the line itself, what was expected, how to mend it."""
+"""Problems of a case for the user: file, line, excerpt, what was expected, how to fix it."""
 
 from __future__ import annotations
 
@@ -9,24 +9,20 @@ from mpmcol.case.fields import shortened
 from mpmcol.errors import CaseError
 
 MOST_SHOWN = 50
-MOST_COUNTED = 1000  # to look into a hundred thousand would take seconds
+MOST_COUNTED = 1000  # checking a hundred thousand would take seconds
 
 
 @dataclass(frozen=True)
 class Problem:
-    """One thing that is wrong with a case.
+    """One problem of a case."""
 
-    file: as the user named it, or the override ("--set grid.spacing=-1"); line: from 1, None for overrides;
-    key: dotted; text: the line itself; about: the key that `mpmcol explain` should be asked for.
-    """
-
-    file: str
-    line: int | None
-    key: str
+    file: str  # as given by the user, or the override: "--set grid.spacing=-1"
+    line: int | None  # from 1; None for overrides
+    key: str  # dotted name
     message: str
     hint: str
-    text: str = ""
-    about: str = ""
+    text: str = ""  # content of the line
+    about: str = ""  # key to look up with `mpmcol explain`
 
     def __str__(self) -> str:
         place = f"{self.file}:{self.line}" if self.line else self.file
@@ -45,7 +41,7 @@ class Problem:
 
 
 def case_error(problems: Sequence[Problem]) -> CaseError:
-    """Make the error that tells all these problems, one below the other, and how to learn more."""
+    """Error that lists all problems, one below the other, and the command that explains the first key."""
     count = "1 problem" if len(problems) == 1 else f"{len(problems)} problems"
     count += " or more" if len(problems) >= MOST_COUNTED else ""
     about = next((problem.about for problem in problems if problem.about), "")
@@ -57,5 +53,5 @@ def case_error(problems: Sequence[Problem]) -> CaseError:
 
 
 def set_option(argument: str) -> str:
-    """Name the place of a problem that an override has."""
+    """Location of a problem that was caused by an override."""
     return f"--set {shortened(argument)}"

@@ -1,4 +1,4 @@
-"""The reference of all keys: look-up by name, `explain`, and the JSON schema for editors."""
+"""Reference of all keys: look-up by name, explanations for the terminal, JSON schema for editors."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from mpmcol.case import fields
 from mpmcol.case.schema import Case, LawName
 from mpmcol.errors import UsageError
 from mpmcol.mpm.constitutive import LAWS
-from mpmcol.units import Keys, choice
+from mpmcol.units import Table, option
 
-_LAW = FieldInfo(annotation=LawName, description="law of the material; the other keys depend on it")
+_LAW = FieldInfo(annotation=LawName, description="constitutive law; the other keys depend on it")
 _EXTENDS = FieldInfo(
     annotation=str,
     default=None,
-    description="case to start from, shipped or a path; each table given here replaces the one of that case",
+    description="case to extend, a shipped case or a path; each table given here replaces that of the extended case",
 )
 
 
 def fields_at(table: tuple[str, ...], law: str) -> dict[str, FieldInfo]:
-    """Give the keys of a table by name; () is the top level; the keys of material depend on the law."""
+    """Fields of a table by name; () is the top level; the keys of material depend on the law."""
     if not table:
         return {"extends": _EXTENDS, **fields.fields(Case)}
     if table == ("material",):
@@ -35,15 +35,15 @@ def fields_at(table: tuple[str, ...], law: str) -> dict[str, FieldInfo]:
 
 
 def field_at(key: tuple[str, ...], law: str) -> FieldInfo:
-    """Give the field of a key; without a known law, a key of material is looked up in all laws."""
+    """Field of a key; without a known law, a key of material is looked up in all laws."""
     laws = [law] if law in LAWS else list(LAWS)
     found = [fields_at(key[:-1], name).get(key[-1]) for name in laws]
-    return next((field for field in found if field), choice("a key that does not exist"))
+    return next((field for field in found if field), option("a key that does not exist"))
 
 
 @cache
 def key_names(table: tuple[str, ...] = ()) -> tuple[str, ...]:
-    """Give the dotted names of all keys and tables, in the order of the schema."""
+    """Dotted names of all keys and tables, in the order of the schema."""
     names: dict[str, None] = {}
     for law in LAWS:
         for name in fields_at(table, law):
@@ -53,9 +53,9 @@ def key_names(table: tuple[str, ...] = ()) -> tuple[str, ...]:
 
 
 def explain(key: str = "") -> str:
-    """Explain a key or a table: what it is, what it accepts, its unit and its default.
+    """Description, accepted values, unit and default of a key, or of all keys of a table.
 
-    An empty key explains all tables. UsageError if there is no such key; it names the nearest.
+    An empty key stands for all tables. Raises UsageError with the nearest key if there is no such key.
     """
     if not key:
         tables = [name for name in fields_at((), "") if name not in ("schema", "title", "extends")]
@@ -63,8 +63,8 @@ def explain(key: str = "") -> str:
     names = key_names()
     if key not in names:
         near = fields.nearest(key, names) or _ending(key, names)
-        meant = f' Did you mean "{near}"?' if near else ""
-        raise UsageError(f"there is no key {fields.shown(key)}.{meant} (mpmcol explain lists all keys)")
+        hint = f' Did you mean "{near}"?' if near else ""
+        raise UsageError(f"there is no key {fields.shown(key)}.{hint} (mpmcol explain lists all keys)")
     path = tuple(key.split("."))
     inside = [name for name in names if name.startswith(key + ".")]
     title = f"[{key}]" if inside else key
@@ -92,12 +92,12 @@ def _details(path: tuple[str, ...]) -> list[str]:
 def _default(field: FieldInfo) -> str:
     if field.is_required():
         return "; required"
-    plain = field.default not in (None, PydanticUndefined, "") and not isinstance(field.default, Keys)
+    plain = field.default not in (None, PydanticUndefined, "") and not isinstance(field.default, Table)
     return f"; default {fields.shown(field.default)}" if plain else "; optional"
 
 
 def json_schema() -> dict[str, Any]:
-    """Give the JSON schema of a case file, draft 4 and without references, as TOML editors want it."""
+    """JSON schema of a case file: draft 4 without references, as TOML editors require it."""
     schema = _table_schema(fields_at((), ""))
     required = schema.pop("required")
     schema["anyOf"] = [{"required": ["extends"]}, {"required": required}]
@@ -111,7 +111,7 @@ def _table_schema(fields: dict[str, FieldInfo]) -> dict[str, Any]:
     return schema | ({"required": required} if required else {})
 
 
-def _material_schema(material: type[Keys]) -> dict[str, Any]:
+def _material_schema(material: type[Table]) -> dict[str, Any]:
     schema = _table_schema(fields.fields(material))
     return schema | {"required": ["law", *schema["required"]]}
 

@@ -1,4 +1,4 @@
-"""The words of a case file (schema 1): every table and key with its sentence, unit, bounds and default."""
+"""The case file format (schema 1): every table and key with its description, unit, bounds and default."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, Union
 from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
-from mpmcol.case.constraints import broken_rules
+from mpmcol.case.constraints import violations
 from mpmcol.experiments import EXPERIMENTS
 from mpmcol.mpm.constitutive import LAWS, elastic
-from mpmcol.units import Keys, Number, choice, quantity
+from mpmcol.units import Number, Table, option, quantity
 
 if TYPE_CHECKING:
 
     class ColumnMaterial(elastic.Elasticity):
-        """What every law's material has."""
+        """Keys that the materials of all laws have."""
 
         law: str
 
@@ -31,39 +31,41 @@ else:
     ExperimentName = Literal[("paper", *EXPERIMENTS)]
 
 
-def _whole(value: Any) -> Any:
+def _integer(value: Any) -> Any:
     if type(value) is not int:  # True == 1 and 4.0 == 4 would pass as members of a Literal
-        raise PydanticCustomError("whole_number", "expected a whole number")
+        raise PydanticCustomError("integer", "expected an integer")
     return value
 
 
-class Geometry(Keys):
-    """The column, what it stands on, and the box that is simulated."""
+class Geometry(Table):
+    """The column, its base and the domain."""
 
-    model: Literal["plane", "axisymmetric", "quarter", "full"] = choice(
-        "plane strain, a cylinder by axial symmetry, or 3D: a quarter between two planes of symmetry, or all"
+    model: Literal["plane", "axisymmetric", "quarter", "full"] = option(
+        "plane strain, axisymmetric, or 3D: a quarter with two planes of symmetry, or the full column"
     )
-    release: Literal["one-sided", "two-sided"] = choice(
-        "plane: the column leans on a wall, or collapses to both sides (half of it is modelled)", "one-sided"
+    release: Literal["one-sided", "two-sided"] = option(
+        "plane model: collapse to one side of a wall, or to both sides (half of the column is modelled)", "one-sided"
     )
-    section: Literal["cylinder", "box"] = choice(
-        "quarter, full: horizontal section of the column, a circle or a rectangle", "cylinder"
+    section: Literal["cylinder", "box"] = option(
+        "quarter and full models: horizontal section of the column, circular or rectangular", "cylinder"
     )
     radius: float = quantity(
-        "r_i: width of a plane column (half of it if two-sided), radius, or half-width of a box", "m", gt=0
+        "r_i: radius of a cylinder, width of a plane column (half-width if two-sided), half-width of a box", "m", gt=0
     )
-    depth: float | None = quantity("half-depth of a box; radius if absent", "m", None, gt=0)
-    height: float | None = quantity("h_i: initial height of the column; or give aspect", "m", None, gt=0)
-    aspect: float | None = quantity("a = h_i / r_i: aspect ratio; or give height", "", None, gt=0)
-    base: Literal["elastic", "rigid"] = choice("elastic layer as in the paper, or no-slip grid nodes", "elastic")
+    depth: float | None = quantity("half-depth of a box; default: radius", "m", None, gt=0)
+    height: float | None = quantity("h_i: initial height of the column; alternative to aspect", "m", None, gt=0)
+    aspect: float | None = quantity("a = h_i / r_i: aspect ratio of the column; alternative to height", "", None, gt=0)
+    base: Literal["elastic", "rigid"] = option(
+        "elastic layer of material points (the paper), or rigid floor of no-slip grid nodes", "elastic"
+    )
     base_thickness: float = quantity("thickness of the elastic base", "m", 0.02, gt=0)
     domain_length: float | None = quantity(
-        "length of the grid from the wall or axis; sized from the expected runout if absent", "m", None, gt=0
+        "length of the domain from the wall or axis; default: sized for the expected runout", "m", None, gt=0
     )
     domain_height: float | None = quantity(
-        "height of the grid above the base; sized from the column if absent", "m", None, gt=0
+        "height of the domain above the base; default: sized for the height of the column", "m", None, gt=0
     )
-    gravity: float = quantity("gravitational acceleration g, downwards", "m/s2", 9.81, gt=0)
+    gravity: float = quantity("gravitational acceleration g", "m/s2", 9.81, gt=0)
 
     @property
     def shape(self) -> str:
@@ -91,115 +93,130 @@ class Geometry(Keys):
         return self.aspect if self.aspect is not None else self.h_i / self.radius
 
 
-class Grid(Keys):
+class Grid(Table):
     """The background grid and the material points in it."""
 
     spacing: float = quantity("grid node spacing h", "m", gt=0)
-    points_per_cell: Annotated[Literal[1, 4, 8, 9, 16, 27], BeforeValidator(_whole)] = choice(
-        "material points per full cell: a square number, in three dimensions a cube; 4 or 8 if absent", None
+    points_per_cell: Annotated[Literal[1, 4, 8, 9, 16, 27], BeforeValidator(_integer)] = option(
+        "initial number of material points per cell: 1, 4, 9 or 16 in 2D, 1, 8 or 27 in 3D; default: two per axis", None
     )
 
 
-class Method(Keys):
+class Method(Table):
     """The material point method and its variants."""
 
-    basis: Literal["linear", "quadratic", "cubic"] = choice(
-        "B-spline that carries the points' data to the nodes; with linear hats, points that cross cells ring",
+    basis: Literal["linear", "quadratic", "cubic"] = option(
+        "B-spline shape functions; linear ones suffer from cell-crossing error",
         "quadratic",
     )
-    kernel_correction: bool = choice(
-        "weights next to a wall keep constants and linear fields: hats in its half cell, for the cubic spline the node "
-        "outside as a linear continuation; false cuts the spline off",
+    kernel_correction: bool = option(
+        "correct the shape functions next to walls, so that they reproduce constant and linear fields; false: "
+        "truncated B-splines",
         True,
     )
-    transfer: Literal["taylor-flip", "flip", "pic", "tpic", "apic"] = choice(
-        "velocity transfer; taylor-flip (Taylor P2G, FLIP update) is the paper's, tpic has a PIC update, apic carries "
-        "an affine matrix from the weights in place of the velocity gradient",
+    transfer: Literal["taylor-flip", "flip", "pic", "tpic", "apic"] = option(
+        "velocity transfer between points and grid: taylor-flip is Taylor P2G with FLIP update (the paper), tpic is "
+        "Taylor P2G with PIC update, apic is affine PIC",
         "taylor-flip",
     )
     flip_fraction: float = quantity(
-        "share of the FLIP velocity in taylor-flip and flip, the rest is PIC", "", 1.0, ge=0, le=1
+        "FLIP fraction of the velocity update of taylor-flip and flip; the rest is PIC", "", 1.0, ge=0, le=1
     )
-    stress_order: Literal["usl", "usf", "musl"] = choice(
-        "when the stress is updated: last (the paper's), first, or last with nodal velocities made anew from the "
-        "points; usf and musl take almost twice the time",
+    stress_order: Literal["usl", "usf", "musl"] = option(
+        "stress update last (usl, the paper), first (usf), or last with nodal velocities recomputed from the updated "
+        "points (musl); usf and musl take almost twice as long",
         "usl",
     )
-    position_update: Literal["trapezoid", "paper", "end"] = choice(
-        "x += dt v - dt^2 a / 2, the printed form without 1/2, or the end velocity", "trapezoid"
+    position_update: Literal["trapezoid", "paper", "end"] = option(
+        "position update: x += dt v - dt^2 a / 2 (trapezoid), x += dt v - dt^2 a as printed in Eq. 27 (paper), or "
+        "x += dt v (end); v, a: nodal velocity at the end of the step and acceleration",
+        "trapezoid",
     )
-    wall_impulse: bool = choice("points feel the impulse of a wall; false is the paper's form", True)
-    volume_update: Literal["determinant", "exponential"] = choice(
-        "factor on the volume ratio J in a step: det(I + dt L), the paper's, with which all that turns grows, or "
+    wall_impulse: bool = option(
+        "include the wall reaction in the FLIP velocity increment; false: the paper's form", True
+    )
+    volume_update: Literal["determinant", "exponential"] = option(
+        "factor of the volume ratio J in a step: det(I + dt L) (the paper), which grows under pure rotation, or "
         "exp(dt tr L)",
         "determinant",
     )
-    volumetric_strain: Literal["point", "cell"] = choice(
-        "each point has its own, or all closed points of a cell have their mean, which keeps nearly incompressible "
-        "material and linear hats from locking",
+    volumetric_strain: Literal["point", "cell"] = option(
+        "volumetric strain increment of each point, or averaged over the closed points of a cell, which avoids "
+        "volumetric locking of nearly incompressible material and of linear shape functions",
         "point",
     )
-    opening_strain: bool = choice("material that has opened stays stress-free until it is closed again", True)
-    deactivate_base: bool = choice(
-        "deactivate the elastic base during the collapse where it is farther from the column than it is thick; its "
-        "nodes are held; saves 10 to 20 % of the time in 2D, 50 % in 3D",
+    opening_strain: bool = option(
+        "track the opening strain: separated material stays stress-free until the opening is closed", True
+    )
+    deactivate_base: bool = option(
+        "deactivate the elastic base during the collapse at distances from the column larger than its thickness; its "
+        "nodes are fixed; saves 10 to 20 % of the time in 2D, 50 % in 3D",
         False,
     )
 
 
-class Time(Keys):
+class Time(Table):
     """The time step."""
 
     cfl: float = quantity(
-        "time step over h / (c_p + v); a run says so if a point alone does not bear it", "", 0.5, gt=0, le=2
+        "Courant number, time step over h / (c_p + v); a warning is issued if the single-particle stability limit is "
+        "exceeded",
+        "",
+        0.5,
+        gt=0,
+        le=2,
     )
 
 
-class Equilibrate(Keys):
-    """First stage: the column comes to rest under gravity behind its gate."""
+class Equilibrate(Table):
+    """First stage: equilibrium under gravity behind the gate."""
 
-    damping: float = quantity("local damping alpha_d", "", 0.5, ge=0, lt=1)
-    law: LawName = choice("law of the column in this stage: its own (if absent) or elastic", None)
-    max_time_factor: float = quantity("longest duration in units of 4 h_i / c_p", "", 40.0, gt=0)
-    tolerance: float = quantity("unbalanced force ratio at which the column rests", "", 1e-4, gt=0, lt=1)
-
-
-class Collapse(Keys):
-    """Second stage: the gate is gone and the column collapses."""
-
-    damping: float = quantity("local damping alpha_d", "", 0.05, ge=0, lt=1)
-    end: Literal["rest", "time"] = choice("end at rest, or only after the longest duration", "rest")
-    max_time_factor: float = quantity("longest duration in units of sqrt(h_i / g)", "", 6.0, gt=0)
+    damping: float = quantity("local damping coefficient alpha_d", "", 0.5, ge=0, lt=1)
+    law: LawName = option(
+        "constitutive law of the column in this stage: elastic, or that of the material (default)", None
+    )
+    max_time_factor: float = quantity("maximum duration in units of 4 h_i / c_p", "", 40.0, gt=0)
+    tolerance: float = quantity("unbalanced force ratio at which the column is in equilibrium", "", 1e-4, gt=0, lt=1)
 
 
-class Stages(Keys):
-    """What happens one after the other."""
+class Collapse(Table):
+    """Second stage: collapse after the removal of the gate."""
 
-    initial_stress: Literal["gravity", "k0"] = choice(
-        "damped loading by gravity, or assigned and then shortly damped", "gravity"
+    damping: float = quantity("local damping coefficient alpha_d", "", 0.05, ge=0, lt=1)
+    end: Literal["rest", "time"] = option("end at rest, or after the maximum duration", "rest")
+    max_time_factor: float = quantity("maximum duration in units of sqrt(h_i / g)", "", 6.0, gt=0)
+
+
+class Stages(Table):
+    """The stages of a run."""
+
+    initial_stress: Literal["gravity", "k0"] = option(
+        "initial stress: loaded by gravity with damping, or assigned with the ratio k0 and then relaxed", "gravity"
     )
     k0: float = quantity(
-        "horizontal over vertical stress for initial_stress = k0; the law's active value if absent",
+        "ratio of horizontal to vertical stress for initial_stress = k0; default: active earth pressure ratio",
         "",
         None,
         ge=0,
     )
-    equilibrate: Equilibrate = choice("the first stage: rest under gravity behind the gate", Equilibrate())
-    collapse: Collapse = choice("the second stage: the collapse, after the gate is gone", Collapse())
-    gate_speed: float = quantity("speed at which the gate is lifted", "m/s", math.inf, gt=0, allow_inf=True)
+    equilibrate: Equilibrate = option("first stage: equilibrium under gravity behind the gate", Equilibrate())
+    collapse: Collapse = option("second stage: collapse after the removal of the gate", Collapse())
+    gate_speed: float = quantity(
+        "speed at which the gate is lifted; inf: instantaneous removal", "m/s", math.inf, gt=0, allow_inf=True
+    )
 
 
 _RELEASE_TIME = Number("s", {"ge": 0})
 
 
-class Output(Keys):
-    """What is written during the run."""
+class Output(Table):
+    """Files that a run writes."""
 
-    snapshots: Annotated[int, Field(ge=1)] = choice("snapshots of the collapse, even in time", 20)
-    times: tuple[Annotated[float, _RELEASE_TIME, BeforeValidator(_RELEASE_TIME)], ...] | None = choice(
-        "times of the snapshots in s after release, rising; replaces snapshots", None
+    snapshots: Annotated[int, Field(ge=1)] = option("number of snapshots of the collapse, equally spaced in time", 20)
+    times: tuple[Annotated[float, _RELEASE_TIME, BeforeValidator(_RELEASE_TIME)], ...] | None = option(
+        "times of the snapshots after release, increasing; replaces snapshots", None
     )
-    compression: Literal["none", "gzip"] = choice("compression of the snapshots", "none")
+    compression: Literal["none", "gzip"] = option("compression of the snapshot files", "none")
 
     @field_validator("times", mode="before")
     @classmethod
@@ -207,10 +224,12 @@ class Output(Keys):
         return tuple(times) if isinstance(times, list) else times
 
 
-class Score(Keys):
-    """What the result is compared with."""
+class Score(Table):
+    """Comparison with an experiment."""
 
-    experiment: ExperimentName = choice("published experiment to score against; paper: the paper's own", "paper")
+    experiment: ExperimentName = option(
+        "experiment that the result is compared with; paper: the one of the paper for this model", "paper"
+    )
 
 
 def _elastic_part(data: dict[str, Any]) -> elastic.Material:
@@ -218,30 +237,30 @@ def _elastic_part(data: dict[str, Any]) -> elastic.Material:
     return elastic.Material(law="elastic", **shared)
 
 
-class Case(Keys):
-    """A whole simulation, as read from a case file, with all defaults filled in."""
+class Case(Table):
+    """A simulation as read from a case file, with all defaults resolved."""
 
-    schema_: Annotated[Literal[1], BeforeValidator(_whole), Field(alias="schema")] = choice(
-        "version of the words in this file", 1
+    schema_: Annotated[Literal[1], BeforeValidator(_integer), Field(alias="schema")] = option(
+        "version of the case file format", 1
     )
-    title: str = choice("one line for tables and charts", "")
-    geometry: Geometry = choice("the column, its base and the domain")
-    grid: Grid = choice("the background grid and the material points in it")
-    material: ColumnMaterial = choice("the column's material; its other keys depend on law")
+    title: str = option("title in tables and charts", "")
+    geometry: Geometry = option("column, base and domain")
+    grid: Grid = option("background grid and material points")
+    material: ColumnMaterial = option("material of the column; its other keys depend on law")
     base_material: elastic.Material = Field(
         default_factory=_elastic_part,
-        description="the base's material; if absent, the elastic part of material",
+        description="material of the elastic base; default: density and elastic constants of material",
     )
-    method: Method = choice("the material point method and its variants", Method())
-    time: Time = choice("the time step", Time())
-    stages: Stages = Field(default=Stages(), validate_default=True, description="what happens, in turn")
-    output: Output = choice("what is written during the run", Output())
-    score: Score = choice("what the result is compared with", Score())
+    method: Method = option("variants of the material point method", Method())
+    time: Time = option("time step", Time())
+    stages: Stages = Field(default=Stages(), validate_default=True, description="stages of the run")
+    output: Output = option("output files", Output())
+    score: Score = option("comparison with an experiment", Score())
 
     @field_validator("grid", mode="before")
     @classmethod
-    def _fill_in_from_geometry(cls, grid: Any, info: ValidationInfo) -> Any:
-        """Resolve the default of points_per_cell: two an axis."""
+    def _resolve_from_geometry(cls, grid: Any, info: ValidationInfo) -> Any:
+        """Resolve the default of points_per_cell: two per axis."""
         geometry = info.data.get("geometry")
         if geometry is None or not isinstance(grid, dict):
             return grid
@@ -249,8 +268,8 @@ class Case(Keys):
 
     @field_validator("stages", mode="before")
     @classmethod
-    def _fill_in_from_material(cls, stages: Any, info: ValidationInfo) -> Any:
-        """Resolve the defaults of stages that depend on the column's law."""
+    def _resolve_from_material(cls, stages: Any, info: ValidationInfo) -> Any:
+        """Resolve the defaults of stages that depend on the material."""
         material = info.data.get("material")
         given = stages.model_dump(exclude_none=True) if isinstance(stages, Stages) else stages
         if material is None or not isinstance(given, dict):
@@ -261,32 +280,35 @@ class Case(Keys):
         return filled
 
     @model_validator(mode="after")
-    def _agree(self) -> Case:
-        broken = [f"{rule.key} {rule.sentence}" for rule in broken_rules(leaf_values(self))]
-        if broken:
-            raise PydanticCustomError("rules", "{text}", {"text": "; ".join(broken)})
+    def _check_constraints(self) -> Case:
+        found = [f"{violation.key} {violation.message}" for violation in violations(leaf_values(self))]
+        if found:
+            raise PydanticCustomError("constraints", "{text}", {"text": "; ".join(found)})
         return self
 
 
 def _active_ratio(material: Any) -> float:
-    """Horizontal over vertical stress: 1 / N_phi, or nu / (1 - nu) for a law without friction."""
+    """Ratio of horizontal to vertical stress: 1 / N_phi, or nu / (1 - nu) for a law without friction."""
     elastic_ratio = material.poissons_ratio / (1.0 - material.poissons_ratio)
     return float(getattr(material, "active_pressure_ratio", elastic_ratio))
 
 
-def leaf_values(keys: Keys, prefix: str = "") -> dict[str, Any]:
-    """Give the value of every key by its dotted name, for example "stages.collapse.damping"."""
+def leaf_values(keys: Table, prefix: str = "") -> dict[str, Any]:
+    """Values of all keys by their dotted names, for example "stages.collapse.damping"."""
     values: dict[str, Any] = {}
     for name, field in type(keys).model_fields.items():
         value, path = getattr(keys, name), prefix + (field.alias or name)
-        values |= leaf_values(value, path + ".") if isinstance(value, Keys) else {path: value}
+        values |= leaf_values(value, path + ".") if isinstance(value, Table) else {path: value}
     return values
 
 
 def case_hash(case: Case) -> str:
-    """Twelve hexadecimal digits that name what is simulated: neither title, output and score, nor how h_i was given."""
+    """Twelve hexadecimal digits that identify the simulation.
+
+    Title, output and score have no influence, nor has the choice between height and aspect.
+    """
     content = case.model_dump(mode="json", by_alias=True, exclude={"title", "output", "score"})
     content["geometry"] |= {"aspect": None, "height": case.geometry.h_i}
-    if case.geometry.dimension == 2:  # words that mean nothing there
+    if case.geometry.dimension == 2:  # keys without a meaning in 2D
         del content["geometry"]["section"], content["geometry"]["depth"]
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:12]

@@ -1,4 +1,4 @@
-"""Case files: finding and reading them, following `extends`, laying overrides over them."""
+"""Finding and reading of case files, inheritance by `extends`, overrides."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ from typing import Any
 from mpmcol.case.fields import nearest, shortened
 from mpmcol.case.overrides import Override, apply_overrides
 from mpmcol.case.problem import Problem, case_error
-from mpmcol.case.toml_lines import NO_TOML, KeyPath, Unfit, locate, parse
+from mpmcol.case.toml_lines import SYNTAX_ERROR, KeyPath, TomlError, locate, parse
 from mpmcol.errors import CaseError
 
-LARGEST_FILE = 200_000  # bytes
-LIST = "(mpmcol cases lists the shipped cases)"
+MAX_FILE_SIZE = 200_000  # bytes
+_LIST_HINT = "(mpmcol cases lists the shipped cases)"
 
 _SYNTAX_HINTS = {
-    "Invalid value": "texts need quotes",
-    "Expected newline or end of document after a statement": "texts and numbers with a unit need quotes",
-    "Cannot overwrite a value": "this key was already given",
+    "Invalid value": "put strings in quotes",
+    "Expected newline or end of document after a statement": "put strings and numbers with a unit in quotes",
+    "Cannot overwrite a value": "remove one of the two: this key is given twice",
 }
 
 
 @dataclass(frozen=True)
 class Source:
-    """One case file as it was read; `name` is what messages call it."""
+    """The content of a case file; `name` is its name in messages."""
 
     name: str
     path: Path
@@ -36,11 +36,11 @@ class Source:
 
     @cached_property
     def lines(self) -> dict[KeyPath, int]:
-        """The line on which each key and table begins."""
+        """First line of each key and table."""
         return dict(locate(self.text))
 
-    def place(self, key: KeyPath) -> tuple[int | None, str]:
-        """Line number and text of the line of a key; if it is not there, of its table."""
+    def location(self, key: KeyPath) -> tuple[int | None, str]:
+        """Number and content of the line of a key; if it is absent, of its table."""
         prefixes = (key[:length] for length in range(len(key), 0, -1))
         line = next((self.lines[prefix] for prefix in prefixes if prefix in self.lines), None)
         return line, self._rows[line - 1].rstrip("\r") if line else ""
@@ -51,8 +51,8 @@ class Source:
 
 
 @dataclass(frozen=True)
-class Given:
-    """Everything that was given for a case: the merged tables, and what each of them came from."""
+class CaseInput:
+    """The input of a case: merged tables, and the file or override that each was given by."""
 
     tables: dict[str, Any]
     sources: dict[str, Source]
@@ -60,16 +60,16 @@ class Given:
     overrides: Mapping[KeyPath, Override]
 
     def override_of(self, key: KeyPath) -> Override | None:
-        """The override that gave a key, or a part of it."""
+        """Override that set a key or a part of it."""
         touching = (o for path, o in self.overrides.items() if key[: len(path)] == path[: len(key)])
         return next(touching, None)
 
     def source_of(self, key: KeyPath) -> Source:
-        """The file that gave a key's table."""
+        """File that contains the table of a key."""
         return self.sources.get(key[0], self.main)
 
     def has(self, key: KeyPath) -> bool:
-        """Tell whether a key was given at all."""
+        """Whether a key was given."""
         table: Any = self.tables
         for name in key:
             if not isinstance(table, dict) or name not in table:
@@ -79,15 +79,15 @@ class Given:
 
 
 def shipped_cases() -> dict[str, Path]:
-    """Give the cases that come with mpmcol, by name: from the installed package or from the checkout."""
+    """Shipped cases by name, from the installed package or from the repository."""
     package = Path(__file__).parents[1]
     places = (package / "cases", package.parent / "cases")
     folder = next((place for place in places if place.is_dir()), package)
     return {path.stem: path for path in sorted(folder.glob("*.toml"), key=lambda path: path.stem)}
 
 
-def read_case(source: str | Path, overrides: Mapping[KeyPath, Override]) -> Given:
-    """Read a case file or a shipped case with all that it extends, and lay the overrides over it.
+def read_case(source: str | Path, overrides: Mapping[KeyPath, Override]) -> CaseInput:
+    """Read a case file or a shipped case with the cases that it extends, and apply the overrides.
 
     Raises CaseError if a file cannot be read.
     """
@@ -99,16 +99,16 @@ def read_case(source: str | Path, overrides: Mapping[KeyPath, Override]) -> Give
         tables |= own
         sources |= dict.fromkeys(own, link)
     apply_overrides(tables, overrides)
-    return Given(tables, sources, chain[0], overrides)
+    return CaseInput(tables, sources, chain[0], overrides)
 
 
 def read_chain(source: str | Path) -> list[Source]:
-    """Read a case file, then the file that it extends, and so on; the case itself comes first."""
+    """Read a case file and the cases that it extends, directly or not; the case itself comes first."""
     chain = [read_source(*_find(source))]
     while "extends" in (last := chain[-1]).tables:
         parent = read_source(*_find_parent(last))
         if parent.path in (link.path for link in chain):
-            raise _extends_error(last, "this case extends itself")
+            raise _extends_error(last, "the case extends itself, directly or through another case")
         chain.append(parent)
     return chain
 
@@ -118,25 +118,25 @@ def _find(source: str | Path) -> tuple[str, Path]:
     if isinstance(source, str) and source in shipped:
         return source + ".toml", shipped[source]
     if not str(source).strip():
-        raise _error('""', "expected the path of a case file or the name of a shipped case", hint=LIST)
+        raise _error('""', "expected the path of a case file or the name of a shipped case", hint=_LIST_HINT)
     path, name = Path(source), shortened(str(source), 200)
-    if not os.path.exists(path):  # unlike Path.exists it is never upset by an impossible name
+    if not os.path.exists(path):  # unlike Path.exists, accepts names that cannot exist
         raise _error(name, "no such case file", hint=_suggestion(path, path.parent, shipped))
     return name, path
 
 
 def _suggestion(path: Path, folder: Path, shipped: dict[str, Path]) -> str:
-    """What may have been meant by the path of a file that `folder` does not hold."""
+    """Hint for the path of a file that does not exist in `folder`."""
     if os.path.isfile(folder / f"{path.name}.toml"):
         return f'did you mean "{path}.toml"?'
     near = nearest(path.name.removesuffix(".toml"), shipped)
-    return f'did you mean the shipped case "{near}"?   {LIST}' if near else LIST
+    return f'did you mean the shipped case "{near}"?   {_LIST_HINT}' if near else _LIST_HINT
 
 
 def _find_parent(child: Source) -> tuple[str, Path]:
     parent = child.tables["extends"]
     if not isinstance(parent, str):
-        raise _extends_error(child, "expected the name of a case or a path, in quotes")
+        raise _extends_error(child, "expected the name of a shipped case or a path, in quotes")
     beside = child.path.parent / parent
     if os.path.isfile(beside):
         return str(Path(child.name).parent / parent), beside
@@ -147,7 +147,7 @@ def _find_parent(child: Source) -> tuple[str, Path]:
 
 
 def _extends_error(child: Source, message: str, hint: str = "") -> CaseError:
-    line, text = child.place(("extends",))
+    line, text = child.location(("extends",))
     return _error(child.name, f"extends: {message}", line, text, hint, "extends")
 
 
@@ -158,23 +158,23 @@ def _error(
 
 
 def read_source(name: str, path: Path) -> Source:
-    """Read one TOML file, which messages call `name`; CaseError if it cannot be read."""
+    """Read a TOML file; `name` is its name in messages. Raises CaseError if it cannot be read."""
     try:
         with path.open("rb") as file:
-            content = file.read(LARGEST_FILE + 1)
+            content = file.read(MAX_FILE_SIZE + 1)
     except OSError as failure:
         raise _error(name, f"cannot be read: {failure.strerror}") from failure
-    if len(content) > LARGEST_FILE:
-        raise _error(name, f"larger than {LARGEST_FILE // 1000} kB: no case or study is")
+    if len(content) > MAX_FILE_SIZE:
+        raise _error(name, f"larger than {MAX_FILE_SIZE // 1000} kB, the limit of a case or study")
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as failure:
         line = content[: failure.start].count(b"\n") + 1
         excerpt = content.split(b"\n")[line - 1].decode(errors="replace")
-        raise _error(name, "this line is not UTF-8 text", line, excerpt) from None
+        raise _error(name, "not valid UTF-8", line, excerpt) from None
     try:
         return Source(name, path.resolve(), text, parse(text))
-    except Unfit as unfit:
-        excerpt = text.split("\n")[unfit.line - 1].rstrip("\r") if unfit.line else ""
-        hint = _SYNTAX_HINTS.get(unfit.reason.removeprefix(NO_TOML), "")
-        raise _error(name, unfit.reason, unfit.line, excerpt, hint) from None
+    except TomlError as error:
+        excerpt = text.split("\n")[error.line - 1].rstrip("\r") if error.line else ""
+        hint = _SYNTAX_HINTS.get(error.reason.removeprefix(SYNTAX_ERROR), "")
+        raise _error(name, error.reason, error.line, excerpt, hint) from None

@@ -1,4 +1,4 @@
-"""TOML texts: parsing, and the line numbers of the keys, which no parser in the standard library tells."""
+"""Parsing of TOML with limits, and line numbers of keys, which the parser of the standard library does not report."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from typing import Any
 
 KeyPath = tuple[str, ...]
 
-NO_TOML = "not valid TOML: "
+SYNTAX_ERROR = "not valid TOML: "
 
-_SEARCH_BUDGET = 500_000  # characters that are parsed at most, well under a second
-_DEEPEST = 20  # tables and arrays in one another: a case has 3
-# tomllib takes memory with the square of a key's parts: gigabytes for one line of 100 kB
+_SEARCH_BUDGET = 500_000  # maximum number of characters that are parsed, well under a second
+_MAX_DEPTH = 20  # of nested tables and arrays; a case has 3
+# the memory of tomllib grows with the square of the number of parts of a key: gigabytes for a line of 100 kB
 _NAME = r"""(?:"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+'|[\w-]++)"""
-_DEEP_KEY = re.compile(rf"(?<![\w-]){_NAME}(?:[ \t]*+\.[ \t]*+{_NAME}){{{_DEEPEST}}}", re.ASCII)
+_DEEP_KEY = re.compile(rf"(?<![\w-]){_NAME}(?:[ \t]*+\.[ \t]*+{_NAME}){{{_MAX_DEPTH}}}", re.ASCII)
 
 
-class Unfit(ValueError):
-    """A text that is no TOML, or not what a case can hold: why, in words, and the line from 1, None if unknown."""
+class TomlError(ValueError):
+    """A text that is not valid TOML or exceeds the limits of a case; `line` counts from 1, None if unknown."""
 
     def __init__(self, reason: str, line: int | None = None) -> None:
         super().__init__(f"line {line}: {reason}" if line else reason)
@@ -27,58 +27,59 @@ class Unfit(ValueError):
 
 
 def parse(text: str) -> dict[str, Any]:
-    """Parse a TOML text; raises Unfit.
+    """Parse a TOML text; raises TomlError.
 
-    Integers must fit into 64 bits, as TOML demands (tomllib lets longer ones pass), and little may be nested.
+    Integers must fit into 64 bits, as TOML requires (tomllib accepts longer ones), and nesting is limited.
     """
     deep = _DEEP_KEY.search(text)
     if deep:
-        raise Unfit("keys have too many parts", text.count("\n", 0, deep.start()) + 1)
+        raise TomlError("a key has too many parts", text.count("\n", 0, deep.start()) + 1)
     try:
-        return _fitting(text)
+        return _parse_limited(text)
     except tomllib.TOMLDecodeError as failure:
         raise _syntax_error(text, str(failure)) from None
-    except Unfit as unfit:
-        raise Unfit(unfit.reason, _unfit_line(text)) from None
+    except TomlError as error:
+        raise TomlError(error.reason, _error_line(text)) from None
 
 
-def _fitting(text: str) -> dict[str, Any]:
-    """What tomllib makes of a text, if a case can hold it; TOMLDecodeError or Unfit without a line."""
+def _parse_limited(text: str) -> dict[str, Any]:
+    """Parse a text within the limits of a case; raises TOMLDecodeError, or TomlError without a line."""
     try:
         tables = tomllib.loads(text)
     except tomllib.TOMLDecodeError:
         raise
     except RecursionError:
-        raise Unfit("arrays or tables are nested too deeply") from None
+        raise TomlError("arrays or tables are nested too deeply") from None
     except ValueError:  # Python's own limit, 4300 digits
-        raise Unfit("an integer of more than 64 bits") from None
-    _refuse_misfits(tables, _DEEPEST)
+        raise TomlError("integer with more than 64 bits") from None
+    _check_limits(tables, _MAX_DEPTH)
     return tables
 
 
-def _refuse_misfits(value: Any, levels: int) -> None:
+def _check_limits(value: Any, levels: int) -> None:
     if isinstance(value, int) and not -(2**63) <= value < 2**63:
-        raise Unfit("an integer of more than 64 bits")
+        raise TomlError("integer with more than 64 bits")
     if isinstance(value, dict | list):
         if not levels:
-            raise Unfit("arrays or tables are nested too deeply")
+            raise TomlError("arrays or tables are nested too deeply")
         for item in value.values() if isinstance(value, dict) else value:
-            _refuse_misfits(item, levels - 1)
+            _check_limits(item, levels - 1)
 
 
-def _syntax_error(text: str, failure: str) -> Unfit:
-    place = re.search(r"at line (\d+)", failure)
-    return Unfit(NO_TOML + re.sub(r" \(at .*\)$", "", failure), int(place[1]) if place else text.count("\n") + 1)
+def _syntax_error(text: str, failure: str) -> TomlError:
+    position = re.search(r"at line (\d+)", failure)
+    reason = SYNTAX_ERROR + re.sub(r" \(at .*\)$", "", failure)
+    return TomlError(reason, int(position[1]) if position else text.count("\n") + 1)
 
 
-def _unfit_line(text: str) -> int | None:
+def _error_line(text: str) -> int | None:
     return next((line for line, tables in _statements(text) if tables is None), None)
 
 
 def locate(text: str) -> Iterator[tuple[KeyPath, int]]:
-    """Find the line on which each key and table begins, in a text that parses as a whole.
+    """Line on which each key and table begins, for a text that is valid as a whole.
 
-    In a text that takes too long, the last keys are left out.
+    In a text that takes too long to search, the last keys are omitted.
     """
     seen: set[KeyPath] = set()
     for line, tables in _statements(text):
@@ -89,7 +90,7 @@ def locate(text: str) -> Iterator[tuple[KeyPath, int]]:
 
 
 def _statements(text: str) -> Iterator[tuple[int, dict[str, Any] | None]]:
-    """The line on which each statement begins, and what it says behind the header of its table, None if unfit.
+    """First line of each statement, and its content within its table; None if it exceeds the limits.
 
     A statement ends where it first parses.
     """
@@ -102,10 +103,10 @@ def _statements(text: str) -> Iterator[tuple[int, dict[str, Any] | None]]:
             return
         is_header = statement.lstrip().startswith("[")
         try:
-            yield start + 1, _fitting(statement if is_header else f"{header}\n{statement}")
+            yield start + 1, _parse_limited(statement if is_header else f"{header}\n{statement}")
         except tomllib.TOMLDecodeError:
             continue
-        except Unfit:
+        except TomlError:
             yield start + 1, None
         header, start = statement if is_header else header, end
 

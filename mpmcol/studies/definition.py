@@ -64,6 +64,6 @@ def as_text(value: Value) -> str:
 
 def _told(source: Source, error: Any) -> str:
     key = tuple(str(part) for part in error["loc"])
-    line, name = source.place(key)[0], shortened(".".join(key), 100)
+    line, name = source.location(key)[0], shortened(".".join(key), 100)
     place = f"{source.name}:{line}" if line else source.name
     return f"{place}: {name + ': ' if name else ''}{error['msg'].removeprefix('Value error, ')}"

@@ -7,16 +7,16 @@ import math
 import pytest
 from pydantic import ValidationError
 
-from mpmcol.units import FACTORS, Keys, choice, quantity, to_unit
+from mpmcol.units import FACTORS, Table, option, quantity, to_unit
 
 
-class Sample(Keys):
+class Sample(Table):
     length: float = quantity("a length", "m", gt=0)
     angle: float = quantity("an angle", "deg", 33.0, ge=0, lt=90)
     speed: float = quantity("a speed", "m/s", math.inf, gt=0, allow_inf=True)
     share: float = quantity("a share", "", 1.0, ge=0, le=1)
     depth: float | None = quantity("an optional length", "m", None, gt=0)
-    flag: bool = choice("a flag", True)
+    flag: bool = option("a flag", True)
 
 
 def message(**values: object) -> str:

@@ -5,15 +5,15 @@ from __future__ import annotations
 from typing import Literal, NamedTuple
 
 from mpmcol.mpm.jit import device
-from mpmcol.units import Keys, choice, quantity
+from mpmcol.units import Table, option, quantity
 
 STATE: tuple[str, ...] = ()
 
 
-class Elasticity(Keys):
+class Elasticity(Table):
     """Keys of every material."""
 
-    density: float = quantity("density of the material", "kg/m3", gt=0.0)
+    density: float = quantity("initial density", "kg/m3", gt=0.0)
     youngs_modulus: float = quantity("Young's modulus E", "Pa", gt=0.0)
     poissons_ratio: float = quantity("Poisson's ratio nu", ge=0.0, lt=0.5)
 
@@ -36,7 +36,7 @@ class Elasticity(Keys):
 class Material(Elasticity):
     """[material] with law = "elastic"."""
 
-    law: Literal["elastic"] = choice("law of the material", "elastic")
+    law: Literal["elastic"] = option("constitutive law", "elastic")
 
 
 class ElasticParams(NamedTuple):

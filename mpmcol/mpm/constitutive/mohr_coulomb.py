@@ -14,7 +14,7 @@ from typing import Literal, NamedTuple
 from mpmcol.mpm.constitutive.elastic import Elasticity
 from mpmcol.mpm.jit import device
 from mpmcol.mpm.simd import where_positive
-from mpmcol.units import choice, quantity
+from mpmcol.units import option, quantity
 
 STATE: tuple[str, ...] = ()
 MOST_DEGREES = 89.0  # N grows without bound towards 90
@@ -23,9 +23,9 @@ MOST_DEGREES = 89.0  # N grows without bound towards 90
 class Material(Elasticity):
     """[material] with law = "mohr-coulomb"."""
 
-    law: Literal["mohr-coulomb"] = choice("law of the material", "mohr-coulomb")
-    friction_deg: float = quantity("angle of internal friction phi", "deg", gt=0.0, le=MOST_DEGREES)
-    dilatancy_deg: float = quantity("angle of dilatancy psi, at most friction_deg", "deg", 0.0, ge=0.0, le=MOST_DEGREES)
+    law: Literal["mohr-coulomb"] = option("constitutive law", "mohr-coulomb")
+    friction_deg: float = quantity("friction angle phi", "deg", gt=0.0, le=MOST_DEGREES)
+    dilatancy_deg: float = quantity("dilatancy angle psi, at most friction_deg", "deg", 0.0, ge=0.0, le=MOST_DEGREES)
     cohesion: float = quantity("cohesion c", "Pa", 0.0, ge=0.0)
 
     @property

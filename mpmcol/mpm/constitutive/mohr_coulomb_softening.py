@@ -15,7 +15,7 @@ from mpmcol.mpm.constitutive.elementary import cotangent, decay, sine
 from mpmcol.mpm.constitutive.mohr_coulomb import MOST_DEGREES, flow_number, return_to_cone
 from mpmcol.mpm.jit import device
 from mpmcol.mpm.simd import sqrt
-from mpmcol.units import choice, quantity
+from mpmcol.units import option, quantity
 
 STATE: tuple[str, ...] = ("plastic_shear_strain",)
 
@@ -23,14 +23,18 @@ STATE: tuple[str, ...] = ("plastic_shear_strain",)
 class Material(Elasticity):
     """[material] with law = "mohr-coulomb-softening"."""
 
-    law: Literal["mohr-coulomb-softening"] = choice("law of the material", "mohr-coulomb-softening")
-    friction_peak_deg: float = quantity("angle of friction before softening", "deg", gt=0.0, le=MOST_DEGREES)
-    friction_residual_deg: float = quantity("angle of friction after softening", "deg", gt=0.0, le=MOST_DEGREES)
-    dilatancy_peak_deg: float = quantity("angle of dilatancy before softening", "deg", 0.0, ge=0.0, le=MOST_DEGREES)
-    dilatancy_residual_deg: float = quantity("angle of dilatancy after softening", "deg", 0.0, ge=0.0, le=MOST_DEGREES)
-    softening_rate: float = quantity("shape factor beta of the exponential decay (Table 1)", gt=0.0)
-    strain_factor: float = quantity("factor in eps = factor * sqrt(de:de)", default=math.sqrt(2.0 / 3.0), gt=0.0)
-    cohesion: float = quantity("cohesion c, which does not soften", "Pa", 0.0, ge=0.0)
+    law: Literal["mohr-coulomb-softening"] = option("constitutive law", "mohr-coulomb-softening")
+    friction_peak_deg: float = quantity("peak friction angle", "deg", gt=0.0, le=MOST_DEGREES)
+    friction_residual_deg: float = quantity("residual friction angle", "deg", gt=0.0, le=MOST_DEGREES)
+    dilatancy_peak_deg: float = quantity("peak dilatancy angle", "deg", 0.0, ge=0.0, le=MOST_DEGREES)
+    dilatancy_residual_deg: float = quantity("residual dilatancy angle", "deg", 0.0, ge=0.0, le=MOST_DEGREES)
+    softening_rate: float = quantity("softening rate beta of the exponential decay (Table 1)", gt=0.0)
+    strain_factor: float = quantity(
+        "factor of the plastic shear strain increment, deps = factor * sqrt(de:de)",
+        default=math.sqrt(2.0 / 3.0),
+        gt=0.0,
+    )
+    cohesion: float = quantity("cohesion c, constant", "Pa", 0.0, ge=0.0)
 
     @property
     def active_pressure_ratio(self) -> float:
