@@ -25,8 +25,8 @@ test: $(READY)   ## the tests: five minutes on two cores, kernels compiled anew
 test-all: $(READY) ## all tests, the slow ones too
 	$(BIN)/python -m pytest -m 'slow or not slow'
 
-soak: $(READY)   ## every promise of tests/soak put to the test for hours, into scripts/soak.md; make soak HOURS=2 JOBS=4
-	$(BIN)/python -m tests.soak --table scripts/soak.md --jobs $(JOBS) $(if $(HOURS),--hours $(HOURS))
+soak: $(READY)   ## every promise of tests/soak put to the test for hours, into tests/soak/record.md; make soak HOURS=2 JOBS=4
+	$(BIN)/python -m tests.soak --table tests/soak/record.md --jobs $(JOBS) $(if $(HOURS),--hours $(HOURS))
 
 check: $(READY)  ## ruff, mypy, import layers
 	$(BIN)/ruff check .

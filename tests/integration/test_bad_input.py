@@ -13,8 +13,8 @@ from mpmcol.case.schema import leaf_values
 from mpmcol.errors import CaseError
 from mpmcol.studies.pareto.study import load_study
 from mpmcol.units import LARGEST, SMALLEST, to_unit
-from tests.soak import case_values, command_lines, toml_bytes
-from tests.support.bad_input import judge, wrong_with_reading
+from tests.soak.trials import case_values, command_lines, mutated_files
+from tests.support.bad_input import failure_in_reading, find_failure
 from tests.support.cli import invoke
 
 pytestmark = pytest.mark.usefixtures("in_empty_folder")
@@ -27,7 +27,7 @@ def refusal(text: str) -> str:
     """What `load_case` says of a file, which it must do soon and without much memory."""
     path = Path("my.toml")
     path.write_text(text)
-    assert judge(lambda: wrong_with_reading(path)) is None
+    assert find_failure(lambda: failure_in_reading(path)) is None
     with pytest.raises(CaseError) as refused:
         load_case(path)
     return str(refused.value)
@@ -36,22 +36,22 @@ def refusal(text: str) -> str:
 # --- small draws
 
 
-@pytest.mark.parametrize(("figure", "count"), [(toml_bytes, 600), (case_values, 500), (command_lines, 60)])
-def test_a_small_draw(figure, count: int, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("trials", "count"), [(mutated_files, 600), (case_values, 500), (command_lines, 60)])
+def test_a_small_draw(trials, count: int, tmp_path: Path) -> None:
     wrong = {}
     for seed in range(count):
         folder = tmp_path / str(seed)
         folder.mkdir()
-        if found := figure.trial(seed, folder):
+        if found := trials.trial(seed, folder):
             wrong[seed] = found
     assert wrong == {}
 
 
 def test_the_draws_reach_far() -> None:
-    """A judge that sees nothing, or cases that are all refused at once, would prove nothing."""
-    assert judge(lambda: f"{1 / 0}").splitlines()[-1] == "ZeroDivisionError: division by zero"
-    assert "MemoryError" in judge(lambda: str(len(bytearray(2**31))))
-    assert "takes" in judge(_slowly)
+    """A find_failure that sees nothing, or cases that are all refused at once, would prove nothing."""
+    assert find_failure(lambda: f"{1 / 0}").splitlines()[-1] == "ZeroDivisionError: division by zero"
+    assert "MemoryError" in find_failure(lambda: str(len(bytearray(2**31))))
+    assert "takes" in find_failure(_slowly)
 
 
 def _slowly() -> None:
@@ -101,11 +101,11 @@ def test_long_texts_are_no_numbers(text: str) -> None:
         with pytest.raises(ValueError, match="not a number with a unit"):
             to_unit(text, "m")
 
-    assert judge(convert) is None
+    assert find_failure(convert) is None
     given = (["sweep", "--aspect", f"{text}:2"], *(["run", "quickstart", option, text] for option in TIMES_AND_SHARES))
     for arguments in given:
         codes: list[int] = []
-        assert judge(partial(_note_code, codes, arguments)) is None
+        assert find_failure(partial(_note_code, codes, arguments)) is None
         assert codes == [2], arguments[:-1]
 
 
@@ -144,7 +144,7 @@ def test_studies_are_read_as_cases_are(text: str) -> None:
         with pytest.raises(CaseError, match="my.toml:1: "):
             load_study("my.toml")
 
-    assert judge(load) is None
+    assert find_failure(load) is None
 
 
 def test_a_study_that_never_ends_is_refused() -> None:

@@ -17,7 +17,7 @@ from mpmcol.io.checkpoint import write_checkpoint
 from mpmcol.io.names import CHECKSUM_FILE, RESULT_FILE
 from mpmcol.io.results import Results
 from mpmcol.simulation import restart
-from tests.soak import damage, disks, writes
+from tests.soak.trials import damaged_files, failing_disks, power_loss
 from tests.support.cli import invoke, set_options
 from tests.support.faulty_disk import Disk, PowerLost
 from tests.support.runs import TINY, assert_equal_runs
@@ -119,19 +119,19 @@ def test_the_result_of_a_stopped_run_is_removed_when_it_resumes(tmp_path: Path) 
 # ------------------------------------------------------------------------------------ random trials, a few of each
 
 
-@pytest.mark.parametrize("seed", random.Random(11).sample(range(writes.COUNT), 6))
+@pytest.mark.parametrize("seed", random.Random(11).sample(range(power_loss.COUNT), 6))
 def test_loss_of_power_at_any_moment(seed: int, tmp_path: Path) -> None:
-    assert writes.trial(seed, tmp_path) is None
+    assert power_loss.trial(seed, tmp_path) is None
 
 
-@pytest.mark.parametrize("seed", random.Random(12).sample(range(disks.COUNT), 6))
+@pytest.mark.parametrize("seed", random.Random(12).sample(range(failing_disks.COUNT), 6))
 def test_any_failing_disk(seed: int, tmp_path: Path) -> None:
-    assert disks.trial(seed, tmp_path) is None
+    assert failing_disks.trial(seed, tmp_path) is None
 
 
-@pytest.mark.parametrize("seed", random.Random(13).sample(range(damage.COUNT), 25))
+@pytest.mark.parametrize("seed", random.Random(13).sample(range(damaged_files.COUNT), 25))
 def test_any_damage(seed: int, tmp_path: Path) -> None:
-    assert damage.trial(seed, tmp_path) is None
+    assert damaged_files.trial(seed, tmp_path) is None
 
 
 def test_the_simulated_disk_loses_what_was_not_synced(tmp_path: Path) -> None:

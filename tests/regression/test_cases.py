@@ -1,6 +1,6 @@
-"""Every shipped case, coarse and cut short, against its own numbers of before.
+"""Every shipped case, coarse and cut short, against stored numbers.
 
-A change of these numbers is a change of results: say why in the commit that changes them.
+A change of these numbers is a change of results: state the reason in the commit that changes them.
 """
 
 from __future__ import annotations

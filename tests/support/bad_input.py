@@ -1,4 +1,4 @@
-"""What no input may do to mpmcol: end in a traceback, take longer than a second or a gigabyte, be refused nowhere."""
+"""Checks of bad input: no traceback, no long time, no large memory, and a message with file and line or key."""
 
 from __future__ import annotations
 
@@ -21,29 +21,29 @@ from mpmcol.setup.discretization import Discretization, discretize, require_memo
 from mpmcol.setup.model import build_model
 from mpmcol.sweep.runs import PlannedRun
 
-LONGEST = 1.0  # s of CPU: of the wall's time other programs have a share
-PATIENCE = 120  # s of the wall, after which a trial hangs
-ROOM = 2**30  # bytes that a trial may take beyond what the process has
-SMALL = 20_000_000  # bytes of a scene that is built, too
-EVERYWHERE = ("nested too deeply", "larger than", "cannot be read", "no such case file")  # of no line
+LONGEST = 1.0  # s of CPU time
+PATIENCE = 120  # s of wall-clock time after which an action counts as hanging
+ROOM = 2**30  # bytes that an action may allocate
+SMALL = 20_000_000  # bytes of a model that is built for the check
+EVERYWHERE = ("nested too deeply", "larger than", "cannot be read", "no such case file")  # messages without a line
 
 
 class Hang(BaseException):
-    """No Exception, so that nobody but the judge takes it."""
+    """Raised when an action hangs; not an Exception, so that only `find_failure` catches it."""
 
 
-def judge(action: Callable[[], str | None], longest: float = LONGEST) -> str | None:
-    """Do it, and say what went wrong: what it says itself, a traceback, or too much time or memory; None if nothing."""
+def find_failure(action: Callable[[], str | None], longest: float = LONGEST) -> str | None:
+    """Execute an action; return its own report, a traceback, or that it took too long; None if it passed."""
     try:
         with _limited():
             started = time.process_time()
-            wrong = action()
+            failure = action()
             took = time.process_time() - started
     except Hang:
         return f"hangs: {PATIENCE} s"
     except Exception as bug:
         return "".join(traceback.format_exception(bug)[-4:])
-    return wrong or (f"takes {took:.1f} s" if took > longest else None)
+    return failure or (f"takes {took:.1f} s" if took > longest else None)
 
 
 @contextlib.contextmanager
@@ -64,32 +64,32 @@ def _limited() -> Iterator[None]:
         signal.signal(signal.SIGALRM, before)
 
 
-def wrong_with_reading(source: str | Path, overrides: Sequence[str] = ()) -> str | None:
-    """Do with a case what a command does before it runs it; say what is wrong with how it goes or is refused."""
+def failure_in_reading(source: str | Path, overrides: Sequence[str] = ()) -> str | None:
+    """Read and discretize a case as a command does before running it; return what is wrong with the result."""
     try:
         case = load_case(source, overrides)
     except CaseError as refused:
-        return wrong_with_refusal(refused)
+        return failure_in_refusal(refused)
     try:
         discretization = discretize(case)
         require_memory_for(discretization)
     except UsageError as refused:
-        return None if re.search(r"\b[a-z]+\.[a-z_]+\b", str(refused)) else f"names no key: {refused}"
-    return _wrong_with_case(case, discretization)
+        return None if re.search(r"\b[a-z]+\.[a-z_]+\b", str(refused)) else f"the message names no key: {refused}"
+    return _failure_in_case(case, discretization)
 
 
-def wrong_with_refusal(refused: CaseError) -> str | None:
-    """Every problem must have its place."""
-    return next(filter(None, map(_wrong_with_problem, refused.problems)), None)
+def failure_in_refusal(refused: CaseError) -> str | None:
+    """Every problem must state its file, and its line or key."""
+    return next(filter(None, map(_failure_in_problem, refused.problems)), None)
 
 
-def _wrong_with_problem(problem: Problem) -> str | None:
+def _failure_in_problem(problem: Problem) -> str | None:
     placed = problem.line or problem.key or problem.file.startswith("--set ")
-    told = problem.file and problem.message and (placed or any(part in problem.message for part in EVERYWHERE))
-    return None if told and str(problem).replace("\n", "").isprintable() else f"says {str(problem)!r}"
+    is_complete = problem.file and problem.message and (placed or any(part in problem.message for part in EVERYWHERE))
+    return None if is_complete and str(problem).replace("\n", "").isprintable() else f"the message is {str(problem)!r}"
 
 
-def _wrong_with_case(case: Case, discretization: Discretization) -> str | None:
+def _failure_in_case(case: Case, discretization: Discretization) -> str | None:
     point = PlannedRun({}, case, Path())
     sizes = (
         discretization.h,
@@ -105,12 +105,12 @@ def _wrong_with_case(case: Case, discretization: Discretization) -> str | None:
     if max(discretization.memory_bytes, discretization.grid_bytes) < SMALL:
         points = build_model(case).points
         if not (np.isfinite(points.x).all() and np.isfinite(points.sigma).all() and (points.m > 0.0).all()):
-            return "positions, stresses or masses are no numbers"
-    return _wrong_with_copy(case)
+            return "positions, stresses or masses are not finite"
+    return _failure_in_copy(case)
 
 
-def _wrong_with_copy(case: Case) -> str | None:
-    """A case must come back from its own file."""
+def _failure_in_copy(case: Case) -> str | None:
+    """A case must be read from its own resolved file unchanged."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "case.resolved.toml"
         path.write_text(resolved_toml(case), encoding="utf-8")

@@ -1,4 +1,4 @@
-"""3D deposits on the lattice of a scene, to be measured."""
+"""3D deposits of points on a regular lattice, for tests of the measurements."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Inside = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 
 
 def lattice(length: float, height: float, inside: Inside, shape: ColumnShape = QUARTER) -> np.ndarray:
-    """Points with inside(radius, y, azimuth) on the lattice of a scene."""
+    """Points with inside(radius, y, azimuth) on a lattice of spacing S."""
     along = np.arange(S / 2 - (length if shape.model == "full" else 0.0), length, S)
     grid = np.meshgrid(along, np.arange(S / 2, height, S), along, indexing="ij")
     x, y, z = (values.ravel() for values in grid)

@@ -1,7 +1,7 @@
-"""A disk that fails below one folder, by taking the place of what `os` offers for changing files.
+"""A simulated disk that fails below one folder, by replacing the functions of `os` that change files.
 
-A `Disk` counts the changes that a program makes there. It may die at one of them, as the power does: from then on
-nothing is changed any more, and what was not forced to the disk is lost. It may be full, refuse, or lose the folder.
+A `Disk` counts the changes that a program makes there. The power may fail at one of them: later changes have no effect,
+and what was not flushed to the disk is lost. The disk may also be full, refuse changes, or lose the folder.
 """
 
 from __future__ import annotations
@@ -18,15 +18,15 @@ CHANGES = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC
 
 
 class PowerLost(BaseException):
-    """The program ends here, wherever it is."""
+    """Raised where the power fails."""
 
 
 class Disk:
-    """What happens below `folder`.
+    """The disk below `folder`.
 
-    dies_at: number of the change that never comes; of a write, the first half of it does. forgets_renames: the renames
-    that the folder was not forced to the disk after are undone. room: bytes that all files may hold. refuses: the
-    error of every change from number `refuses_at` on. then: is called before change number `then_at`.
+    dies_at: number of the change at which the power fails; of a write, the first half is done. forgets_renames: undo
+    renames after which the folder was not flushed to the disk. room: bytes that all files may hold. refuses: error of
+    every change from number `refuses_at`. then: called before change number `then_at`.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -38,14 +38,14 @@ class Disk:
         self.then_at = -1
         self._opened: dict[int, Path] = {}
         self._unsynced: set[Path] = set()
-        self._renamed: list[tuple[Path, bytes | None]] = []  # and what was there before
+        self._renamed: list[tuple[Path, bytes | None]] = []  # and the previous content
         self._real = {
             name: getattr(os, name) for name in ("open", "write", "fsync", "replace", "unlink", "rmdir", "mkdir")
         }
 
     @contextmanager
     def inserted(self) -> Iterator[None]:
-        """In the place of the real one; afterwards what a death has left is on the real one."""
+        """Replace the real disk; afterwards the real one holds what a loss of power has left."""
         with ExitStack() as stack:
             stack.callback(self._lose)
             for name in self._real:
@@ -53,14 +53,14 @@ class Disk:
             yield
 
     def used(self) -> int:
-        """Bytes that all files hold."""
+        """Size of all files, in bytes."""
         return sum(path.stat().st_size for path in self.folder.rglob("*") if path.is_file())
 
     def _is_ours(self, path: Any, dir_fd: int | None = None) -> bool:
         return dir_fd is not None or (not isinstance(path, int) and self.folder in (Path(path), *Path(path).parents))
 
     def _change(self) -> bool:
-        """Count one; whether it is the one at which the disk dies."""
+        """Count a change; return whether the power fails at it."""
         if self.is_dead:
             raise PowerLost
         self.changes += 1
@@ -133,7 +133,7 @@ class Disk:
         self._real["mkdir"](path, *more, **named)
 
     def _lose(self) -> None:
-        """If it has died: what no one had forced to the disk."""
+        """After a loss of power, discard what was not flushed to the disk."""
         for path in self._unsynced if self.is_dead else ():
             if path.exists():
                 path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])

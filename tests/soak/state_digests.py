@@ -1,4 +1,4 @@
-"""`python -m tests.soak._hashes CASE FOLDER THREADS...`: digest of a run's last state for each number of threads."""
+"""`python -m tests.soak.state_digests CASE FOLDER THREADS...`: digest of the final state for each number of threads."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from numba import threading_layer
 import mpmcol
 
 
-def hashes(case: str, folder: Path, threads: list[int]) -> dict[str, str]:
-    """Number of threads -> digest of the last state; and the layer that carried the threads."""
+def state_digests(case: str, folder: Path, threads: list[int]) -> dict[str, str]:
+    """Digest of the final state for each number of threads, and the threading layer under "layer"."""
     found = {}
     for count in threads:
         results = mpmcol.run(mpmcol.load_case(case), folder / f"{count}", threads=count)
@@ -22,4 +22,4 @@ def hashes(case: str, folder: Path, threads: list[int]) -> dict[str, str]:
 
 
 if __name__ == "__main__":
-    print(json.dumps(hashes(sys.argv[1], Path(sys.argv[2]), [int(word) for word in sys.argv[3:]])))
+    print(json.dumps(state_digests(sys.argv[1], Path(sys.argv[2]), [int(word) for word in sys.argv[3:]])))

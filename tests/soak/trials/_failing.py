@@ -1,4 +1,4 @@
-"""Trials that go wrong in every way, for the tests of the frame."""
+"""Trials that fail in every way, for the tests of the runner."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ COUNT = 4
 
 
 def trial(seed: int, folder: Path) -> str | None:
-    """Well, wrong, an exception, and the death of the process."""
+    """Pass, report a failure, raise an exception, or kill the process."""
     (folder / "left behind").touch()
     if seed == 3:
         os.kill(os.getpid(), 9)
     if seed == 2:
         raise ValueError("an exception")
-    return "wrong" if seed == 1 else None
+    return "failed" if seed == 1 else None

@@ -1,4 +1,4 @@
-"""Bytes of the shipped cases and studies, mutated: every file is read, or refused with its place."""
+"""Shipped cases and studies with mutated bytes are read, or refused with file and line."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from mpmcol.case import flattened_text, key_names, shipped_cases
 from mpmcol.errors import CaseError, UsageError
 from mpmcol.studies.pareto.configurations import settings_of
 from mpmcol.studies.pareto.study import load_study, shipped_studies
-from tests.support.bad_input import judge, wrong_with_reading, wrong_with_refusal
+from tests.support.bad_input import failure_in_reading, failure_in_refusal, find_failure
 
 COUNT = 100_000
 MUTATIONS_OF_A_TRIAL = (1, 1, 1, 2, 4)
@@ -32,7 +32,7 @@ Mutation = Callable[[random.Random, bytearray], None]
 
 
 def trial(seed: int, folder: Path) -> str | None:
-    """Read one mutated file as a case, or as a study; say what went wrong."""
+    """Read one mutated file as a case, or as a study."""
     draw = random.Random(seed)
     name = draw.choice(list(_texts()))
     text = bytearray(_texts()[name])
@@ -40,28 +40,28 @@ def trial(seed: int, folder: Path) -> str | None:
         draw.choice(MUTATIONS)(draw, text)
     path = folder / "my.toml"
     path.write_bytes(text)
-    read = _wrong_with_study if name.startswith("study ") else wrong_with_reading
-    return judge(lambda: read(path))
+    read = _failure_in_study if name.startswith("study ") else failure_in_reading
+    return find_failure(lambda: read(path))
 
 
 @cache
 def _texts() -> dict[str, bytes]:
-    whole = {name: flattened_text(name).encode() for name in shipped_cases()}
+    flattened = {name: flattened_text(name).encode() for name in shipped_cases()}
     return {
-        **whole,
+        **flattened,
         **{f"file {name}": path.read_bytes() for name, path in shipped_cases().items()},
         **{f"study {name}": path.read_bytes() for name, path in shipped_studies().items()},
     }
 
 
-def _wrong_with_study(path: Path) -> str | None:
+def _failure_in_study(path: Path) -> str | None:
     try:
         for setting in islice(settings_of(load_study(str(path))), 3):
             setting.members[0].plan(path.parent)
-    except CaseError as refused:
-        return wrong_with_refusal(refused)
-    except UsageError as refused:
-        return None if "my.toml" in str(refused) else f"names no file: {refused}"
+    except CaseError as error:
+        return failure_in_refusal(error)
+    except UsageError as error:
+        return None if "my.toml" in str(error) else f"the message names no file: {error}"
     return None
 
 
@@ -95,7 +95,7 @@ def _strange(draw: random.Random, text: bytearray) -> None:
 
 
 def _number(draw: random.Random, text: bytearray) -> None:
-    """Another value behind an equals sign."""
+    """Replace the value after an equals sign."""
     places = [i + 1 for i, byte in enumerate(text) if byte == ord("=")]
     if places:
         start = draw.choice(places)
@@ -103,8 +103,8 @@ def _number(draw: random.Random, text: bytearray) -> None:
         text[start : end if end > 0 else len(text)] = b" " + draw.choice(NUMBERS)
 
 
-def _word(draw: random.Random, text: bytearray) -> None:
-    """A line with a key of the schema, or a table."""
+def _line(draw: random.Random, text: bytearray) -> None:
+    """Insert a line with a key of the schema, or a table."""
     key = draw.choice(key_names()).encode()
     lines = (b"\n%s = %s\n" % (key, draw.choice(NUMBERS)), b"\n[%s]\n" % key, b"\n[[%s]]\n" % key)
     at = text.find(b"\n", draw.randrange(len(text) + 1)) + 1
@@ -124,14 +124,14 @@ def _nest(draw: random.Random, text: bytearray) -> None:
 
 
 def _flood(draw: random.Random, text: bytearray) -> None:
-    """Very many keys, tables or items."""
+    """Append very many keys, tables or items."""
     item, count = draw.choice((b"k%d = 1\n", b"[t%d]\n", b"q.k%d = 1\n", b'"%d s",')), draw.choice((100, 2_000))
     text += b"\n" + draw.choice((b"", b"[grid]\n", b"[output]\ntimes = [\n")) + b"".join(item % i for i in range(count))
     text += draw.choice((b"", b"]", b"\n"))
 
 
-def _mark(draw: random.Random, text: bytearray) -> None:
-    """As other editors and systems write texts."""
+def _encode(draw: random.Random, text: bytearray) -> None:
+    """Encode the text, or end its lines, as other editors and systems do."""
     changed = draw.choice(
         (
             b"\xef\xbb\xbf" + text,
@@ -147,5 +147,6 @@ def _mark(draw: random.Random, text: bytearray) -> None:
 
 
 MUTATIONS: tuple[Mutation, ...] = (
-    _flip, _flip, _delete, _delete, _repeat, _splice, _strange, _strange, _number, _number, _word, _nest, _flood, _mark
+    _flip, _flip, _delete, _delete, _repeat, _splice, _strange, _strange, _number, _number, _line, _nest, _flood,
+    _encode,
 )  # fmt: skip

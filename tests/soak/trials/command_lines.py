@@ -1,6 +1,6 @@
-"""Command lines over all commands and options: every one ends with a documented exit code and a message.
+"""Command lines of all commands and options end with a documented exit code and a message.
 
-What would compute is cut off where it begins to: that costs seconds, and needs no odd words.
+Commands end where they would begin to compute: computing takes seconds, and does not depend on odd arguments.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ from click.testing import CliRunner, Result
 
 from mpmcol.case import key_names, load_case, resolved_toml, shipped_cases
 from mpmcol.cli import COMMANDS, main
-from tests.support.bad_input import LONGEST, judge
+from tests.support.bad_input import LONGEST, find_failure
 
 COUNT = 5_000
-LONGEST_PLAN = 10.0  # s of CPU: what is accepted may consist of hundreds of runs, whose cases are read
+LONGEST_PLAN = 10.0  # s of CPU time: an accepted command may read the cases of hundreds of runs
 CODES = (0, 2, 5)  # done, wrong command or case, unreadable or unwritable file
-BEGINNINGS = (
+COMPUTATIONS = (
     "mpmcol.setup.model.allocate_grid", "mpmcol.sweep.runner.execute_runs", "mpmcol.studies.runs.execute_runs",
-    "mpmcol.failure_modes.play", "mpmcol.studies.method_map.draw_map", "mpmcol.bench.measure.measure_scene",
+    "mpmcol.failure_modes.run_catalogue", "mpmcol.studies.method_map.draw_map", "mpmcol.bench.measure.measure_scene",
 )  # fmt: skip
 NUMBERS = (
     "0", "-1", "1", "3", "2.5", "1e400", "nan", "-inf", "9" * 30, "9" * 5000, "1," + "9" * 5000, "1,,2", "1,x", "٣",
@@ -35,14 +35,14 @@ NUMBERS = (
     "9" * 5000 + "x300", "0.5:7", "0.5:7/14", "7:0.5", "1:2:0", "0:1e-300:1e-308", "0.5:7/" + "9" * 5000,
     "1" * 60_000 + "z", "1" + " " * 60_000 + "z z",
 )  # fmt: skip
-WORDS = (
+TEXTS = (
     "", " ", "all", "é\u202e", "\udcff", "\x1b[31m", "x" * 5000, "geometry", "=", "a=b", "geometry.aspect",
     "geometry.aspect=", ".=1", "geometry.aspect=3", "grid.spacing=2 mm", "grid.spacing=1e-9", "geometry.aspect=1:3",
     "grid.spacing=[1", "q.q.q=1", "a" + ".a" * 2000 + "=1", "geometry" + ".a" * 40_000 + "=1", "material.law=elastic",
     "time.cfl=1,2,3", "title=" + "[" * 9000, "plane,axisymmetric", "tcp://0.0.0.0:1", "--", "-", "--help",
     "--no-such-option", "fig7", "grid-crossing", "rods",
 )  # fmt: skip
-PLACES = (
+PATHS = (
     "good.toml", "bad.toml", "binary.toml", "empty.toml", "folder", "run", "sweep", "nowhere", "nowhere/deep",
     "good.toml/x", "folder/new", "/dev", "/dev/null", "/dev/zero", "/proc/self/mem", "picture.png", "new.toml", ".",
     "..", "~", "good", "\udcff.toml",
@@ -61,27 +61,27 @@ FITTING: dict[str, tuple[str, ...]] = {
 
 
 def trial(seed: int, folder: Path) -> str | None:
-    """Give one command line; say what went wrong."""
+    """Give one command line."""
     draw = random.Random(seed)
     arguments = _arguments(draw)
-    with _prepared(folder), _cut_off():
+    with _folder_of_files(folder), _without_computations():
         _warm_up()
-        return judge(lambda: _wrong_with(arguments), LONGEST_PLAN)
+        return find_failure(lambda: _failure_of(arguments), LONGEST_PLAN)
 
 
-def _wrong_with(arguments: list[str]) -> str | None:
+def _failure_of(arguments: list[str]) -> str | None:
     started = time.process_time()
     result = _invoke(arguments)
     took = time.process_time() - started
     if result.exception and not isinstance(result.exception, SystemExit):
         raise result.exception
-    told = f"mpmcol {arguments} ends with {result.exit_code}:\n{result.output[:300]}"
+    text = f"mpmcol {arguments} ends with {result.exit_code}:\n{result.output[:300]}"
     if result.exit_code not in CODES:
         report = Path("crash-report.txt")
-        return f"{told}\n{report.read_text()[-1500:] if report.exists() else ''}"
+        return f"{text}\n{report.read_text()[-1500:] if report.exists() else ''}"
     if result.exit_code and not result.output.strip():
-        return f"{told} without a message"
-    return f"{told} after {took:.1f} s" if result.exit_code and took > LONGEST else None
+        return f"{text} without a message"
+    return f"{text} after {took:.1f} s" if result.exit_code and took > LONGEST else None
 
 
 def _invoke(arguments: list[str]) -> Result:
@@ -90,7 +90,7 @@ def _invoke(arguments: list[str]) -> Result:
 
 @cache
 def _warm_up() -> None:
-    """Import what the commands import when they are used, which takes seconds."""
+    """Import the modules that commands import when they are first used, which takes seconds."""
     for line in ("plan quickstart", "measure run", "plot run", "render run", "pareto quick", "run quickstart"):
         _invoke(line.split())
     for name in ("paper", "validate", "stability", "bench"):
@@ -98,22 +98,22 @@ def _warm_up() -> None:
 
 
 def _arguments(draw: random.Random) -> list[str]:
-    """A command, its options in any order, each with a value of some kind, and arguments of some kind."""
+    """A command with its options in any order, each with some value, and arguments."""
     name = draw.choice([*COMMANDS, "chek", ""]) if draw.random() < 0.1 else draw.choice(list(COMMANDS))
     command = main.get_command(click.Context(main), name)
-    words: list[list[str]] = []
+    parts: list[list[str]] = []
     for parameter in command.params if command else ():
         chance = 0.8 if isinstance(parameter, click.Argument) else 0.25
         while draw.random() < chance:
-            words.append(_words(draw, parameter))
+            parts.append(_part(draw, parameter))
             chance = 0.4 if parameter.multiple or parameter.nargs != 1 else 0.05
     if draw.random() < 0.1:
-        words.append([_value(draw)])
-    draw.shuffle(words)
-    return [name, *(word for part in words for word in part)]
+        parts.append([_value(draw)])
+    draw.shuffle(parts)
+    return [name, *(word for part in parts for word in part)]
 
 
-def _words(draw: random.Random, parameter: click.Parameter) -> list[str]:
+def _part(draw: random.Random, parameter: click.Parameter) -> list[str]:
     fitting = FITTING.get(parameter.name or "", ())
     if isinstance(parameter.type, click.Choice):
         fitting = tuple(parameter.type.choices)
@@ -127,14 +127,14 @@ def _words(draw: random.Random, parameter: click.Parameter) -> list[str]:
 
 
 def _value(draw: random.Random) -> str:
-    setting = f"{draw.choice(key_names())}={draw.choice(draw.choice((NUMBERS, WORDS)))}"
-    kinds = (NUMBERS, WORDS, PLACES, tuple(shipped_cases()), (setting,))
+    setting = f"{draw.choice(key_names())}={draw.choice(draw.choice((NUMBERS, TEXTS)))}"
+    kinds = (NUMBERS, TEXTS, PATHS, tuple(shipped_cases()), (setting,))
     return draw.choice(draw.choice(kinds))
 
 
 @contextlib.contextmanager
-def _prepared(folder: Path) -> Iterator[None]:
-    """Work in a folder with cases, a run and a sweep, some of them damaged."""
+def _folder_of_files(folder: Path) -> Iterator[None]:
+    """Change to a folder with cases, a run and a sweep, some of them damaged."""
     (folder / "good.toml").write_text('extends = "quickstart"\n')
     (folder / "bad.toml").write_text("[grid]\nspacng = 1\n")
     (folder / "binary.toml").write_bytes(bytes(range(256)) * 20)
@@ -152,14 +152,14 @@ def _prepared(folder: Path) -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def _cut_off() -> Iterator[None]:
-    """End every command well where it would begin to compute."""
+def _without_computations() -> Iterator[None]:
+    """End every command successfully where it would begin to compute."""
 
-    def begun(*_: object, **__: object) -> NoReturn:
+    def end_command(*_: object, **__: object) -> NoReturn:
         raise click.exceptions.Exit(0)
 
     with contextlib.ExitStack() as stack:
-        for beginning in BEGINNINGS:
-            stack.enter_context(mock.patch(beginning, begun))
+        for computation in COMPUTATIONS:
+            stack.enter_context(mock.patch(computation, end_command))
         stack.enter_context(mock.patch.dict(os.environ))
         yield

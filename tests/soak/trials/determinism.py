@@ -1,7 +1,8 @@
-"""One digest of the last state over threads, threading layers and instruction sets, for every model and every law.
+"""Equal digests of the final state for any threads, threading layer and instruction set, in every model and law.
 
-A trial is a model, a law, a layer and an instruction set, with 1 to 8 threads. Another instruction set than this
-machine's is that of code compiled for it (Numba), and of the variants that NumPy and the C library choose at run time.
+A trial is a model, a law, a threading layer and an instruction set, with 1 to 8 threads. For another instruction set
+than that of this machine, Numba compiles for another processor, and NumPy and the C library are restricted to the
+variants that this processor has.
 """
 
 from __future__ import annotations
@@ -16,10 +17,10 @@ from pathlib import Path
 
 from numpy._core._multiarray_umath import __cpu_dispatch__
 
-from tests.soak._runs import KEPT, PATIENCE, ROOT, keep
-from tests.soak.figures import PACKAGE, digest
+from tests.soak.commands import CACHE, PATIENCE, ROOT, cached_folder
+from tests.soak.runner.promise import PACKAGE, digest
 
-MODELS = {  # case, and spacing and time of the collapse, m and sqrt(h_i / g): usual ones, and ones for SLOW
+MODELS = {  # case; spacing in m and duration of the collapse in sqrt(h_i / g): usual ones, and those for SLOW
     "plane": ("lube-channel", (0.0075, 0.5), (0.015, 0.2)),
     "axisymmetric": ("lube-cylinder", (0.005, 0.5), (0.01, 0.2)),
     "quarter": ("lube-quarter", (0.0139, 0.5), (0.0194, 0.1)),
@@ -32,12 +33,12 @@ LAWS = {
     "elastic": "",
 }
 THREADS = ("1", "2", "3", "4", "8")
-# Without the instruction a fused multiply-add is a call of the C library, and a step takes some hundred times longer.
+# Without fused multiply-adds each is a call of the C library, and a step takes about a hundred times longer.
 SLOW, SLOW_THREADS = "generic", ("1", "2")
 
 
 def has_layer(pool: str) -> bool:
-    """Whether Numba finds what a threading layer needs."""
+    """Whether the library of a threading layer is installed."""
     try:
         import_module(f"numba.np.ufunc.{pool}")
     except ImportError:
@@ -46,14 +47,14 @@ def has_layer(pool: str) -> bool:
 
 
 def target(cpu: str, numpy_lacks: tuple[str, ...], libc_lacks: tuple[str, ...]) -> dict[str, str]:
-    """Environment in which a program takes this machine for an older one, by parts of names of what that lacks."""
+    """Environment variables for an older processor; the other arguments are parts of the names of what it lacks."""
     lacking = [name for name in __cpu_dispatch__ if any(part in name for part in numpy_lacks)]
     return {
         "NUMBA_CPU_NAME": cpu,
         "NUMBA_CPU_FEATURES": "",  # those of the processor of that name
         "NPY_DISABLE_CPU_FEATURES": " ".join(lacking),
         "GLIBC_TUNABLES": "glibc.cpu.hwcaps=" + ",".join(f"-{name}" for name in libc_lacks),
-        "MPMCOL_CACHE_DIR": str(KEPT / digest(PACKAGE) / "kernels"),
+        "MPMCOL_CACHE_DIR": str(CACHE / digest(PACKAGE) / "kernels"),
     }
 
 
@@ -68,24 +69,26 @@ TARGETS: dict[str, dict[str, str]] = {
 }
 CELLS = list(itertools.product(TARGETS, LAWS, LAYERS, MODELS))  # the last varies first
 COUNT = len(CELLS)
-DRAW = len(MODELS)
+SMALL_COUNT = len(MODELS)
 
 
 def trial(seed: int, folder: Path) -> str | None:
-    """One cell of the matrix against the digest that one thread of this machine gives."""
+    """Compare one cell of the matrix with the digest of one thread with the instruction set of this machine."""
     cpu, law, layer, model = CELLS[seed % COUNT]
     slow, threads = (True, SLOW_THREADS) if cpu == SLOW else (False, THREADS)
     case = case_text(model, law, slow)
-    want = json.loads((expected(f"{model}-{law}-{'slow' if slow else 'usual'}", case) / "hashes.json").read_text())["1"]
-    got = hashes(case, folder, threads, {"NUMBA_THREADING_LAYER": layer, **TARGETS[cpu]})
-    if got.pop("layer") != layer:
+    reference = json.loads(
+        (expected(f"{model}-{law}-{'slow' if slow else 'usual'}", case) / "digests.json").read_text()
+    )["1"]
+    digests = state_digests(case, folder, threads, {"NUMBA_THREADING_LAYER": layer, **TARGETS[cpu]})
+    if digests.pop("layer") != layer:
         return f"the layer {layer} was not used"
-    wrong = [count for count in threads if got[count] != want]
-    return f"{model}, {law}, {layer}, {cpu}: other bits with {', '.join(wrong)} threads" if wrong else None
+    differing = [count for count in threads if digests[count] != reference]
+    return f"{model}, {law}, {layer}, {cpu}: other bits with {', '.join(differing)} threads" if differing else None
 
 
 def case_text(model: str, law: str, slow: bool) -> str:
-    """A case file."""
+    """The case file of a trial."""
     source, usual, cheap = MODELS[model]
     spacing, tau = cheap if slow else usual
     material = f'material = {{ law = "{law}", {SOIL}{", " * bool(LAWS[law])}{LAWS[law]} }}'
@@ -99,21 +102,21 @@ def case_text(model: str, law: str, slow: bool) -> str:
 
 
 def expected(name: str, case: str) -> Path:
-    """A folder with the digest of one thread on this machine."""
+    """A folder with the digest of one thread with the instruction set of this machine."""
 
-    def make(folder: Path) -> None:
-        (folder / "hashes.json").write_text(json.dumps(hashes(case, folder, THREADS[:1], {})))
+    def fill(folder: Path) -> None:
+        (folder / "digests.json").write_text(json.dumps(state_digests(case, folder, THREADS[:1], {})))
 
-    return keep(f"hashes/{name}", make)
+    return cached_folder(f"digests/{name}", fill)
 
 
-def hashes(case: str, folder: Path, threads: tuple[str, ...], environment: dict[str, str]) -> dict[str, str]:
-    """What `_hashes` prints in a process with this environment."""
+def state_digests(case: str, folder: Path, threads: tuple[str, ...], environment: dict[str, str]) -> dict[str, str]:
+    """The output of tests.soak.state_digests in a process with these environment variables."""
     path = folder / "case.toml"
     path.write_text(case)
-    command = [sys.executable, "-m", "tests.soak._hashes", str(path), str(folder), *threads]
-    surroundings = {**os.environ, "PYTHONPATH": str(ROOT), "NUMBA_NUM_THREADS": max(threads), **environment}
-    done = subprocess.run(command, env=surroundings, capture_output=True, text=True, timeout=PATIENCE)
+    command = [sys.executable, "-m", "tests.soak.state_digests", str(path), str(folder), *threads]
+    variables = {**os.environ, "PYTHONPATH": str(ROOT), "NUMBA_NUM_THREADS": max(threads), **environment}
+    done = subprocess.run(command, env=variables, capture_output=True, text=True, timeout=PATIENCE)
     if done.returncode != 0:
         raise RuntimeError(done.stderr)
     answer: dict[str, str] = json.loads(done.stdout.splitlines()[-1])

@@ -1,6 +1,6 @@
-"""Cases with every key at its bounds, of the wrong kind or unit, enormous, tiny, or absurd though valid.
+"""Cases with values at bounds, of wrong type or unit, huge or tiny are run, or refused with a message for each key.
 
-Half of the trials only take values that keys accept by themselves, so that many reach the grid's layout.
+Half of the trials only use values that the keys accept by themselves, so that many cases are discretized.
 """
 
 from __future__ import annotations
@@ -21,26 +21,26 @@ from mpmcol.case import flattened_text, key_names, shipped_cases
 from mpmcol.case.fields import allowed, item_number, minimum, number_of, subtable, value_type
 from mpmcol.case.reference import field_at, fields_at
 from mpmcol.units import FACTORS, Number
-from tests.support.bad_input import judge, wrong_with_reading
+from tests.support.bad_input import failure_in_reading, find_failure
 
 COUNT = 20_000
-KEYS_OF_A_TRIAL, KEYS_OF_A_TAME_TRIAL = (1, 2, 4, 8), (1, 1, 2, 3)
-WRONG_KINDS = (
+KEYS_OF_A_TRIAL, KEYS_OF_A_VALID_TRIAL = (1, 2, 4, 8), (1, 1, 2, 3)
+WRONG_TYPES = (
     True, False, 0, -1, 2**63 - 1, -(2**63), math.nan, math.inf, -math.inf, "", " ", "x", "é\u202e\x1b[0m", "x" * 3000,
     [], [[]], [1, 2], ["a"], {}, {"a": {"b": 1}}, date(1979, 5, 27),
 )  # fmt: skip
-FATAL = ("extends", "schema", "material.law", "geometry.model")  # another value would break other keys
+STRUCTURAL = ("extends", "schema", "material.law", "geometry.model")  # another value makes other keys invalid
 NEAR = (-1e-9, 0.0, 1e-9)  # beside a bound
 POWERS = ((-1.0, 1.0), (-6.0, 6.0), (-29.9, 29.9), (-320.0, 308.0))  # of ten
 
 
 def trial(seed: int, folder: Path) -> str | None:
-    """Check one case, some of its values given as `--set` would; say what went wrong."""
+    """Check one case, with some of its values given as by `--set`."""
     draw = random.Random(seed)
     tables = tomllib.loads(draw.choice(_texts()))
-    tame, overrides = draw.random() < 0.5, []
-    for _ in range(draw.choice(KEYS_OF_A_TAME_TRIAL if tame else KEYS_OF_A_TRIAL)):
-        key, value = _change(draw, tables, tame)
+    only_valid, overrides = draw.random() < 0.5, []
+    for _ in range(draw.choice(KEYS_OF_A_VALID_TRIAL if only_valid else KEYS_OF_A_TRIAL)):
+        key, value = _change(draw, tables, only_valid)
         if draw.random() < 0.2:
             overrides.append(f"{key}={draw.choice((_as_toml(value), str(value)))}")
         elif value is None:
@@ -49,7 +49,7 @@ def trial(seed: int, folder: Path) -> str | None:
             _put(tables, key, value)
     path = folder / "my.toml"
     path.write_text(tomli_w.dumps(tables), encoding="utf-8")
-    return judge(lambda: wrong_with_reading(path, overrides))
+    return find_failure(lambda: failure_in_reading(path, overrides))
 
 
 @cache
@@ -57,36 +57,36 @@ def _texts() -> tuple[str, ...]:
     return tuple(flattened_text(name) for name in shipped_cases())
 
 
-def _change(draw: random.Random, tables: dict[str, Any], tame: bool) -> tuple[str, Any]:
-    """A key and its new value, None to leave it out."""
+def _change(draw: random.Random, tables: dict[str, Any], only_valid: bool) -> tuple[str, Any]:
+    """A key and its new value; None to leave the key out."""
     law = tables["material"].get("law") if isinstance(tables.get("material"), dict) else None
-    key = draw.choice([key for key in key_names() if not tame or (key not in FATAL and _is_value(key, law))])
+    key = draw.choice([key for key in key_names() if not only_valid or (key not in STRUCTURAL and _is_value(key, law))])
     path = tuple(key.split("."))
-    if not tame and draw.random() < 0.1:
+    if not only_valid and draw.random() < 0.1:
         return draw.choice((key + "s", key.upper(), f"{key}.x", path[-1], f"é.{key}")), 1
-    if not tame and draw.random() < 0.1:
+    if not only_valid and draw.random() < 0.1:
         return key, None
     values = list(_values(draw, field_at(path, law if isinstance(law, str) else "")))
-    return key, draw.choice(values if tame else [*values, *deepcopy(WRONG_KINDS)])
+    return key, draw.choice(values if only_valid else [*values, *deepcopy(WRONG_TYPES)])
 
 
 def _is_value(key: str, law: str) -> bool:
-    """Whether this is no table, and a case with that law may have it."""
+    """Whether a key is a value, not a table, in a case with this law."""
     *table, name = key.split(".")
     field = fields_at(tuple(table), law).get(name)
     return field is not None and not (subtable(field) or key in ("material", "base_material"))
 
 
 def _values(draw: random.Random, field: Any) -> Iterator[Any]:
-    """Values that a key accepts by itself, or nearly."""
+    """Values that a key accepts by itself, or almost."""
     if number := number_of(field):
         yield from (_number(draw, number) for _ in range(8))
         yield f"{_number(draw, number)!r} {draw.choice([*FACTORS, 'furlong', 'm m', '°'])}"
     elif item := item_number(field):
         yield sorted(abs(_number(draw, item)) for _ in range(draw.choice((0, 1, 3, 300))))
         yield [_number(draw, item) for _ in range(3)]
-    elif words := allowed(field):
-        yield from words
+    elif options := allowed(field):
+        yield from options
     elif value_type(field) is int:
         yield from (minimum(field) or 0, 1, 7, 10**6, 10**15)
     elif value_type(field) is bool:
@@ -96,7 +96,7 @@ def _values(draw: random.Random, field: Any) -> Iterator[Any]:
 
 
 def _number(draw: random.Random, number: Number) -> float:
-    """A number between the bounds, at them or beside, or of some power of ten."""
+    """A number between the bounds, at or beside them, or of any power of ten."""
     low = next((bound for name, bound in number.bounds.items() if name[0] == "g"), 0.0)
     high = next((bound for name, bound in number.bounds.items() if name[0] == "l"), None)
     near = [bound + step for bound in number.bounds.values() for step in NEAR]

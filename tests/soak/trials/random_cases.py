@@ -1,12 +1,12 @@
-"""Random valid cases end with a sound result, or are stopped: none completes with one that cannot be.
+"""Random valid cases end with a plausible result, or stop with an error: none completes with an impossible one.
 
-Drawn are all models, laws, bases, initial stresses and gates, angles of friction of 15 to 45 degrees, cohesions up to
-1 kPa, Young's moduli of 0.1 to 100 MPa, Poisson's ratios up to 0.49, aspect ratios of 0.2 to 35 and r_i / h of 8 to 80.
-A case that would take longer than SECONDS gets another spacing, after some tries all else too. So the draw holds few
-fine and few tall columns, of stiff material fewer still, fewer in 3D than in two dimensions, and there hardly any finer
-than r_i / h = 12.
+The draw covers all models, laws, bases, initial stresses and gates, friction angles of 15 to 45 degrees, cohesions up
+to 1 kPa, Young's moduli of 0.1 to 100 MPa, Poisson's ratios up to 0.49, aspect ratios of 0.2 to 35 and r_i / h of 8 to
+80. A case that would take longer than SECONDS gets another spacing, and after some tries all other values too. The draw
+therefore has few fine and few tall columns, fewer of stiff material and in 3D, and in 3D hardly any finer than
+r_i / h = 12.
 
-How each case ended is a line of random_cases-ends.csv beside the folders of the trials.
+The file random_cases-ends.csv beside the folders of the trials has one line for each case: how it ended.
 """
 
 from __future__ import annotations
@@ -30,38 +30,38 @@ from mpmcol.studies.definition import as_text
 from mpmcol.sweep.runs import PlannedRun
 
 COUNT = 1_000
-SECONDS = 3.0  # that a case may take on one core
-PACE = {2: 40e-9, 3: 150e-9}  # s per point and step, about
-TRIES = 10  # of a spacing with all else kept
+SECONDS = 3.0  # longest duration of a case on one core
+PACE = {2: 40e-9, 3: 150e-9}  # approximate time per point and step, s
+TRIES = 10  # number of spacings before all other values are drawn again
 RADIUS = 0.1  # m
-MOST_ZETA = 4.0  # times the runout of the experiment that runs farthest
-STRAY = 1.0  # r_i: how far lone grains may be ahead of the pile, beyond as far as the pile itself ran
+MOST_ZETA = 4.0  # times the largest runout of the experiments
+STRAY = 1.0  # r_i: distance of detached particles from the pile, in addition to the runout of the pile
 MOST_BETA = 1.1
 RESIDUAL = 1e-6  # of the energy at the release
 ENDS = "random_cases-ends.csv"
 
 
 def trial(seed: int, folder: Path) -> str | None:
-    """Run one case; say what of a completed result cannot be."""
+    """Run one case; return what is impossible in a completed result."""
     case, overrides = draw_case(random.Random(seed))
     try:
         results = run(case, folder, threads=1, fresh=True)
     except NumericalFailure as stop:
         _note(folder, seed, "stopped", f"{stop.failure['cause']}: {stop.failure['value']:.4g}", overrides)
         return None
-    wrong = "; ".join(unsound(case, results))
-    _note(folder, seed, "unsound" if wrong else "done", wrong or "; ".join(results.summary["warnings"]), overrides)
-    return f"{wrong}\nmpmcol run quickstart {' '.join(f'--set {text}' for text in overrides)}" if wrong else None
+    found = "; ".join(inconsistencies(case, results))
+    _note(folder, seed, "inconsistent" if found else "done", found or "; ".join(results.summary["warnings"]), overrides)
+    return f"{found}\nmpmcol run quickstart {' '.join(f'--set {text}' for text in overrides)}" if found else None
 
 
 def draw_case(draw: random.Random) -> tuple[Case, list[str]]:
-    """A case that is cheap enough, and its differences from the quickstart."""
+    """A case that is quick enough, and its differences from the case quickstart."""
     own: dict[str, Any] = {}
     for attempt in count():
         if attempt % TRIES == 0:
-            own = dict(_words(draw))
-            own["geometry.aspect"] = _even_in_logarithm(draw, 0.2, 35.0)
-        own["grid.spacing"] = RADIUS / round(_even_in_logarithm(draw, 8.0, 80.0))
+            own = dict(_values(draw))
+            own["geometry.aspect"] = _log_uniform(draw, 0.2, 35.0)
+        own["grid.spacing"] = RADIUS / round(_log_uniform(draw, 8.0, 80.0))
         overrides = [f"{key}={as_text(value)}" for key, value in own.items()]
         if own["grid.spacing"] < own["geometry.aspect"] * RADIUS:
             case = load_case("quickstart", overrides)
@@ -70,8 +70,8 @@ def draw_case(draw: random.Random) -> tuple[Case, list[str]]:
     raise AssertionError("unreachable")
 
 
-def _words(draw: random.Random) -> Iterator[tuple[str, Any]]:
-    """All of the case but height and spacing."""
+def _values(draw: random.Random) -> Iterator[tuple[str, Any]]:
+    """All keys of the case except height and spacing."""
     model = draw.choice(("plane", "axisymmetric", "quarter", "full"))
     yield "geometry.model", model
     yield "geometry.radius", RADIUS
@@ -90,61 +90,61 @@ def _words(draw: random.Random) -> Iterator[tuple[str, Any]]:
 
 
 def _material(draw: random.Random) -> str:
-    """As an inline table."""
+    """The material as an inline table."""
     law = draw.choice(("mohr-coulomb", "mohr-coulomb", "mohr-coulomb", "mohr-coulomb-softening", "elastic"))
-    words: dict[str, Any] = {
+    values: dict[str, Any] = {
         "law": f'"{law}"', "density": draw.uniform(1400.0, 2700.0), "poissons_ratio": draw.uniform(0.0, 0.49),
-        "youngs_modulus": _even_in_logarithm(draw, 1e5, 1e8),
+        "youngs_modulus": _log_uniform(draw, 1e5, 1e8),
     }  # fmt: skip
     friction, cohesion = draw.uniform(15.0, 45.0), draw.choice((0.0, draw.uniform(0.0, 1000.0)))
     dilatancy = draw.choice((0.0, 0.0, draw.uniform(0.0, friction / 2.0)))
     if law == "mohr-coulomb":
-        words |= {"friction_deg": friction, "dilatancy_deg": dilatancy, "cohesion": cohesion}
+        values |= {"friction_deg": friction, "dilatancy_deg": dilatancy, "cohesion": cohesion}
     if law == "mohr-coulomb-softening":
-        words |= {"friction_peak_deg": friction, "friction_residual_deg": draw.uniform(15.0, friction)}
-        words |= {"softening_rate": draw.uniform(1.0, 20.0), "cohesion": cohesion}
-    return "{ " + ", ".join(f"{word} = {value}" for word, value in words.items()) + " }"
+        values |= {"friction_peak_deg": friction, "friction_residual_deg": draw.uniform(15.0, friction)}
+        values |= {"softening_rate": draw.uniform(1.0, 20.0), "cohesion": cohesion}
+    return "{ " + ", ".join(f"{key} = {value}" for key, value in values.items()) + " }"
 
 
-def _even_in_logarithm(draw: random.Random, low: float, high: float) -> float:
+def _log_uniform(draw: random.Random, low: float, high: float) -> float:
     return math.exp(draw.uniform(math.log(low), math.log(high)))
 
 
-def unsound(case: Case, results: Results) -> Iterator[str]:
-    """What of a completed result cannot be, in words."""
+def inconsistencies(case: Case, results: Results) -> Iterator[str]:
+    """Descriptions of what is impossible in a completed result."""
     geometry, measured, history = case.geometry, results.measure(), results.history
     front = {name: measured.zeta[name] for name in ("front_max", "front_connected", "front_height")}
     if not np.isfinite([*front.values(), measured.beta]).all():
-        yield f"runout {front} and height {measured.beta} are no numbers"
+        yield f"runout {front} and height {measured.beta} are not finite"
     if not front["front_connected"] <= MOST_ZETA * expected_runout(geometry.model, geometry.a, geometry.section) + 1.0:
-        yield f"it ran {front['front_connected']:.3g} r_i far"
-    told = any("detached particles" in warning for warning in results.summary["warnings"])
-    if front["front_max"] > 2.0 * max(front["front_connected"], 0.0) + STRAY and not told:
-        yield f"grains are {front['front_max']:.3g} r_i ahead, the pile {front['front_connected']:.3g}"
+        yield f"its front is at {front['front_connected']:.3g} r_i"
+    is_reported = any("detached particles" in warning for warning in results.summary["warnings"])
+    if front["front_max"] > 2.0 * max(front["front_connected"], 0.0) + STRAY and not is_reported:
+        yield f"detached particles are at {front['front_max']:.3g} r_i, the pile at {front['front_connected']:.3g}"
     if not (0.0 < measured.beta <= MOST_BETA and history["height"].max() <= MOST_BETA * geometry.h_i):
         yield f"its height is {measured.beta:.3g} h_i, at most {history['height'].max() / geometry.h_i:.3g}"
-    yield from _unsound_ledger(history)
-    yield from _unsound_points(case, results)
+    yield from _ledger_inconsistencies(history)
+    yield from _point_inconsistencies(case, results)
 
 
-def _unsound_ledger(history: dict[str, np.ndarray]) -> Iterator[str]:
+def _ledger_inconsistencies(history: dict[str, np.ndarray]) -> Iterator[str]:
     flow = history["stage"] == "collapse"
     scale = np.ptp(history["potential"][flow]) + np.abs(history["elastic"][flow]).max()
     worst = np.abs(history["residual"][flow]).max()
     if not worst <= RESIDUAL * scale:
         yield f"{worst / scale:.2g} of the energy is unaccounted for"
     if not history["kinetic"][flow].max() <= scale * (1.0 + RESIDUAL):
-        yield "it moves with more energy than it has lost"
+        yield "its kinetic energy exceeds the energy released"
 
 
-def _unsound_points(case: Case, results: Results) -> Iterator[str]:
+def _point_inconsistencies(case: Case, results: Results) -> Iterator[str]:
     first, last = results.snapshot(0), results.snapshot(-1)
     for name in ("mass", "id"):
         if not np.array_equal(first.arrays[name], last.arrays[name]):
-            yield f"the points' {name} is not what it was"
+            yield f"the points' {name} changed"
     for name, values in last.arrays.items():
         if not np.isfinite(values).all():
-            yield f"the points' {name} are no numbers"
+            yield f"the points' {name} are not finite"
 
 
 def _note(folder: Path, seed: int, end: str, why: str, overrides: list[str]) -> None:
