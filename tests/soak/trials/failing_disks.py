@@ -56,7 +56,7 @@ def vanishing(step: int, draw: random.Random, folder: Path) -> str | None:
     run, moved, disk = folder / "run", folder / "moved", Disk(folder / "run")
     disk.then_at = draw.randrange(2, changes("new") * 3 // 4)
     disk.then = (lambda: shutil.rmtree(run)) if step % 2 else (lambda: run.rename(moved))  # type: ignore[assignment]
-    failure = run_on(disk, "was removed or replaced while the run was going", moved)
+    failure = run_on(disk, "was removed or replaced during the run", moved)
     return f"change {disk.then_at}: {failure}" if failure else None
 
 
@@ -86,7 +86,7 @@ def run_repair_rerun(run: Path, message: str, repair_disk: Callable[[], object],
     if damage := find_damage(run):
         return f"after the fault: {damage}"
     if code == 5:
-        if "the same command" not in output and (run / "case.resolved.toml").exists():
+        if "repeat the command" not in output and (run / "case.resolved.toml").exists():
             return f"the message does not state how to resume: {output}"
         code, output = command(run)
         if code:

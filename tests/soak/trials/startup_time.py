@@ -15,7 +15,7 @@ SMALL_COUNT = 1
 TRIES = 3  # of which the fastest counts
 HELP, WARM, COLD = 0.2, 2.0, 20.0  # s of CPU time
 COLD_EVERY = 5  # one of so many trials compiles its kernels
-ANNOUNCED = "preparing kernels (compiled once, then kept)"
+ANNOUNCED = "preparing kernels"
 
 
 def trial(seed: int, folder: Path) -> str | None:
