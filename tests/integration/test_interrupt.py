@@ -1,4 +1,4 @@
-"""Ctrl-C in the middle of a run: told at once, the last state kept."""
+"""Ctrl-C during a run stops it promptly with a snapshot of its state; a full disk at stdout is reported."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pathlib import Path
 from mpmcol.io.results import Results
 
 
-def test_interrupt_keeps_the_last_state(tmp_path: Path) -> None:
+def test_an_interrupt_saves_the_state(tmp_path: Path) -> None:
     folder = tmp_path / "run"
     command = [sys.executable, "-m", "mpmcol", "run", "lube-channel", "--out", str(folder), "--threads", "1"]
     with subprocess.Popen(
@@ -33,7 +33,7 @@ def test_interrupt_keeps_the_last_state(tmp_path: Path) -> None:
     assert results.snapshot(-1).stage == "stopped"
 
 
-def test_a_full_disk_behind_the_output_is_no_bug(tmp_path: Path) -> None:
+def test_a_full_disk_at_the_standard_output_is_reported(tmp_path: Path) -> None:
     command = [sys.executable, "-u", "-m", "mpmcol", "check", "quickstart"]
     with Path("/dev/full").open("w") as full:
         environment = {**os.environ, "PYTHONPATH": str(Path.cwd())}

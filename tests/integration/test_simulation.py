@@ -1,4 +1,4 @@
-"""A run as a user starts it: folder, messages, exit codes, results, and what happens when it goes wrong."""
+"""`mpmcol run`: results folder, messages, exit codes and failures."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import mpmcol
 from mpmcol.case import load_case
 from mpmcol.errors import NumericalFailure, OutputError, UsageError
 from mpmcol.io.lock import locked
-from mpmcol.io.results import HISTORY, Results
+from mpmcol.io.results import HISTORY, Results, measure_stop_time
 from mpmcol.io.snapshot import read_meta
 from mpmcol.setup.discretization import discretize, require_memory_for
 from mpmcol.setup.model import build_model
@@ -24,7 +24,7 @@ def tiny(*more: str) -> list[str]:
     return set_options((*TINY, *more))
 
 
-def test_folder_holds_everything(finished: Path) -> None:
+def test_the_results_folder_is_complete(finished: Path) -> None:
     for name in ("case.resolved.toml", "result.json", "history.csv", "run.vtkhdf", "run.vtkhdf.series"):
         assert (finished / name).is_file(), name
     results = Results(finished)
@@ -34,7 +34,7 @@ def test_folder_holds_everything(finished: Path) -> None:
     assert mpmcol.load_case(finished / "case.resolved.toml") == results.case
 
 
-def test_result_has_the_words_of_the_design(finished: Path) -> None:
+def test_the_result_has_all_keys(finished: Path) -> None:
     summary = json.loads((finished / "result.json").read_text())
     expected = {
         "schema", "status", "zeta", "front", "beta", "height", "errors", "points", "steps", "wall_s",
@@ -43,6 +43,15 @@ def test_result_has_the_words_of_the_design(finished: Path) -> None:
     assert expected <= set(summary)
     assert summary["status"] == "done"
     assert set(summary["wall_s"]) == {"compile", "equilibrate", "collapse", "output"}
+
+
+def test_the_result_equals_what_measure_computes_from_the_files(finished: Path) -> None:
+    """The final state is measured in memory, in the precision of the stored snapshot."""
+    summary, results = json.loads((finished / "result.json").read_text()), Results(finished)
+    measured = json.loads(json.dumps(results.measure().scalars()))
+    assert {name: summary[name] for name in measured} == measured
+    stop_time = measure_stop_time(results.history, results.shape.spacing, (0.09 / 9.81) ** 0.5)
+    assert summary["stop_time"] == (stop_time if summary["at_rest"] else None)
 
 
 def test_snapshots_start_undisplaced_and_move_outward(finished: Path) -> None:
@@ -60,15 +69,15 @@ def test_history_can_be_read_between_snapshots(tmp_path: Path, monkeypatch: pyte
     overrides = ["grid.spacing=0.015", "output.snapshots=1", "stages.collapse.max_time_factor=0.2"]
     folder = tmp_path / "run"
 
-    def look(stage: str, share: float) -> None:
+    def count_rows(stage: str, fraction: float) -> None:
         path = folder / "history.csv"
         lengths.append(len(path.read_text().splitlines()) if path.exists() else 0)
 
-    mpmcol.run(load_case("quickstart", overrides), folder, progress=look)
+    mpmcol.run(load_case("quickstart", overrides), folder, progress=count_rows)
     assert len(set(lengths)) > 10
 
 
-def test_history_is_in_order(finished: Path) -> None:
+def test_the_history_is_ordered_and_its_energies_balance(finished: Path) -> None:
     history = Results(finished).history
     assert tuple(history) == HISTORY
     flow = history["stage"] == "collapse"
@@ -81,7 +90,7 @@ def test_history_is_in_order(finished: Path) -> None:
     np.testing.assert_allclose(start, start[0], rtol=1e-9)
 
 
-def test_a_finished_run_is_kept(finished: Path) -> None:
+def test_a_finished_run_is_not_replaced(finished: Path) -> None:
     again = invoke("run", "quickstart", *tiny(), "--out", str(finished))
     assert again.exit_code == 2
     assert "--fresh" in again.output and "Traceback" not in again.output
@@ -90,14 +99,14 @@ def test_a_finished_run_is_kept(finished: Path) -> None:
     assert (finished / "result.json").read_bytes() == before
 
 
-def test_a_strange_folder_is_left_alone(tmp_path: Path) -> None:
+def test_a_folder_with_other_files_is_refused(tmp_path: Path) -> None:
     (tmp_path / "thesis.txt").write_text("mine")
     result = invoke("run", "quickstart", *tiny(), "--out", str(tmp_path))
     assert result.exit_code == 2
     assert (tmp_path / "thesis.txt").read_text() == "mine"
 
 
-def test_fresh_replaces_and_repeats_bit_for_bit(finished: Path, tmp_path: Path) -> None:
+def test_fresh_replaces_a_run_with_equal_bits(finished: Path, tmp_path: Path) -> None:
     case = mpmcol.load_case("quickstart", TINY)
     mpmcol.run(case, tmp_path / "a")
     first = Results(tmp_path / "a").snapshot(-1)
@@ -107,7 +116,7 @@ def test_fresh_replaces_and_repeats_bit_for_bit(finished: Path, tmp_path: Path) 
     np.testing.assert_array_equal(first.x, Results(finished).snapshot(-1).x)
 
 
-def test_fresh_leaves_no_picture_of_the_old_run(tmp_path: Path) -> None:
+def test_fresh_removes_the_charts_of_the_old_run(tmp_path: Path) -> None:
     case, pictures = mpmcol.load_case("quickstart", TINY), ("snapshot-000003.png", "front.svg", "collapse.gif")
     mpmcol.run(case, tmp_path)
     for name in (*pictures, "mine.png"):
@@ -122,7 +131,7 @@ def test_json_is_one_line(tmp_path: Path) -> None:
     assert result.stdout.count("\n") == 1
 
 
-def test_quiet_says_nothing(tmp_path: Path) -> None:
+def test_quiet_prints_nothing(tmp_path: Path) -> None:
     assert invoke("run", "quickstart", *tiny(), "--out", str(tmp_path / "a"), "--quiet").output == ""
 
 
@@ -138,7 +147,7 @@ def test_dry_run_estimates_and_writes_nothing(tmp_path: Path, monkeypatch: pytes
     assert invoke("run", "quickstart", "--set", "grid.spacng=1", "--dry-run").exit_code == 2
 
 
-def test_divergence_stops_with_place_cause_and_remedy(tmp_path: Path) -> None:
+def test_divergence_is_reported_with_position_cause_and_remedy(tmp_path: Path) -> None:
     result = invoke("run", "quickstart", *tiny("time.cfl=1.9"), "--out", str(tmp_path / "a"))
     assert result.exit_code == 3, result.output
     for word in ("stage", "step", "t =", "point", "x =", "remedy", "time.cfl"):
@@ -152,11 +161,11 @@ def test_divergence_stops_with_place_cause_and_remedy(tmp_path: Path) -> None:
     assert results.snapshot(-1).stage == "failed"
     again = invoke("run", "quickstart", *tiny("time.cfl=1.9"), "--out", str(tmp_path / "a"))
     assert again.exit_code == 3 and "is replaced" not in again.output
-    mended = invoke("run", "quickstart", *tiny(), "--out", str(tmp_path / "a"))
-    assert mended.exit_code == 0 and "note: an incomplete run of another case" in mended.output
+    corrected = invoke("run", "quickstart", *tiny(), "--out", str(tmp_path / "a"))
+    assert corrected.exit_code == 0 and "note: an incomplete run of another case" in corrected.output
 
 
-def test_material_at_the_end_of_the_domain_is_refused(tmp_path: Path) -> None:
+def test_flow_that_reaches_the_end_of_the_domain_stops_the_run(tmp_path: Path) -> None:
     case = mpmcol.load_case(
         "quickstart", [*TINY, "geometry.domain_length=0.165", "stages.collapse.max_time_factor=4.0"]
     )
@@ -166,12 +175,12 @@ def test_material_at_the_end_of_the_domain_is_refused(tmp_path: Path) -> None:
         mpmcol.run(mpmcol.load_case("quickstart", [*TINY, "geometry.domain_length=0.1"]), tmp_path / "b")
 
 
-def test_rounding_is_said(tmp_path: Path) -> None:
+def test_rounding_of_the_spacing_is_reported(tmp_path: Path) -> None:
     result = invoke("run", "quickstart", *tiny("grid.spacing=0.016"), "--out", str(tmp_path / "a"))
     assert "grid.spacing became 0.015 m (-6.25%)" in result.output
 
 
-def test_not_a_results_folder(tmp_path: Path) -> None:
+def test_a_folder_without_a_run_is_refused(tmp_path: Path) -> None:
     with pytest.raises(OutputError, match=r"expected the folder of a run"):
         Results(tmp_path)
     assert invoke("measure", str(tmp_path)).exit_code == 5
@@ -189,18 +198,18 @@ def test_lifted_gate_delays_the_front(tmp_path: Path) -> None:
     assert np.interp(0.08, t_slow, slow) < np.interp(0.08, t, gone) - 0.002
 
 
-def test_very_fast_gate_is_no_gate(tmp_path: Path) -> None:
+def test_a_very_fast_gate_equals_no_gate(tmp_path: Path) -> None:
     (_, gone, _), (_, fast, _) = fronts_of(tmp_path, "inf"), fronts_of(tmp_path, "200")
     assert fast[-1] == pytest.approx(gone[-1], abs=0.002)
 
 
-def test_slow_gate_is_not_taken_for_rest(tmp_path: Path) -> None:
+def test_a_column_behind_a_slow_gate_is_not_at_rest(tmp_path: Path) -> None:
     t, _, summary = fronts_of(tmp_path, "0.1", "stages.collapse.max_time_factor=6")
     assert t[-1] > 0.9 + 0.09  # lifted after 0.9 s
     assert summary["zeta"]["front_max"] > 0.3
 
 
-def test_snapshots_come_at_their_times(tmp_path: Path) -> None:
+def test_snapshots_are_written_at_the_given_times(tmp_path: Path) -> None:
     times = (0.01, 0.0101, 0.0105, 0.05, 3.0)
     case = mpmcol.load_case("quickstart", [*TINY, f"output.times={list(times)}"])
     results = mpmcol.run(case, tmp_path / "run")
@@ -209,7 +218,7 @@ def test_snapshots_come_at_their_times(tmp_path: Path) -> None:
     assert any("output.times" in warning for warning in results.summary["warnings"])
 
 
-def test_fresh_removes_nothing_if_the_new_case_is_refused(finished: Path) -> None:
+def test_fresh_removes_nothing_if_the_case_is_refused(finished: Path) -> None:
     before = sorted(path.name for path in finished.rglob("*"))
     result = invoke("run", "quickstart", *tiny("geometry.domain_length=0.1"), "--out", str(finished), "--fresh")
     assert result.exit_code == 2
@@ -222,13 +231,13 @@ def test_two_runs_cannot_share_a_folder(tmp_path: Path) -> None:
     assert result.exit_code == 5 and "another run is writing here" in result.output
 
 
-def test_a_failed_run_prints_its_json(tmp_path: Path) -> None:
+def test_a_failed_run_prints_its_result_as_json(tmp_path: Path) -> None:
     result = invoke("run", "quickstart", *tiny("time.cfl=1.9"), "--out", str(tmp_path / "a"), "--json")
     assert result.exit_code == 3
     assert json.loads(result.stdout)["failure"]["remedy"]
 
 
-def test_assigned_stress_replaces_loading(tmp_path: Path) -> None:
+def test_an_assigned_initial_stress_saves_steps(tmp_path: Path) -> None:
     by_gravity = mpmcol.run(mpmcol.load_case("quickstart", TINY), tmp_path / "gravity")
     assigned = mpmcol.run(mpmcol.load_case("quickstart", [*TINY, "stages.initial_stress=k0"]), tmp_path / "k0")
     assert assigned.summary["steps"] < by_gravity.summary["steps"]
@@ -237,7 +246,7 @@ def test_assigned_stress_replaces_loading(tmp_path: Path) -> None:
     )
 
 
-def test_two_sided_release_is_the_half_model(tmp_path: Path) -> None:
+def test_a_two_sided_release_equals_its_half_model(tmp_path: Path) -> None:
     runs = [
         mpmcol.run(mpmcol.load_case("quickstart", [*TINY, f"geometry.release={side}"]), tmp_path / side).summary["zeta"]
         for side in ("one-sided", "two-sided")
@@ -245,7 +254,7 @@ def test_two_sided_release_is_the_half_model(tmp_path: Path) -> None:
     assert runs[0] == runs[1]
 
 
-def test_wrong_units_are_noticed(tmp_path: Path) -> None:
+def test_implausible_units_are_reported(tmp_path: Path) -> None:
     result = invoke("run", "quickstart", *tiny("geometry.radius=90"), "--out", str(tmp_path / "a"))
     assert result.exit_code == 2 and "in mm instead of m?" in result.output
     checked = invoke("check", "quickstart", "--set", "geometry.radius=90")
@@ -257,13 +266,13 @@ def test_wrong_units_are_noticed(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "overrides", [[], ["geometry.model=full"], ["geometry.section=box", "geometry.depth=0.4"]], ids=str
 )
-def test_the_points_are_counted_before_they_are_made(overrides: list[str]) -> None:
+def test_the_estimated_number_of_points_is_an_upper_bound(overrides: list[str]) -> None:
     case = load_case("lube-quarter", ["grid.spacing=0.02", *overrides])
     made, counted = len(build_model(case).points), discretize(case).most_points
     assert made <= counted < 1.25 * made
 
 
-def test_few_points_in_a_grid_larger_than_memory_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_grid_larger_than_the_memory_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     case = load_case("lube-quarter", ["geometry.base=rigid", "geometry.domain_length=2"])
     discretization = discretize(case)
     require_memory_for(discretization)

@@ -1,4 +1,4 @@
-"""Two files written in turn, of which one is always whole."""
+"""Two files written alternately, of which one is always valid."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from mpmcol.io.checkpoint import Checkpoint, read_checkpoints, write_checkpoint
 from mpmcol.io.names import CHECKPOINT_FILES
 
 
-def state(serial: int) -> Checkpoint:
+def checkpoint(serial: int) -> Checkpoint:
     rng = np.random.default_rng(serial)
     arrays = {"rows": rng.standard_normal(50), "ids": np.arange(serial, serial + 7, dtype=np.int32)}
     return Checkpoint(serial, {"stage": "collapse", "time": 0.1 * serial, "rows": [{"a": None}]}, arrays)
@@ -23,23 +23,23 @@ def equal(one: Checkpoint, other: Checkpoint) -> bool:
     return same and (one.serial, one.values) == (other.serial, other.values)
 
 
-def test_the_latest_is_read(tmp_path: Path) -> None:
+def test_the_newest_is_read_first(tmp_path: Path) -> None:
     assert read_checkpoints(tmp_path) == ([], [])
     for serial in range(5):
-        write_checkpoint(tmp_path, state(serial))
+        write_checkpoint(tmp_path, checkpoint(serial))
         found, damaged = read_checkpoints(tmp_path)
-        assert equal(found[0], state(serial)) and len(found) == min(serial + 1, 2) and not damaged
+        assert equal(found[0], checkpoint(serial)) and len(found) == min(serial + 1, 2) and not damaged
     assert sorted(path.name for path in tmp_path.iterdir()) == list(CHECKPOINT_FILES)
 
 
 @pytest.mark.parametrize("how", ["flip", "truncate", "empty", "garbage"])
-def test_where_the_latest_is_damaged_the_one_before_is_read(how: str, tmp_path: Path) -> None:
+def test_if_the_newest_is_damaged_the_previous_one_is_read(how: str, tmp_path: Path) -> None:
     for serial in (6, 7):
-        path = write_checkpoint(tmp_path, state(serial))
+        path = write_checkpoint(tmp_path, checkpoint(serial))
     content = bytearray(path.read_bytes())
     for place in range(0, len(content), 97):
         changed = bytearray(content)
         changed[place] ^= 0x10
         path.write_bytes({"flip": changed, "truncate": content[:place], "empty": b"", "garbage": b"x" * 500}[how])
         found, damaged = read_checkpoints(tmp_path)
-        assert len(found) == 1 and equal(found[0], state(6)) and damaged == [path.name]
+        assert len(found) == 1 and equal(found[0], checkpoint(6)) and damaged == [path.name]
