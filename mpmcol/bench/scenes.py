@@ -6,8 +6,9 @@ from math import pi
 
 import numpy as np
 
+from mpmcol.mpm.boundary import hold_components
 from mpmcol.mpm.constitutive import elastic, mohr_coulomb
-from mpmcol.mpm.grid import allocate_grid, node_coordinates, set_fixed
+from mpmcol.mpm.grid import allocate_grid, node_coordinates
 from mpmcol.mpm.particles import BASE, Points
 from mpmcol.mpm.settings import Settings
 from mpmcol.mpm.solver import Body, Solver
@@ -31,7 +32,7 @@ def make_solver(model: str, points: int) -> Solver:
     x, y, *z = node_coordinates(grid)
     bottom = y == y.min()
     walls = [(x == 0.0) | (x == x.max()) | bottom, bottom, *((c == 0.0) | (c == c.max()) | bottom for c in z)]
-    set_fixed(grid, *walls)
+    hold_components(grid, *walls)
     settings = Settings(gravity_y=-GRAVITY, alpha_d=0.05, axisymmetric=model == "axisymmetric")
     column = Body(mohr_coulomb, mohr_coulomb.make_params(MATERIAL), MATERIAL.wave_speed**2)
     base = Body(elastic, elastic.make_params(MATERIAL), MATERIAL.wave_speed**2)

@@ -12,6 +12,7 @@ from typing import Any
 
 from mpmcol.bench.clock import seconds
 from mpmcol.bench.plain_loops import common, transfer_2d, transfer_3d
+from mpmcol.mpm.boundary import particle_limits
 from mpmcol.mpm.constitutive import ConstitutiveLaw
 from mpmcol.mpm.jit import driver, phase, prange, variant
 from mpmcol.mpm.kernels.grid_update import clear, update_grid
@@ -97,13 +98,13 @@ def make_plain_steps(dimension: int, column_law: ConstitutiveLaw, base_law: Cons
 def make_gather_alone(dimension: int) -> Callable[..., Any]:
     """G2P of all points without their stress."""
     transfer = TRANSFERS[dimension]
-    gather, limits, row = transfer.gather, transfer.limits, transfer.RECORD_SIZE
+    gather, row = transfer.gather, transfer.RECORD_SIZE
 
     @phase
     @variant(dimension)
     def gather_all(rows, grid, tiles, settings, dt, report):
         """Reads: nodes. Writes: rows, report. Eq. (26)-(28)."""
-        nodes, start, bounds = grid.nodes, tiles.start, limits(grid, settings)
+        nodes, start, bounds = grid.nodes, tiles.start, particle_limits(grid, settings)
         for t in prange(len(start) - 1):
             total = 0.0
             for p in range(start[t], start[t + 1]):

@@ -69,7 +69,7 @@ class Geometry(Table):
 
     @property
     def shape(self) -> str:
-        """Name of the column's geometry (mpmcol.setup.geometries)."""
+        """Name of the column's geometry (mpmcol.setup.geometry)."""
         return self.model if self.model in ("plane", "axisymmetric") else self.section
 
     @property

@@ -51,7 +51,7 @@ def bench(
     from mpmcol.bench.scenes import MODELS
     from mpmcol.io.atomic import atomic_write
     from mpmcol.mpm.jit import set_threads
-    from mpmcol.setup.discretization import BYTES_PER_POINT, require_memory
+    from mpmcol.setup.memory import BYTES_PER_POINT, require_memory
 
     most = max(points or (0,))
     require_memory(2 * most * BYTES_PER_POINT[3], f"{most:,} points, twice,", "give fewer --points")

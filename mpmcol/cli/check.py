@@ -15,7 +15,8 @@ def check(case: str, overrides: tuple[str, ...], resolved: bool) -> None:
     All problems are named at once, with file, line and key; the exit code is then 2.
     """
     from mpmcol.case import case_hash, load_case, resolved_toml
-    from mpmcol.setup.discretization import discretize, require_memory_for
+    from mpmcol.setup.discretization import discretize
+    from mpmcol.setup.memory import require_memory_for
 
     loaded = load_case(case, overrides)
     discretization = discretize(loaded)

@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 
 from mpmcol.errors import NumericalFailure
+from mpmcol.mpm.boundary import NO_SLIP, ROLLER, apply_boundaries, face
 from mpmcol.mpm.constitutive import elastic, mohr_coulomb
-from mpmcol.mpm.grid import Grid, allocate_grid, node_coordinates, set_fixed
+from mpmcol.mpm.grid import Grid, allocate_grid
 from mpmcol.mpm.lanes import ID, KIND, V0
 from mpmcol.mpm.particles import BASE, Points
 from mpmcol.mpm.settings import PAPER, Scheme, Settings
@@ -86,14 +87,15 @@ def walled_grid(
     rollers: sides that fix the normal velocity. no_slip: sides that fix all components.
     """
     grid = allocate_grid(origin, h, cells)
-    held: list[Any] = [False] * len(cells)
-    for axis, x in enumerate(node_coordinates(grid)):
-        ends = x < origin[axis] + 0.5 * h, x > origin[axis] + (cells[axis] - 0.5) * h
-        for side, nodes in zip(SIDES[axis], ends, strict=True):
-            for component in range(len(cells)):
-                if side in no_slip or (component == axis and side in rollers):
-                    held[component] = held[component] | nodes
-    set_fixed(grid, *held)
+    apply_boundaries(
+        grid,
+        (
+            face(grid, NO_SLIP if name in no_slip else ROLLER, axis, side)
+            for axis in range(len(cells))
+            for side, name in enumerate(SIDES[axis])
+            if name in no_slip or name in rollers
+        ),
+    )
     return grid
 
 

@@ -16,7 +16,8 @@ from mpmcol.errors import OutputError, UsageError
 from mpmcol.io.names import CASE_FILE, HISTORY_FILE, RESULT_FILE
 from mpmcol.io.snapshot import Snapshot, list_snapshots, read_snapshot
 from mpmcol.measure import ColumnShape, Measurement, measure, stop_time
-from mpmcol.setup.discretization import column_shape, discretize
+from mpmcol.setup.column_shape import column_shape
+from mpmcol.setup.discretization import discretize
 
 RESULT_SCHEMA = 1
 HISTORY = (

@@ -11,18 +11,17 @@ from mpmcol.mpm.particles import aligned_zeros
 
 NODE = 8  # doubles in a node's record: one cache line
 TILE = 4  # nodes along an edge of a tile: 16 or 64 nodes
-WALLS, INACTIVE = 0b000111, 0b111000  # bits of a node's mask: held by a boundary; held beside inactive points
 
 
 class Grid(NamedTuple):
     """Nodes of two or three axes (n_z = 1 in two); only tiles near material are ever touched.
 
-    The first node of an axis stands on one wall, the last on the other. Address of node (i, j, k):
+    The first and the last node of an axis stand on the faces of the domain. Address of node (i, j, k):
     ax[i] + ay[j] + az[k].
     """
 
     nodes: np.ndarray  # (n_addresses * 8,) node records
-    fixed: np.ndarray  # (n_addresses,) uint8: bits 0, 1, 2 fix v_x, v_y, v_z; so do 3, 4, 5 beside inactive points
+    fixed: np.ndarray  # (n_addresses,) uint8: mask of the held velocity components (`mpmcol.mpm.boundary`)
     ax: np.ndarray  # (n_x,) offset of column i in `nodes`, in doubles
     ay: np.ndarray  # (n_y,)
     az: np.ndarray  # (n_z,)
@@ -63,7 +62,7 @@ def tile_coordinates(tile: int, tiles: tuple[int, int, int]) -> tuple[int, int, 
 
 
 def allocate_grid(origin: tuple[float, ...], h: float, cells: tuple[int, ...]) -> Grid:
-    """A grid of `cells` cells of size `h` along two or three axes, its first node at `origin`; nothing is fixed."""
+    """A grid of `cells` cells of size `h` along two or three axes, its first node at `origin`; no node is held."""
     n = [count + 1 for count in cells] + [1] * (3 - len(cells))
     tiles, tile_doubles = [tile_count(count) for count in n], TILE ** len(cells) * NODE
     across = (tiles[1] * tiles[2], tiles[2], 1)  # tiles from one tile to the next along each axis
@@ -81,41 +80,29 @@ def allocate_grid(origin: tuple[float, ...], h: float, cells: tuple[int, ...]) -
 def node_coordinates(grid: Grid) -> tuple[np.ndarray, ...]:
     """Coordinates of the nodes along each axis, m, shaped so that they broadcast to (n_x, n_y[, n_z])."""
     first = (grid.origin_x, grid.origin_y, grid.origin_z)
-    axes = [x + grid.h * np.arange(n) for x, n in zip(first, _shape(grid), strict=False)]
+    axes = [x + grid.h * np.arange(n) for x, n in zip(first, grid_shape(grid), strict=False)]
     return tuple(np.meshgrid(*axes, indexing="ij", sparse=True))
 
 
 def node_records(grid: Grid) -> np.ndarray:
     """The records of all nodes as a copy (n_x, n_y[, n_z], 8)."""
-    blocks = _blocks(grid, grid.nodes.reshape(-1, NODE))
-    return blocks.reshape(*_padded(grid), NODE)[tuple(slice(n) for n in _shape(grid))]
+    blocks = node_blocks(grid, grid.nodes.reshape(-1, NODE))
+    return blocks.reshape(*padded_shape(grid), NODE)[tuple(slice(n) for n in grid_shape(grid))]
 
 
-def set_fixed(grid: Grid, *fixed: np.ndarray) -> None:
-    """Fix velocity components by one boolean mask an axis, each broadcastable to (n_x, n_y[, n_z]).
-
-    Nodes held beside inactive points stay held.
-    """
-    bits, shape = np.zeros(_padded(grid), np.uint8), _shape(grid)
-    for bit, mask in enumerate(fixed):
-        bits[tuple(slice(n) for n in shape)] |= np.broadcast_to(mask, shape).astype(np.uint8) << bit
-    blocks = _blocks(grid, grid.fixed)
-    blocks[:] = bits.reshape(blocks.shape) | (blocks & INACTIVE)
-
-
-def _shape(grid: Grid) -> tuple[int, ...]:
+def grid_shape(grid: Grid) -> tuple[int, ...]:
     """Nodes along each axis."""
     return (grid.n_x, grid.n_y, grid.n_z) if grid.n_z > 1 else (grid.n_x, grid.n_y)
 
 
-def _padded(grid: Grid) -> tuple[int, ...]:
+def padded_shape(grid: Grid) -> tuple[int, ...]:
     """Nodes along each axis, with those that fill the last tiles."""
-    return tuple(tile_count(n) * TILE for n in _shape(grid))
+    return tuple(tile_count(n) * TILE for n in grid_shape(grid))
 
 
-def _blocks(grid: Grid, flat: np.ndarray) -> np.ndarray:
+def node_blocks(grid: Grid, flat: np.ndarray) -> np.ndarray:
     """A view of an array of addresses as (tiles_x, 4, tiles_y, 4[, tiles_z, 4], ...)."""
-    tiles = [tile_count(n) for n in _shape(grid)]
+    tiles = [tile_count(n) for n in grid_shape(grid)]
     d = len(tiles)
     axes = [axis for k in range(d) for axis in (k, d + k)]
     blocks = flat.reshape(*tiles, *d * (TILE,), *flat.shape[1:])

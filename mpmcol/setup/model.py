@@ -1,32 +1,35 @@
-"""From a case to arrays: points, grid, walls of each stage, laws and numbers of each stage."""
+"""The model of a case: points, grid, boundaries, and the laws and parameters of each stage."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from mpmcol.case import Case
+from mpmcol.mpm.boundary import AXIS, GATE, Boundary, apply_boundaries, face
 from mpmcol.mpm.constitutive import LAWS, elastic
-from mpmcol.mpm.grid import TILE, Grid, allocate_grid, node_coordinates, set_fixed
+from mpmcol.mpm.grid import TILE, Grid, allocate_grid, node_coordinates
 from mpmcol.mpm.particles import BASE, Points
 from mpmcol.mpm.settings import Scheme, Settings
 from mpmcol.mpm.solver import Body
-from mpmcol.setup.discretization import END_CELLS, Discretization, discretize, require_memory_for
-from mpmcol.setup.geometries import GEOMETRIES
-from mpmcol.setup.stability_limit import TRANSFERS
+from mpmcol.setup.discretization import Discretization, discretize
+from mpmcol.setup.geometry import VERTICAL
+from mpmcol.setup.memory import require_memory_for
+from mpmcol.setup.stability_limit import TRANSFER_COEFFICIENTS
 from mpmcol.setup.time_step import axis_gap
 
 POSITION_FACTORS = {"trapezoid": 0.5, "paper": 1.0, "end": 0.0}
-FALL_MARGIN = 2.0  # grains that others throw ahead are faster than a free fall
-ON_NODE = 1e-6  # in h: how far a node may be from an edge and still stand on it
+FALL_MARGIN = 2.0  # particles ejected by others are faster than free fall
+ON_NODE = 1e-6  # in h: tolerance for a node to lie on an edge
 
 
 @dataclass(frozen=True)
 class StageSetup:
-    """What differs from stage to stage: the column's law, the damping, and where the base is inactive."""
+    """What differs between stages: law of the column, parameters of the method, and extent of the active base."""
 
     column: Body
     settings: Settings
@@ -35,7 +38,7 @@ class StageSetup:
 
 @dataclass(frozen=True)
 class Model:
-    """Everything a run starts from."""
+    """Initial state of a run: discretization, arrays, laws, and both stages."""
 
     discretization: Discretization
     points: Points
@@ -57,16 +60,19 @@ class Model:
 
 
 def build_model(case: Case) -> Model:
-    """Allocate and fill all arrays of a case; the gate is closed. Raises UsageError if they cannot fit."""
+    """Allocate and fill all arrays of a case, with the gate closed.
+
+    Raises UsageError if the arrays do not fit into memory or the domain is too small.
+    """
     discretization = discretize(case)
     require_memory_for(discretization)
-    grid = allocate_grid(discretization.origin, discretization.h, discretization.cells)
-    close_walls(grid, discretization, gate_opening=0.0)
-    points = fill(case, discretization)
+    points = make_points(case, discretization)
     if case.stages.initial_stress == "k0":
         assign_k0(case, discretization, points)
-    own_law, stages = case.material.law, case.stages
-    first_law = elastic if stages.equilibrate.law == "elastic" else LAWS[own_law]
+    grid = allocate_grid(discretization.origin, discretization.h, discretization.cells)
+    set_boundaries(grid, discretization, gate_opening=0.0)
+    law, stages = LAWS[case.material.law], case.stages
+    first_law = elastic if stages.equilibrate.law == "elastic" else law
     return Model(
         discretization=discretization,
         points=points,
@@ -82,11 +88,37 @@ def build_model(case: Case) -> Model:
             make_body(first_law, case.material), make_settings(case, discretization, stages.equilibrate.damping)
         ),
         collapse=StageSetup(
-            make_body(LAWS[own_law], case.material),
+            make_body(law, case.material),
             make_settings(case, discretization, stages.collapse.damping),
             active_margin(discretization) if case.method.deactivate_base else 0,
         ),
     )
+
+
+def set_boundaries(grid: Grid, discretization: Discretization, gate_opening: float) -> None:
+    """Apply all boundaries of a case to its grid, with the gate open up to `gate_opening` (m; inf: no gate)."""
+    apply_boundaries(grid, make_boundaries(grid, discretization, gate_opening))
+
+
+def make_boundaries(grid: Grid, discretization: Discretization, gate_opening: float) -> Iterator[Boundary]:
+    """The faces of the domain, the zones of open ends above the base, and the gate above the base and its opening.
+
+    The gate holds the nodes at and beyond the initial surface of the column.
+    """
+    tolerance = ON_NODE * discretization.h
+    x, y, *z = node_coordinates(grid)
+    above_base = y > tolerance
+    for axis, (low, high) in enumerate(discretization.faces):
+        for side, kind in enumerate((low, high)):
+            yield face(grid, kind, axis, side)
+            if kind.zone_cells:
+                zone = face(grid, kind, axis, side, kind.zone_cells)
+                yield zone._replace(nodes=zone.nodes & above_base)
+    closed = above_base & (y > gate_opening - tolerance)
+    horizontal_axes = [axis for axis in range(discretization.dimension) if axis != VERTICAL]
+    beyond = discretization.beyond_column((x, *z), tolerance)
+    for axis, nodes in zip(horizontal_axes, beyond, strict=True):
+        yield Boundary(GATE, axis, nodes & closed)
 
 
 def active_margin(discretization: Discretization) -> int:
@@ -100,10 +132,11 @@ def make_body(law: Any, material: Any) -> Body:
 
 
 def make_settings(case: Case, discretization: Discretization, damping: float) -> Settings:
-    """The numbers of the method from the words of [method]."""
+    """Parameters of the method from the keys of [method], for a stage with this damping."""
     method = case.method
-    taylor, flip = TRANSFERS[method.transfer]
+    taylor, flip = TRANSFER_COEFFICIENTS[method.transfer]
     return Settings(
+        gravity_x=0.0,
         gravity_y=-case.geometry.gravity,
         alpha_d=damping,
         cfl=case.time.cfl,
@@ -113,7 +146,7 @@ def make_settings(case: Case, discretization: Discretization, damping: float) ->
         wall_impulse=method.wall_impulse,
         opening_strain=method.opening_strain,
         kernel_correction=method.kernel_correction,
-        axisymmetric=GEOMETRIES[discretization.shape].AXISYMMETRIC,
+        axisymmetric=discretization.faces[0][0] == AXIS,
         axis_gap=axis_gap(case),
         open_low_sides=discretization.is_full,
         free_speed=free_speed(case.geometry.gravity, discretization.h_i + discretization.base),
@@ -122,62 +155,42 @@ def make_settings(case: Case, discretization: Discretization, damping: float) ->
 
 
 def free_speed(gravity: float, height: float) -> float:
-    """Speed that gravity can give to material that was at rest at most `height` above all else, m/s."""
+    """Upper bound, m/s, of the speed of material that falls at most `height`; faster points are checked for errors."""
     return FALL_MARGIN * math.sqrt(2.0 * gravity * height)
 
 
-def fill(case: Case, discretization: Discretization) -> Points:
-    """Points of the column, then of the base, on even lattices."""
-    size, base, dy = discretization.point_size, case.base_material, discretization.h_i / discretization.rows
-    column = _stack(discretization.column_section(), dy * (np.arange(discretization.rows) + 0.5))
-    below = _stack(
-        discretization.section(discretization.length),
-        size * (np.arange(round(discretization.base / size)) + 0.5) - discretization.base,
-    )
+def make_points(case: Case, discretization: Discretization) -> Points:
+    """Points of the column, followed by those of the base, on regular lattices."""
+    size, base, dy = discretization.point_size, discretization.base, discretization.h_i / discretization.rows
+    column = _stack(discretization.column_lattice(), dy * (np.arange(discretization.rows) + 0.5))
+    below = _stack(discretization.lattice(discretization.length), size * (np.arange(round(base / size)) + 0.5) - base)
     points = Points(len(column) + len(below), discretization.dimension)
     points.x[:] = np.concatenate([column, below])
     points.kind[len(column) :] = BASE
     area = size ** (discretization.dimension - 1)
     sizes = np.where(points.kind == BASE, area * size, area * dy)
-    points.V0[:] = GEOMETRIES[discretization.shape].volumes(sizes, points.x)
-    points.m[:] = points.V0 * np.where(points.kind == BASE, base.density, case.material.density)
+    points.V0[:] = discretization.geometry.volumes(sizes, points.x)
+    points.m[:] = points.V0 * np.where(points.kind == BASE, case.base_material.density, case.material.density)
     return points
 
 
-def _stack(places: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Points (n, d) at all heights `y` over all horizontal places (n, d - 1)."""
-    x = np.repeat(places, len(y), axis=0)
-    return np.insert(x, 1, np.tile(y, len(places)), axis=1)
+def _stack(horizontal: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Positions (n, d) at all heights `y` over all horizontal positions (n, d - 1)."""
+    x = np.repeat(horizontal, len(y), axis=0)
+    return np.insert(x, 1, np.tile(y, len(horizontal)), axis=1)
 
 
 def assign_k0(case: Case, discretization: Discretization, points: Points) -> None:
-    """Geostatic stress: vertical from the weight above, horizontal K0 times it; the base carries the column, too."""
+    """Geostatic stress: vertical from the weight above, horizontal K0 times that; the base also carries the column.
+
+    In the base, K0 = nu / (1 - nu) of confined linear elasticity.
+    """
     gravity, ratio = case.geometry.gravity, case.stages.k0
     nu = case.base_material.poissons_ratio
     x, y, *z = points.x.T
-    beyond = np.logical_or.reduce(
-        GEOMETRIES[discretization.shape].gate((x, *z), discretization.r_i, discretization.depth)
-    )
+    beyond = np.logical_or.reduce(discretization.beyond_column((x, *z)))
     is_base = points.kind == BASE
     load = np.where(beyond, 0.0, case.material.density * (discretization.h_i - np.maximum(y, 0.0)))
     vertical = -gravity * (load + np.where(is_base, case.base_material.density * -y, 0.0))
     horizontal = np.where(is_base, nu / (1.0 - nu), ratio) * vertical
     points.sigma = np.stack([horizontal, vertical, horizontal, *3 * [np.zeros_like(vertical)]], axis=1)
-
-
-def close_walls(grid: Grid, discretization: Discretization, gate_opening: float) -> None:
-    """Fix velocities: v = 0 at the floor, v normal to walls, axis, planes of symmetry and ends, and at the gate.
-
-    Above the base the ends hold END_CELLS wide, so that grains that run ahead come to rest there. The gate holds all
-    nodes at and beyond the column's surface above the base and above `gate_opening` (m, inf: none).
-    """
-    x, y, *z = node_coordinates(grid)
-    slack = ON_NODE * discretization.h
-    floor = y < -discretization.base + slack
-    horizontal = (x, *z)
-    sides = [(c < c.min() + slack) | (c > c.max() - slack) for c in horizontal]
-    ends = [(abs(c) > discretization.length - END_CELLS * discretization.h - slack) & (y > slack) for c in horizontal]
-    gate = GEOMETRIES[discretization.shape].gate(horizontal, discretization.r_i - slack, discretization.depth - slack)
-    closed = (y > slack) & (y > gate_opening - slack)
-    held = [floor | side | end | (surface & closed) for side, end, surface in zip(sides, ends, gate, strict=True)]
-    set_fixed(grid, held[0], floor, *held[1:])

@@ -1,13 +1,17 @@
-"""The largest time step that a point alone bears, from its place, its material and how it gives velocity to the nodes.
+"""Single-particle stability limit of the explicit update, as a function of position, material and transfer scheme.
 
-The stiffness of all points is the sum of one-point matrices, and so is the lumped mass; the largest frequency of any
-body is at most that of its stiffest single point (the element eigenvalue theorem). A step of one point, its stress
-updated last, maps its velocity, velocity gradient and stress linearly to the next ones; it is stable while no
-eigenvalue of that map is larger than one. Away from walls this is omega dt = 2 with the Taylor term, where
-omega^2 = eig(C B W^-1 B^T) / rho with B from the weights' gradients and W from the weights. Without the Taylor term the
-nodes know no velocity gradient, and stress follows from stress alone, sigma' = (1 - omega^2 dt^2) sigma, which is
-stable up to omega dt = sqrt(2). APIC is between them: its affine matrix answers stress by D^-1 sigma, the gradient by
-B W^-1 B^T sigma.
+The stiffness matrix of all particles is the sum of single-particle matrices, and so is the lumped mass matrix. The
+largest frequency of any body is therefore at most that of its stiffest particle (element eigenvalue theorem; Irons and
+Treharne 1971, A bound theorem in eigenvalues and its practical applications, Proc. 3rd Conf. Matrix Methods in
+Structural Mechanics). One step of a single particle, with the stress updated last, maps its velocity, velocity gradient
+and stress linearly to the next ones; it is stable while no eigenvalue of this map exceeds one in modulus.
+
+Away from walls this means omega dt <= 2 with the Taylor term, where omega^2 = eig(C B W^-1 B^T) / rho, with B from the
+gradients of the weights and W from the weights. Without the Taylor term the nodes receive no velocity gradient, so the
+stress is mapped by itself, s' = (1 - omega^2 dt^2) s, which is stable for omega dt <= sqrt(2). APIC lies in between:
+its affine matrix responds to stress by D^-1 s, where the gradient responds by B W^-1 B^T s.
+
+Lengths are in units of h, velocities in units of c, the speed of compression waves, and stresses in rho c^2.
 """
 
 from __future__ import annotations
@@ -19,32 +23,34 @@ from itertools import product
 
 import numpy as np
 
+from mpmcol.mpm.boundary import FREE, BoundaryType
 from mpmcol.mpm.shape_functions import SHAPE_FUNCTIONS
 from mpmcol.mpm.simd import splat
 
-TRANSFERS = {  # Taylor term, share of FLIP
+TRANSFER_COEFFICIENTS = {  # of the Taylor term, and of FLIP in the velocity update
     "taylor-flip": (1.0, 1.0),
     "flip": (0.0, 1.0),
     "pic": (0.0, 0.0),
     "tpic": (1.0, 0.0),
     "apic": (1.0, 0.0),
 }
-BETWEEN = 4.499  # almost half-way between two nodes, where quadratic and cubic splines are stiffest
-NODES = 10  # an axis
-FREE, SMOOTH, STICKING = "free", "smooth", "sticking"  # first nodes: as others, held across the wall, held at all
-GROWS = 1.001  # an eigenvalue beyond round-off of one
+MIDWAY = 4.499  # almost midway between two nodes, where quadratic and cubic B-splines are stiffest
+NODES = 10  # per axis
+GROWTH_LIMIT = 1.001  # modulus of an eigenvalue; one plus a margin for round-off
+TOLERANCE = 1e-4  # of the limit
 
 
 @dataclass(frozen=True)
-class LonePoint:
-    """A point at `place`, in cells from the low corner of a grid whose first nodes are what `walls` says, axis by axis.
+class SingleParticle:
+    """A particle alone in a grid.
 
-    No walls: all are free. nu: Poisson's ratio.
+    position: in cells from the low corner of the grid. nu: Poisson's ratio. faces: boundary at the first node of each
+    axis (default: all free).
     """
 
-    place: tuple[float, ...]
+    position: tuple[float, ...]
     nu: float = 0.2
-    walls: tuple[str, ...] = ()
+    faces: tuple[BoundaryType, ...] = ()
     axisymmetric: bool = False
     transfer: str = "taylor-flip"
     flip_fraction: float = 1.0
@@ -53,79 +59,85 @@ class LonePoint:
 
 
 @cache
-def one_point_bound(point: LonePoint) -> float:
-    """The largest stable dt c / h by bisection, within 1e-4; c is the speed of compression waves."""
-    one_step = _step_map(point)
+def single_particle_limit(particle: SingleParticle) -> float:
+    """The largest stable dt c / h, by bisection."""
+    one_step = _step_map(particle)
     low, high = 0.0, 2.0
-    while high - low > 1e-4:
+    while high - low > TOLERANCE:
         middle = 0.5 * (low + high)
-        stable = np.abs(np.linalg.eigvals(one_step(middle))).max() < GROWS
+        stable = np.abs(np.linalg.eigvals(one_step(middle))).max() < GROWTH_LIMIT
         low, high = (middle, high) if stable else (low, middle)
     return low
 
 
-def _step_map(point: LonePoint) -> Callable[[float], np.ndarray]:
-    """Of dt: what a step makes of velocity (d), its gradient (d d) and stress over rho c2 (xx yy zz xy yz xz); h = 1.
+def _step_map(particle: SingleParticle) -> Callable[[float], np.ndarray]:
+    """Function of dt that returns the matrix of one step.
 
-    The nodes' components stand in one row, node by node.
+    It acts on velocity (d), velocity gradient (d d) and stress (xx yy zz xy yz xz). Nodal vectors are stacked node by
+    node.
     """
-    d, (weights, slopes, place, free) = len(point.place), _nodes(point)
-    taylor, flip = TRANSFERS[point.transfer]
-    flip *= point.flip_fraction
+    d, (weights, slopes, distances, free) = len(particle.position), _nodes(particle)
+    taylor, flip = TRANSFER_COEFFICIENTS[particle.transfer]
+    flip *= particle.flip_fraction
     mean = np.hstack([w * np.eye(d) for w in weights])
     gradient, strain = _gradient(slopes), STRAIN[d] @ _gradient(slopes)
-    if point.axisymmetric:
-        strain[2] += mean[0] / point.place[0]
+    if particle.axisymmetric:
+        strain[2] += mean[0] / particle.position[0]
     velocity, stress = np.split(np.eye(d + d * d + 6), [d + d * d])
-    handed = np.vstack([np.hstack([np.eye(d), taylor * np.kron(np.eye(d), x)]) for x in place]) @ velocity
-    pushed = -(strain / np.repeat(weights, d)).T @ stress
-    if point.transfer == "apic":
-        inertia = np.linalg.inv((weights * place.T) @ place)
-        gradient = _gradient(weights[:, None] * place @ inertia)
+    nodal_velocity = np.vstack([np.hstack([np.eye(d), taylor * np.kron(np.eye(d), x)]) for x in distances]) @ velocity
+    nodal_force = -(strain / np.repeat(weights, d)).T @ stress
+    if particle.transfer == "apic":
+        inertia = np.linalg.inv((weights * distances.T) @ distances)
+        gradient = _gradient(weights[:, None] * distances @ inertia)
 
     def one_step(dt: float) -> np.ndarray:
-        moved = free * (handed + dt * pushed)
-        faster = dt * free * pushed - (1.0 - free) * handed  # walls hand on their impulse
+        updated = free * (nodal_velocity + dt * nodal_force)
+        increment = dt * free * nodal_force - (1.0 - free) * nodal_velocity  # includes the reaction of boundaries
         return np.vstack(
             [
-                flip * (velocity[:d] + mean @ faster) + (1.0 - flip) * mean @ moved,
-                gradient @ moved,
-                stress + dt * _stiffness(point.nu) @ strain @ moved,
+                flip * (velocity[:d] + mean @ increment) + (1.0 - flip) * mean @ updated,
+                gradient @ updated,
+                stress + dt * _stiffness(particle.nu) @ strain @ updated,
             ]
         )
 
     return one_step
 
 
-def _nodes(point: LonePoint) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Weights (n,), gradients (n, d) and places from the point (n, d) of its nodes; 0 where they are held (n d, 1)."""
-    d, found = len(point.place), []
-    walls = point.walls or (FREE,) * d
-    for nodes in product(*(_axis(s, point) for s in point.place)):
-        w = np.array([node[1] for node in nodes])
-        slope = [nodes[k][2] * np.delete(w, k).prod() for k in range(d)]
-        on_wall = [node[0] == 0 for node in nodes]
-        sticks = any(on and wall == STICKING for on, wall in zip(on_wall, walls, strict=True))
-        held = [sticks or (on and wall == SMOOTH) for on, wall in zip(on_wall, walls, strict=True)]
-        found.append((w.prod(), slope, np.array([node[0] for node in nodes]) - point.place, held))
-    weights, slopes, place, fixed = map(np.array, zip(*found, strict=True))
-    return weights, slopes, place, 1.0 - fixed.reshape(-1, 1)
+def _nodes(particle: SingleParticle) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Nodes in the support of the particle.
+
+    Returns weights (n,), gradients (n, d), positions relative to the particle (n, d), and 0 for held velocity
+    components, 1 for others (n d, 1).
+    """
+    d, nodes = len(particle.position), []
+    faces = particle.faces or (FREE,) * d
+    for along in product(*(_axis(s, particle) for s in particle.position)):
+        w = np.array([node[1] for node in along])
+        slope = [along[k][2] * np.delete(w, k).prod() for k in range(d)]
+        on_face = [node[0] == 0 for node in along]
+        fixed = any(on and face.holds == "all" for on, face in zip(on_face, faces, strict=True))
+        held = [fixed or (on and face.holds == "normal") for on, face in zip(on_face, faces, strict=True)]
+        nodes.append((w.prod(), slope, np.array([node[0] for node in along]) - particle.position, held))
+    weights, slopes, distances, held_components = map(np.array, zip(*nodes, strict=True))
+    return weights, slopes, distances, 1.0 - held_components.reshape(-1, 1)
 
 
-def _axis(s: float, point: LonePoint) -> list[tuple[int, float, float]]:
-    """Nodes with weight of an axis: number, weight, gradient."""
-    first, *numbers = SHAPE_FUNCTIONS[point.basis].evaluate(splat(s), splat(0.5), splat(NODES - 1.5), point.correction)
+def _axis(s: float, particle: SingleParticle) -> list[tuple[int, float, float]]:
+    """Number, weight and gradient of the nodes along one axis whose weight is not zero."""
+    evaluate = SHAPE_FUNCTIONS[particle.basis].evaluate
+    first, *numbers = evaluate(splat(s), splat(0.5), splat(NODES - 1.5), particle.correction)
     w, g = np.array(numbers)[:, 0].reshape(2, -1)
     return [(int(first[0]) + k, w[k], g[k]) for k in range(len(w)) if w[k] > 0.0]
 
 
 def _gradient(slopes: np.ndarray) -> np.ndarray:
-    """Gradient (d d, n d) of a field from the nodes' components, with slopes (n, d)."""
+    """Matrix (d d, n d) of the gradient of a nodal field, from the gradients of the weights (n, d)."""
     return np.hstack([np.kron(np.eye(slopes.shape[1]), slope[:, None]) for slope in slopes])
 
 
 def _strain_of_gradient(d: int) -> np.ndarray:
-    """Strain xx yy zz xy yz xz (engineering shear) from a velocity gradient (d d,)."""
+    """Matrix (6, d d) from a velocity gradient to strain rates xx yy zz xy yz xz (engineering shear)."""
     strain = np.zeros((6, d, d))
     for row, (a, b) in enumerate(((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))):
         if max(a, b) < d:
@@ -137,7 +149,7 @@ STRAIN = {d: _strain_of_gradient(d) for d in (2, 3)}
 
 
 def _stiffness(nu: float) -> np.ndarray:
-    """C / (rho c2) for strains xx yy zz xy yz xz, engineering shear."""
+    """Elastic stiffness (6, 6) over rho c^2, for strains xx yy zz xy yz xz (engineering shear)."""
     ratio = nu / (1.0 - nu)
     normal = np.full((3, 3), ratio) + (1.0 - ratio) * np.eye(3)
     return np.block([[normal, np.zeros((3, 3))], [np.zeros((3, 3)), 0.5 * (1.0 - ratio) * np.eye(3)]])

@@ -1,96 +1,109 @@
-"""The time step that a case asks for, beside the largest one that a point of its column bears alone."""
+"""The time step of a case, compared with the stability limit of a single particle anywhere in its column."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import product
 from math import isinf, sqrt
+from typing import NamedTuple
 
 from mpmcol.case import Case
-from mpmcol.mpm.kernels.transfer_common import WALL_GAP
+from mpmcol.mpm.boundary import AXIS, FREE, NO_SLIP, OPEN_END, BoundaryType
 from mpmcol.mpm.shape_functions import SHAPE_FUNCTIONS
-from mpmcol.setup.stability_limit import BETWEEN, FREE, SMOOTH, STICKING, TRANSFERS, LonePoint, one_point_bound
-
-AXIS_GAP = 0.2  # in h: points nearer to the axis would be too stiff for the default time step; the first start farther
-
-Nearby = tuple[float, str, str]  # place along a direction, what the first node of it is, and that in words
-WALL = "a wall"
-_BETWEEN: Nearby = (BETWEEN, FREE, "")
+from mpmcol.setup.geometry import domain_faces, points_per_axis
+from mpmcol.setup.stability_limit import MIDWAY, TRANSFER_COEFFICIENTS, SingleParticle, single_particle_limit
 
 
-def points_per_axis(case: Case) -> int:
-    """Points along each edge of a full cell."""
-    return round(case.grid.points_per_cell ** (1.0 / case.geometry.dimension))
+class Position(NamedTuple):
+    """Position of a particle along one axis, in cells, and the boundary at the first node of that axis."""
+
+    s: float
+    face: BoundaryType
+
+
+BETWEEN_NODES = Position(MIDWAY, FREE)
 
 
 def axis_gap(case: Case) -> float:
-    """How near to the axis points may come, in h: no nearer than they start."""
-    return min(AXIS_GAP, 0.5 / points_per_axis(case))
+    """Least distance of particles from the axis, in h: that of the boundary, but no more than their initial one."""
+    return min(AXIS.gap, 0.5 / points_per_axis(case))
 
 
-def case_bound(case: Case) -> tuple[float, str]:
-    """The largest time.cfl that a lone point of the column bears wherever it may come, and the place that bears least.
+def case_limit(case: Case) -> tuple[float, str]:
+    """The largest time.cfl for which a single particle of the column is stable everywhere, and its critical position.
 
-    In each direction that is between two nodes, or as near to a wall, the floor or the axis as points are kept; for the
-    linear basis a line of nodes, on which no step is small enough.
+    Along each axis the critical positions are midway between nodes, and as close to a wall, the floor or the axis as
+    particles are allowed. For linear shape functions it is a line of nodes, where no time step is stable.
     """
     if isinf(SHAPE_FUNCTIONS[case.method.basis].STIFFNESS):
         return 0.0, "on a line of nodes"
-    return min((_bound(case, nearby), _in_words(nearby)) for nearby in product(*_directions(case)))
+    return min((_limit(case, positions), _describe(positions)) for positions in product(*_critical_positions(case)))
 
 
-def _directions(case: Case) -> Iterator[tuple[Nearby, ...]]:
-    """Along x, y and, in three dimensions, z: where a lone point of the column may be."""
-    model = case.geometry.model
-    side: Nearby = (axis_gap(case), SMOOTH, "the axis") if model == "axisymmetric" else (WALL_GAP, SMOOTH, WALL)
-    sides = (_BETWEEN,) if model == "full" else (_BETWEEN, side)
-    yield sides
-    yield (_BETWEEN, (WALL_GAP, STICKING, "the floor")) if case.geometry.base == "rigid" else (_BETWEEN,)
-    if case.geometry.dimension == 3:
-        yield sides
+def _critical_positions(case: Case) -> Iterator[tuple[Position, ...]]:
+    """Along x, y and, in 3D, z. The column does not reach open ends, nor the floor below an elastic base."""
+    for low, _ in domain_faces(case):
+        if low == OPEN_END or (low == NO_SLIP and case.geometry.base == "elastic"):
+            yield (BETWEEN_NODES,)
+        else:
+            yield BETWEEN_NODES, Position(axis_gap(case) if low == AXIS else low.gap, low)
 
 
-def _bound(case: Case, nearby: tuple[Nearby, ...]) -> float:
+def _limit(case: Case, positions: tuple[Position, ...]) -> float:
     method = case.method
-    place, walls, _ = zip(*nearby, strict=True)
-    return one_point_bound(
-        LonePoint(
-            place, case.material.poissons_ratio, walls, case.geometry.model == "axisymmetric", method.transfer,
-            method.flip_fraction, method.basis, method.kernel_correction,
+    return single_particle_limit(
+        SingleParticle(
+            position=tuple(each.s for each in positions),
+            nu=case.material.poissons_ratio,
+            faces=tuple(each.face for each in positions),
+            axisymmetric=case.geometry.model == "axisymmetric",
+            transfer=method.transfer,
+            flip_fraction=method.flip_fraction,
+            basis=method.basis,
+            correction=method.kernel_correction,
         )
-    )  # fmt: skip
+    )
 
 
-def _in_words(nearby: tuple[Nearby, ...]) -> str:
-    beside = [where for _, _, where in nearby if where]
-    if beside.count(WALL) == 2:
-        beside = ["two walls", *(where for where in beside if where != WALL)]
-    return "beside " + " and ".join(beside) if beside else "half-way between nodes"
+def _describe(positions: tuple[Position, ...]) -> str:
+    names = [each.face.name for each in positions if each.face != FREE]
+    if not names:
+        return "midway between nodes"
+    several = {1: "the {}", 2: "two {}s"}
+    return "next to " + " and ".join(several[names.count(name)].format(name) for name in dict.fromkeys(names))
 
 
 def time_step_limit(case: Case) -> str:
-    """What a lone point bears in this case, in words."""
-    bound, where = case_bound(case)
-    if bound == 0.0:
-        return f'a point alone bears no step {where} of the "{case.method.basis}" basis'
-    return f"in this case a point alone bears {bound:.2f}, {where}"
+    """The stability limit of a single particle in this case, as a clause of a message."""
+    limit, where = case_limit(case)
+    if limit == 0.0:
+        return f'with method.basis = "{case.method.basis}" no time step is stable for a single particle {where}'
+    return f"a single particle is stable up to time.cfl = {limit:.2f} in this case, {where}"
 
 
 def time_step_warnings(case: Case) -> list[str]:
-    """A line if the case asks for more than a lone point bears."""
-    cfl, (bound, where) = case.time.cfl, case_bound(case)
-    if bound == 0.0:
+    """A warning if time.cfl exceeds the stability limit of a single particle."""
+    cfl, (limit, where) = case.time.cfl, case_limit(case)
+    if limit == 0.0:
         return [
-            f'method.basis = "{case.method.basis}": with time.cfl = {cfl:g} a point alone is unstable where it is '
-            f"within {_reach(case):.2g} h of a line of nodes along each axis; lower time.cfl if the run diverges"
+            f'method.basis = "{case.method.basis}": with time.cfl = {cfl:g} a single particle is unstable within '
+            f"{_unstable_distance(case):.2g} h of a line of nodes along each axis; decrease time.cfl if it diverges"
         ]
-    if cfl <= bound:
+    if cfl <= limit:
         return []
-    return [f"time.cfl = {cfl:g} exceeds {bound:.2f}, up to which a point alone is stable {where}"]
+    return [
+        f"time.cfl = {cfl:g} exceeds {limit:.2f}, the stability limit of a single particle {where}; "
+        "decrease time.cfl if the run diverges"
+    ]
 
 
-def _reach(case: Case) -> float:
-    """How near to a node hats are too steep, in h: xi of omega^2 = (1 + (d - 1) nu / (1 - nu)) / (xi (1 - xi))."""
-    nu, taylor = case.material.poissons_ratio, TRANSFERS[case.method.transfer][0]
-    sideways = (1.0 + (case.geometry.dimension - 1) * nu / (1.0 - nu)) * (1.0 if taylor else 2.0)
-    return 0.5 - 0.5 * sqrt(max(1.0 - case.time.cfl**2 * sideways, 0.0))
+def _unstable_distance(case: Case) -> float:
+    """Distance from a line of nodes, in h, within which linear shape functions are unstable for a single particle.
+
+    With weights 1 - s and s and gradients -1 and 1, in cells, omega^2 = (1 + (d - 1) nu / (1 - nu)) / (s (1 - s)) in
+    units of (c / h)^2 if s is the distance along every axis; it is solved for omega dt = 2 (sqrt(2) without the Taylor
+    term).
+    """
+    nu, taylor = case.material.poissons_ratio, TRANSFER_COEFFICIENTS[case.method.transfer][0]
+    lateral = (1.0 + (case.geometry.dimension - 1) * nu / (1.0 - nu)) * (1.0 if taylor else 2.0)
+    return 0.5 - 0.5 * sqrt(max(1.0 - case.time.cfl**2 * lateral, 0.0))

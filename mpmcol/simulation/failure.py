@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mpmcol.mpm.kernels.particle_update import column_box
+from mpmcol.mpm.boundary import column_box
 from mpmcol.mpm.kernels.stress_common import J_MAX, J_MIN
 from mpmcol.mpm.particles import COLUMN
 from mpmcol.mpm.solver import Solver

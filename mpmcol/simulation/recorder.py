@@ -23,7 +23,7 @@ from mpmcol.mpm.kernels import loop
 from mpmcol.mpm.particles import BASE, Points
 from mpmcol.mpm.solver import Solver
 from mpmcol.provenance import versions
-from mpmcol.setup.discretization import column_shape
+from mpmcol.setup.column_shape import column_shape
 from mpmcol.setup.model import Model
 from mpmcol.simulation.energy import Energies, energy_ledger, stored_energies
 

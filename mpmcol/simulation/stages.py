@@ -11,7 +11,7 @@ from mpmcol.errors import NumericalFailure
 from mpmcol.mpm.kernels import loop
 from mpmcol.mpm.lanes import ID, X
 from mpmcol.mpm.particles import BASE
-from mpmcol.setup.model import StageSetup, close_walls
+from mpmcol.setup.model import StageSetup, set_boundaries
 from mpmcol.setup.time_step import time_step_limit
 from mpmcol.simulation.failure import Failure, failure_message, failure_record, identify_failure
 from mpmcol.simulation.monitor import Observation, find_failure
@@ -203,7 +203,7 @@ class Stages:
     def _arrested_points(self) -> np.ndarray:
         """Rows of the column's points that are arrested at the ends of the domain."""
         points = self.solver.points
-        return np.flatnonzero(self.model.discretization.is_held(points.x) & (points.kind != BASE))
+        return np.flatnonzero(self.model.discretization.in_end_zone(points.x) & (points.kind != BASE))
 
     def _check_domain(self) -> None:
         """Single particles may be arrested at the ends of the domain; the flow itself must not reach them."""
@@ -217,7 +217,7 @@ class Stages:
         discretization = self.model.discretization
         if progress.gate_opening < discretization.cells_up * discretization.h:
             progress.gate_opening = speed * self.solver.time if np.isfinite(speed) else np.inf
-            close_walls(self.model.grid, discretization, progress.gate_opening)
+            set_boundaries(self.model.grid, discretization, progress.gate_opening)
 
     def _is_quiet(self) -> bool:
         """Whether grid kinetic energy and motion of the front have been small for REST_WINDOW."""

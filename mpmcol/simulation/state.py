@@ -11,10 +11,11 @@ from typing import Any
 import numpy as np
 
 from mpmcol.case import Case
-from mpmcol.mpm.grid import INACTIVE, WALLS, Tiles
+from mpmcol.mpm.boundary import inactive_nodes, set_inactive_nodes
+from mpmcol.mpm.grid import Tiles
 from mpmcol.mpm.kernels import loop
 from mpmcol.mpm.solver import Solver
-from mpmcol.setup.model import Model, close_walls
+from mpmcol.setup.model import Model, set_boundaries
 from mpmcol.simulation.progress import RunProgress
 from mpmcol.simulation.recorder import Recorder
 
@@ -95,7 +96,7 @@ class Simulation:
             clock=solver.clock,
             ledger=solver.ledger,
             initial_positions=self.recorder.initial_positions,
-            inactive=np.flatnonzero(solver.grid.fixed & INACTIVE),
+            inactive=inactive_nodes(solver.grid),
             tiles=solver.tiles,
             progress=asdict(self.progress),
             recorder=self.recorder.memory(),
@@ -107,9 +108,8 @@ class Simulation:
         self.progress = RunProgress(**deepcopy(dict(state.progress)))
         solver.points.rows[:] = state.points
         solver.clock[:], solver.ledger[:] = state.clock, state.ledger
-        close_walls(solver.grid, self.model.discretization, self.progress.gate_opening)
-        solver.grid.fixed[:] &= WALLS
-        solver.grid.fixed[state.inactive] |= INACTIVE
+        set_boundaries(solver.grid, self.model.discretization, self.progress.gate_opening)
+        set_inactive_nodes(solver.grid, state.inactive)
         solver.list_tiles(state.tiles)
         self.recorder.set_memory(state.recorder, state.initial_positions)
 

@@ -9,6 +9,7 @@ from math import ceil
 from pathlib import Path
 
 from mpmcol.io.atomic import atomic_write
+from mpmcol.setup.memory import memory_bytes
 from mpmcol.sweep.runs import PlannedRun, freeze
 from mpmcol.sweep.scheduling import BYTES_OF_PROCESS
 from mpmcol.sweep.task import run_command
@@ -46,7 +47,7 @@ def write_commands(points: Sequence[PlannedRun], threads: int, out: Path) -> lis
         name=f"mpmcol-{out.name}",
         count=len(lines),
         threads=threads,
-        megabytes=ceil(max(point.discretization.memory_bytes + BYTES_OF_PROCESS for point in ordered) / 1e6),
+        megabytes=ceil(max(memory_bytes(point.discretization) + BYTES_OF_PROCESS for point in ordered) / 1e6),
         out=out.resolve(),
     )
     atomic_write(out.resolve() / SLURM_FILE, os.fsencode(script))

@@ -21,7 +21,8 @@ from mpmcol.io.atomic import atomic_write, make_folder
 from mpmcol.io.names import GIVEN_CASE_FILE
 from mpmcol.provenance import code_version
 from mpmcol.setup.cost import durations
-from mpmcol.setup.discretization import Discretization, discretize, require_memory_for
+from mpmcol.setup.discretization import Discretization, discretize
+from mpmcol.setup.memory import require_memory_for
 from mpmcol.sweep.ranges import MOST_VALUES, Axis
 
 ASPECT = "geometry.aspect"

@@ -7,6 +7,7 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from mpmcol.setup.memory import memory_bytes
 from mpmcol.sweep.runs import PlannedRun
 
 POINTS_PER_THREAD = 10_000  # with fewer a further thread gains nothing
@@ -63,7 +64,7 @@ def allocate(
 def _fitting(points: Sequence[PlannedRun], room: float) -> int:
     """How many of the largest points fit into the memory together."""
     taken, fitting = 0.0, 0
-    for size in sorted((point.discretization.memory_bytes + BYTES_OF_PROCESS for point in points), reverse=True):
+    for size in sorted((memory_bytes(point.discretization) + BYTES_OF_PROCESS for point in points), reverse=True):
         taken += size
         fitting += taken <= room
     return fitting

@@ -14,7 +14,8 @@ from mpmcol.errors import NumericalFailure, OutputError, UsageError
 from mpmcol.io.lock import locked
 from mpmcol.io.results import HISTORY, Results, measure_stop_time
 from mpmcol.io.snapshot import read_meta
-from mpmcol.setup.discretization import discretize, require_memory_for
+from mpmcol.setup.discretization import discretize
+from mpmcol.setup.memory import grid_bytes, memory_bytes, require_memory_for
 from mpmcol.setup.model import build_model
 from tests.support.cli import invoke, set_options
 from tests.support.runs import TINY
@@ -256,9 +257,9 @@ def test_a_two_sided_release_equals_its_half_model(tmp_path: Path) -> None:
 
 def test_implausible_units_are_reported(tmp_path: Path) -> None:
     result = invoke("run", "quickstart", *tiny("geometry.radius=90"), "--out", str(tmp_path / "a"))
-    assert result.exit_code == 2 and "in mm instead of m?" in result.output
+    assert result.exit_code == 2 and "in mm instead of m" in result.output
     checked = invoke("check", "quickstart", "--set", "geometry.radius=90")
-    assert checked.exit_code == 2 and "in mm instead of m?" in checked.output
+    assert checked.exit_code == 2 and "in mm instead of m" in checked.output
     soft = invoke("run", "quickstart", *tiny("material.youngs_modulus=1e5"), "--out", str(tmp_path / "b"))
     assert "shorten by about 2.3% under its own weight" in soft.output
 
@@ -276,10 +277,10 @@ def test_a_grid_larger_than_the_memory_is_refused(monkeypatch: pytest.MonkeyPatc
     case = load_case("lube-quarter", ["geometry.base=rigid", "geometry.domain_length=2"])
     discretization = discretize(case)
     require_memory_for(discretization)
-    assert discretization.memory_bytes < discretization.grid_bytes
+    assert memory_bytes(discretization) < grid_bytes(discretization)
     monkeypatch.setattr(
-        "mpmcol.setup.discretization.os.sysconf",
-        {"SC_PHYS_PAGES": 1, "SC_PAGE_SIZE": discretization.grid_bytes - 1}.get,
+        "mpmcol.setup.memory.os.sysconf",
+        {"SC_PHYS_PAGES": 1, "SC_PAGE_SIZE": grid_bytes(discretization) - 1}.get,
     )
     with pytest.raises(UsageError, match=r"make grid\.spacing larger"):
         build_model(case)

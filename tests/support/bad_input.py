@@ -17,7 +17,8 @@ import numpy as np
 
 from mpmcol.case import Case, Problem, case_hash, load_case, resolved_toml
 from mpmcol.errors import CaseError, UsageError
-from mpmcol.setup.discretization import Discretization, discretize, require_memory_for
+from mpmcol.setup.discretization import Discretization, discretize
+from mpmcol.setup.memory import grid_bytes, memory_bytes, require_memory_for
 from mpmcol.setup.model import build_model
 from mpmcol.sweep.runs import PlannedRun
 
@@ -102,7 +103,7 @@ def _failure_in_case(case: Case, discretization: Discretization) -> str | None:
     )
     if not all(math.isfinite(size) and size > 0.0 for size in (*sizes, point.end, point.steps)):
         return f"sizes are {sizes}, the end {point.end}, steps {point.steps}"
-    if max(discretization.memory_bytes, discretization.grid_bytes) < SMALL:
+    if max(memory_bytes(discretization), grid_bytes(discretization)) < SMALL:
         points = build_model(case).points
         if not (np.isfinite(points.x).all() and np.isfinite(points.sigma).all() and (points.m > 0.0).all()):
             return "positions, stresses or masses are not finite"

@@ -18,7 +18,8 @@ from mpmcol.failure_modes.toolkit import (
     points_at,
     walled_grid,
 )
-from mpmcol.mpm.grid import node_coordinates, node_records, set_fixed
+from mpmcol.mpm.boundary import hold_components
+from mpmcol.mpm.grid import node_coordinates, node_records
 from mpmcol.mpm.kernels.grid_update import clear
 from mpmcol.mpm.kernels.transfer import TRANSFERS
 from mpmcol.mpm.kernels.transfer_common import make_p2g
@@ -89,7 +90,7 @@ def sand_behind_a_gate(cells: int, d: int, width: int = 4) -> Solver:
     grid = walled_grid((0.0,) * d, h, (width + 5, cells + 4, width + 5)[:d])
     x, y, *z = node_coordinates(grid)
     gate = [(c < 0.5 * h) | (c > (width - 0.5) * h) for c in (x, *z)]
-    set_fixed(grid, gate[0], y < 0.5 * h, *gate[1:])
+    hold_components(grid, gate[0], y < 0.5 * h, *gate[1:])
     solver = make_solver(points, grid, DAMPED)
     period = 4.0 * HEIGHT / np.sqrt(solver.bodies[COLUMN].wave_speed2)
     for stage in range(1, 51):

@@ -10,7 +10,8 @@ import pytest
 import mpmcol
 from mpmcol.errors import CaseError
 from mpmcol.failure_modes.toolkit import advance_steps, advance_to, by_id
-from mpmcol.mpm.grid import INACTIVE, NODE, TILE, Grid, set_fixed
+from mpmcol.mpm.boundary import INACTIVE_BITS, hold_components
+from mpmcol.mpm.grid import NODE, TILE, Grid
 from mpmcol.mpm.particles import COLUMN
 from mpmcol.mpm.settings import PAPER, Scheme
 from mpmcol.mpm.shape_functions import SHAPE_FUNCTIONS
@@ -73,8 +74,8 @@ def test_nodes_of_inactive_points_are_held_and_the_column_reaches_none_of_them(b
     assert solver.tiles is not None
     points, grid, size = solver.points, solver.grid, solver.grid.tile_doubles // NODE
     nodes = (solver.tiles.active[:, None] // NODE + np.arange(size)).ravel()
-    held = np.flatnonzero(grid.fixed & INACTIVE)
-    set_fixed(grid, *d * (False,))  # as when the gate is lifted
+    held = np.flatnonzero(grid.fixed & INACTIVE_BITS)
+    hold_components(grid, *d * (False,))  # as when the gate is lifted
     np.testing.assert_array_equal(np.flatnonzero(grid.fixed), held)
     touched = np.intersect1d(nodes_of(points.x[active:], grid, basis, 0.0), nodes)
     assert len(touched) and np.all(np.isin(touched, held))
@@ -87,7 +88,7 @@ def test_held_nodes_stand_still_while_the_others_fall(d: int) -> None:
     solver, _ = sorted_collapse(d, 1)
     advance_steps(solver, 1)
     assert solver.tiles is not None
-    nodes, held = solver.grid.nodes.reshape(-1, NODE), (solver.grid.fixed & INACTIVE) > 0
+    nodes, held = solver.grid.nodes.reshape(-1, NODE), (solver.grid.fixed & INACTIVE_BITS) > 0
     masses, velocities = nodes[:, 0], nodes[:, 1 : 1 + d]
     assert np.all(velocities[held] == 0.0) and np.any(masses[held] > 0.0)
     free = ~held & (masses > 0.0) & (solver.grid.fixed == 0)

@@ -13,7 +13,7 @@ from mpmcol.mpm.grid import NODE, Grid, node_coordinates
 from mpmcol.mpm.particles import BASE
 from mpmcol.mpm.solver import Solver
 from mpmcol.setup.discretization import Discretization
-from mpmcol.setup.model import Model, build_model, close_walls
+from mpmcol.setup.model import Model, build_model, set_boundaries
 from mpmcol.simulation.run import start
 from mpmcol.simulation.stages import Stages
 
@@ -98,7 +98,7 @@ def test_walls_ends_and_gate_hold_the_defined_nodes(
     section: tuple[str, ...], kind: str, base: str, opening: float
 ) -> None:
     model = model_of(kind, section, f"geometry.base={base}", "geometry.domain_length=0.3")
-    close_walls(model.grid, model.discretization, opening)
+    set_boundaries(model.grid, model.discretization, opening)
     xs, ys, zs = (axis.ravel() for axis in node_coordinates(model.grid))
     expected = [[[expected_at(x, y, z, model.discretization, opening) for z in zs] for y in ys] for x in xs]
     np.testing.assert_array_equal(held_by(model.grid), np.array(expected))
@@ -109,7 +109,7 @@ def test_the_gate_opens_from_below(section: tuple[str, ...]) -> None:
     model = model_of("full", section)
     y = node_coordinates(model.grid)[1].ravel()
     for opening in (*np.arange(0.0, HEIGHT + 3 * H, 0.005), np.inf):
-        close_walls(model.grid, model.discretization, opening)
+        set_boundaries(model.grid, model.discretization, opening)
         np.testing.assert_array_equal(gate_heights(model), y[(y > 1e-9) & (y > opening - 1e-9)])
 
 
@@ -136,7 +136,7 @@ def test_the_gate_rises_at_its_speed(section: tuple[str, ...], tmp_path: Path) -
 def opened(section: tuple[str, ...], opening: float, duration: float) -> tuple[Model, np.ndarray]:
     """The model, and the positions of its column after `duration` sqrt(h_i / g) behind a gate open up to `opening`."""
     model = model_of("quarter", section)
-    close_walls(model.grid, model.discretization, opening)
+    set_boundaries(model.grid, model.discretization, opening)
     solver = Solver(model.points, model.grid, model.collapse.settings, model.collapse.column, model.base)
     advance_to(solver, duration * model.discretization.fall_time(G))
     points = by_id(solver)

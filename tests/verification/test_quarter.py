@@ -27,7 +27,7 @@ from mpmcol.failure_modes.toolkit import (
 from mpmcol.measure import FRONTS
 from mpmcol.mpm.particles import BASE, Points
 from mpmcol.mpm.solver import Solver
-from mpmcol.setup.model import build_model, close_walls
+from mpmcol.setup.model import build_model, set_boundaries
 from tests.support.breathing_cylinder import bessel, breathing_root
 
 COARSE = ("grid.spacing=0.0194", "stages.equilibrate.law=mohr-coulomb")
@@ -56,7 +56,7 @@ def collapsed(kind: str) -> Collapsed:
     """
     case = cylinder(kind, "stages.initial_stress=k0", "stages.collapse.damping=0.0")
     model = build_model(case)
-    close_walls(model.grid, model.discretization, np.inf)
+    set_boundaries(model.grid, model.discretization, np.inf)
     solver = Solver(model.points, model.grid, model.collapse.settings, model.collapse.column, model.base)
     start = by_id(solver)
     advance_to(solver, model.discretization.fall_time(G))

@@ -25,7 +25,8 @@ from mpmcol.failure_modes.toolkit import (
     points_at,
     sand_body,
 )
-from mpmcol.mpm.grid import TILE, Grid, allocate_grid, node_coordinates, node_records, set_fixed, tile_count
+from mpmcol.mpm.boundary import hold_components
+from mpmcol.mpm.grid import TILE, Grid, allocate_grid, node_coordinates, node_records, tile_count
 from mpmcol.mpm.particles import COLUMN
 from mpmcol.mpm.solver import Solver
 
@@ -40,7 +41,7 @@ def endless_grid() -> Grid:
     grid.ax[:] = grid.ax[np.arange(grid.n_x) % PERIOD]
     _, y = node_coordinates(grid)
     floor = y < 0.5 * H
-    set_fixed(grid, floor, floor)
+    hold_components(grid, floor, floor)
     return grid
 
 

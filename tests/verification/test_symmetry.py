@@ -29,7 +29,8 @@ from mpmcol.failure_modes.toolkit import (
     sand_body,
     walled_grid,
 )
-from mpmcol.mpm.grid import node_coordinates, set_fixed
+from mpmcol.mpm.boundary import hold_components
+from mpmcol.mpm.grid import node_coordinates
 from mpmcol.mpm.particles import COLUMN, Points
 
 H, YOUNG = 0.01, 1e6
@@ -86,7 +87,7 @@ def collapsing_slab(d: int, nudge: float = 0.0) -> State:
     grid = walled_grid((0.0,) * d, H, (16, 8, 8)[:d])
     left, up, *across = node_coordinates(grid)
     floor = up < 0.5 * H
-    set_fixed(grid, floor | (left < 0.5 * H), floor, *(floor | (z < 3.5 * H) | (z > 4.5 * H) for z in across))
+    hold_components(grid, floor | (left < 0.5 * H), floor, *(floor | (z < 3.5 * H) | (z > 4.5 * H) for z in across))
     solver = make_solver(nudged(at_active_yield(x, HEIGHT), nudge), grid, DAMPED, SAND)
     advance_steps(solver, 600)
     assert 1.5 * WIDTH < solver.points.x[:, 0].max() < 13 * H

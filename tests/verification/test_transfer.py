@@ -16,8 +16,8 @@ from mpmcol.failure_modes.toolkit import (
     points_at,
     walled_grid,
 )
+from mpmcol.mpm.boundary import WALL_GAP
 from mpmcol.mpm.grid import node_coordinates, node_records
-from mpmcol.mpm.kernels.transfer_common import WALL_GAP
 from mpmcol.mpm.particles import Points
 from mpmcol.mpm.settings import PAPER, Scheme
 from mpmcol.mpm.solver import Solver

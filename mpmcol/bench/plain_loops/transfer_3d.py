@@ -7,9 +7,9 @@
 from __future__ import annotations
 
 from mpmcol.bench.plain_loops.common import PlainGrid, PlainPoints
+from mpmcol.mpm.boundary import WALL_GAP
 from mpmcol.mpm.grid import Tiles
 from mpmcol.mpm.jit import device, phase, prange
-from mpmcol.mpm.kernels.transfer_common import WALL_GAP
 from mpmcol.mpm.settings import Settings
 from mpmcol.mpm.shape_functions.quadratic import spline
 

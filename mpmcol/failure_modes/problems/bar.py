@@ -28,7 +28,7 @@ from mpmcol.failure_modes.toolkit import (
 )
 from mpmcol.mpm.kernels.loop import DT
 from mpmcol.mpm.settings import PAPER, Scheme
-from mpmcol.setup.stability_limit import TRANSFERS
+from mpmcol.setup.stability_limit import TRANSFER_COEFFICIENTS
 
 LENGTH, YOUNG, SPEED, PERIOD = 25.0, 100.0, 0.1, 10.0
 WAVE_SPEED = 10.0
@@ -56,7 +56,7 @@ def vibration(
     points.grad_v = gradient
     rollers = [side for axis, sides in enumerate(SIDES[:d]) for side in (sides[:1] if axis == along else sides)]
     grid = walled_grid((0.0,) * d, 1.0, tuple(cells), rollers=" ".join(rollers))
-    taylor, flip = TRANSFERS[transfer]
+    taylor, flip = TRANSFER_COEFFICIENTS[transfer]
     settings = WEIGHTLESS._replace(cfl=cfl, wall_impulse=False, taylor=taylor, flip_fraction=flip)
     solver = make_solver(points, grid, settings, body=elastic_body(1.0, YOUNG, 0.0), scheme=scheme)
     start = kinetic_energy(points)

@@ -24,7 +24,7 @@ from mpmcol.failure_modes.toolkit import (
 from mpmcol.mpm.particles import Points
 from mpmcol.mpm.settings import Scheme
 from mpmcol.mpm.solver import Solver
-from mpmcol.setup.stability_limit import TRANSFERS
+from mpmcol.setup.stability_limit import TRANSFER_COEFFICIENTS
 
 H, OMEGA, TURNS, NU, DENSITY = 0.1, 1.0, 3, 0.2, 1.0
 YOUNG = DENSITY * (16.7 * OMEGA) ** 2 * (1.0 + NU) * (1.0 - 2.0 * NU) / (1.0 - NU)
@@ -55,7 +55,7 @@ def spinning_disc(transfer: str, cfl: float = 0.4, exponential: bool = False) ->
     gradient = np.zeros((len(points), 3, 3))
     gradient[:, 1, 0], gradient[:, 0, 1] = OMEGA, -OMEGA
     points.grad_v = gradient
-    taylor, flip = TRANSFERS[transfer]
+    taylor, flip = TRANSFER_COEFFICIENTS[transfer]
     settings = WEIGHTLESS._replace(cfl=cfl, taylor=taylor, flip_fraction=flip, exponential_volume=exponential)
     grid, body = walled_grid((-2.0, -2.0), H, (40, 40)), elastic_body(DENSITY, YOUNG, NU)
     return make_solver(points, grid, settings, body=body, scheme=Scheme(affine=transfer == "apic"))

@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from mpmcol.failure_modes.toolkit import PLAIN, advance_to, by_id, lattice, make_solver, points_at, walled_grid
-from mpmcol.mpm.grid import node_coordinates, set_fixed
+from mpmcol.mpm.boundary import hold_components
+from mpmcol.mpm.grid import node_coordinates
 from mpmcol.mpm.particles import COLUMN, Points
 from mpmcol.mpm.solver import Solver
 
@@ -19,7 +20,7 @@ def solver_in_box(points: Points, width: int, opening_strain: bool) -> Solver:
     """A solver for sand in a smooth box, `width` cells wide."""
     grid = walled_grid((0.0, 0.0), H, (width + 6, 100))
     x, y = node_coordinates(grid)
-    set_fixed(grid, (x < 0.5 * H) | (x > (width - 0.5) * H), y < 0.5 * H)
+    hold_components(grid, (x < 0.5 * H) | (x > (width - 0.5) * H), y < 0.5 * H)
     return make_solver(points, grid, PLAIN._replace(alpha_d=0.1, opening_strain=opening_strain))
 
 

@@ -24,12 +24,12 @@ from mpmcol.failure_modes.toolkit import (
 )
 from mpmcol.mpm.particles import COLUMN
 from mpmcol.setup.model import free_speed
-from mpmcol.setup.stability_limit import BETWEEN, LonePoint
+from mpmcol.setup.stability_limit import MIDWAY, SingleParticle
 
-INCOMPRESSIBLE = LonePoint((BETWEEN,) * 3, nu=0.49)
-FLIP = LonePoint((BETWEEN,) * 3, transfer="flip")
-TAYLOR_FLIP = LonePoint((BETWEEN,) * 3)
-APIC = LonePoint((BETWEEN,) * 2, transfer="apic")
+INCOMPRESSIBLE = SingleParticle((MIDWAY,) * 3, nu=0.49)
+FLIP = SingleParticle((MIDWAY,) * 3, transfer="flip")
+TAYLOR_FLIP = SingleParticle((MIDWAY,) * 3)
+APIC = SingleParticle((MIDWAY,) * 2, transfer="apic")
 H = 0.1
 DROP = 3.15  # m: the height of a column with a = 35 and a radius of 90 mm
 FALL_SPEED = float(np.sqrt(2.0 * G * DROP))

@@ -6,13 +6,13 @@ from functools import partial
 
 from mpmcol.failure_modes.problems.single_particle import GROWN, growth, largest_stable_step
 from mpmcol.failure_modes.scenario import Scenario, Theory, Trial, failing, passing
-from mpmcol.setup.stability_limit import LonePoint, one_point_bound
+from mpmcol.setup.stability_limit import SingleParticle, single_particle_limit
 
 DEFAULT_CFL = 0.5
 
 
 def stability_scenario(
-    name: str, mechanism: str, particle: LonePoint, remedy: str, trials: tuple[Trial, ...] | None = None
+    name: str, mechanism: str, particle: SingleParticle, remedy: str, trials: tuple[Trial, ...] | None = None
 ) -> Scenario:
     """Growth of stress on both sides of the particle's stability limit, and the limit itself by bisection.
 
@@ -20,7 +20,7 @@ def stability_scenario(
     """
     theory = Theory(
         "largest stable dt c_p / h by bisection",
-        one_point_bound(particle),
+        single_particle_limit(particle),
         partial(largest_stable_step, particle),
         "derived here: eigenvalues of the update of a single particle, element eigenvalue theorem "
         "(mpmcol/setup/stability_limit.py)",
@@ -37,9 +37,9 @@ def stability_scenario(
     )
 
 
-def limit_trials(particle: LonePoint, default_passes: bool = True) -> tuple[Trial, ...]:
+def limit_trials(particle: SingleParticle, default_passes: bool = True) -> tuple[Trial, ...]:
     """Time steps 5 % above the limit, 5 % below it, and the default."""
-    limit = one_point_bound(particle)
+    limit = single_particle_limit(particle)
     above, below = 1.05 * limit, 0.95 * limit
     at_default = passing if default_passes else failing
     return (

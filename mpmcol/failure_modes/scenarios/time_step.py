@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from mpmcol.failure_modes.scenarios.single_particle import stability_scenario
-from mpmcol.setup.stability_limit import BETWEEN, FREE, SMOOTH, LonePoint
+from mpmcol.mpm.boundary import FREE, ROLLER
+from mpmcol.setup.stability_limit import MIDWAY, SingleParticle
 
 PARTICLES = {
-    "1d": (LonePoint((BETWEEN, BETWEEN), nu=0.0), "one dimension (nu = 0)"),
-    "plane": (LonePoint((BETWEEN, BETWEEN)), "plane strain"),
+    "1d": (SingleParticle((MIDWAY, MIDWAY), nu=0.0), "one dimension (nu = 0)"),
+    "plane": (SingleParticle((MIDWAY, MIDWAY)), "plane strain"),
     "axisymmetric": (
-        LonePoint((1.501, BETWEEN), axisymmetric=True, walls=(SMOOTH, FREE)),
+        SingleParticle((1.501, MIDWAY), axisymmetric=True, faces=(ROLLER, FREE)),
         "axisymmetry, 1.5 h from the axis",
     ),
-    "3d": (LonePoint((BETWEEN, BETWEEN, BETWEEN)), "three dimensions"),
+    "3d": (SingleParticle((MIDWAY, MIDWAY, MIDWAY)), "three dimensions"),
 }
 
 SCENARIOS = tuple(

@@ -11,16 +11,15 @@ from functools import partial
 from mpmcol.failure_modes.problems.single_particle import growth
 from mpmcol.failure_modes.scenario import Scenario, passing
 from mpmcol.failure_modes.scenarios.single_particle import DEFAULT_CFL, limit_trials, stability_scenario
-from mpmcol.mpm.kernels.transfer_common import WALL_GAP
-from mpmcol.setup.stability_limit import BETWEEN, FREE, SMOOTH, LonePoint
-from mpmcol.setup.time_step import AXIS_GAP
+from mpmcol.mpm.boundary import AXIS_GAP, FREE, ROLLER, WALL_GAP
+from mpmcol.setup.stability_limit import MIDWAY, SingleParticle
 
-IN_3D = (BETWEEN, BETWEEN)
-AXIS, ONE_WALL = (SMOOTH, FREE), (SMOOTH, FREE, FREE)
+IN_3D = (MIDWAY, MIDWAY)
+AXIS, ONE_WALL = (ROLLER, FREE), (ROLLER, FREE, FREE)
 DEFAULT_SUFFICES = "a particle inside a body shares the mass of its nodes and stays stable at the default"
 
 
-def _scenario(name: str, position: str, particle: LonePoint, default_passes: bool, remedy: str) -> Scenario:
+def _scenario(name: str, position: str, particle: SingleParticle, default_passes: bool, remedy: str) -> Scenario:
     """The particle at its stability limit, and within a body at the default time step."""
     in_body = partial(growth, particle, DEFAULT_CFL, neighbours=5)
     return stability_scenario(
@@ -39,27 +38,27 @@ def _scenario(name: str, position: str, particle: LonePoint, default_passes: boo
 SCENARIOS = (
     _scenario(
         "wall-one", f"{WALL_GAP} h from a smooth wall, the smallest distance that the solver allows, nu = 0.2",
-        LonePoint((WALL_GAP, *IN_3D), walls=ONE_WALL), True,
+        SingleParticle((WALL_GAP, *IN_3D), faces=ONE_WALL), True,
         "the solver keeps points 0.1 h away from walls; at 0.05 h the limit would be 0.45",
     ),
     _scenario(
         "wall-corner", f"{WALL_GAP} h from each of three smooth walls, nu = 0.3",
-        LonePoint((WALL_GAP,) * 3, nu=0.3, walls=(SMOOTH,) * 3), False,
+        SingleParticle((WALL_GAP,) * 3, nu=0.3, faces=(ROLLER,) * 3), False,
         f"time.cfl = 0.44, as the warning of a run states; {DEFAULT_SUFFICES}",
     ),
     _scenario(
         "axis-default", f"{AXIS_GAP} h from the axis, the smallest distance with four points per cell, nu = 0.2",
-        LonePoint((AXIS_GAP, BETWEEN), axisymmetric=True, walls=AXIS), True,
+        SingleParticle((AXIS_GAP, MIDWAY), axisymmetric=True, faces=AXIS), True,
         "the solver keeps points 0.2 h away from the axis; at 0.05 h the limit would be 0.28",
     ),
     _scenario(
         "axis-stiff", f"{AXIS_GAP} h from the axis, nu = 0.35",
-        LonePoint((AXIS_GAP, BETWEEN), nu=0.35, axisymmetric=True, walls=AXIS), False,
+        SingleParticle((AXIS_GAP, MIDWAY), nu=0.35, axisymmetric=True, faces=AXIS), False,
         f"time.cfl = 0.44, as the warning of a run states; {DEFAULT_SUFFICES}",
     ),
     _scenario(
         "axis-dense", "h / 8 from the axis, the first of sixteen points per cell, nu = 0.2",
-        LonePoint((0.125, BETWEEN), axisymmetric=True, walls=AXIS), False,
+        SingleParticle((0.125, MIDWAY), axisymmetric=True, faces=AXIS), False,
         f"time.cfl = 0.41, as the warning of a run states, or four points per cell; {DEFAULT_SUFFICES}",
     ),
 )  # fmt: skip

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
+from mpmcol.mpm.boundary import column_box, particle_limits, unlimited_box
 from mpmcol.mpm.constitutive import ConstitutiveLaw
-from mpmcol.mpm.grid import Grid
 from mpmcol.mpm.jit import device, phase, prange, variant
 from mpmcol.mpm.kernels import stress_2d, stress_3d
 from mpmcol.mpm.kernels.interpolation import keep_columns, make_sums, restore_columns
@@ -16,7 +16,7 @@ from mpmcol.mpm.kernels.transfer import make_transfer
 from mpmcol.mpm.kernels.transfer_common import AHEAD, prefetch_record
 from mpmcol.mpm.kernels.volumetric_averaging import make_excess
 from mpmcol.mpm.lanes import RECORD_SIZE
-from mpmcol.mpm.settings import PAPER, Scheme, Settings
+from mpmcol.mpm.settings import PAPER, Scheme
 from mpmcol.mpm.shape_functions import SHAPE_FUNCTIONS
 from mpmcol.mpm.simd import (
     LANES,
@@ -34,32 +34,8 @@ from mpmcol.mpm.simd import (
 # what a tile of points reports
 SPEED, TRAVEL, WORK, NODE_WORK, FAULT, TILE_REPORT = range(6)
 
-EDGE_CELLS = 2  # material this close to an open end of the domain stops the run
 NO_FAULT = -1.0
 STRESSES = {2: stress_2d, 3: stress_3d}
-
-
-class Box(NamedTuple):
-    """Where material may be, m: the open ends of the domain are EDGE_CELLS beyond."""
-
-    x_low: float
-    x_high: float
-    y_high: float
-    z_low: float
-    z_high: float
-
-
-@device
-def column_box(grid: Grid, settings: Settings) -> Box:
-    """The box that the column must not leave."""
-    edge, far = EDGE_CELLS * grid.h, np.inf
-    return Box(
-        grid.origin_x + edge if settings.open_low_sides else -far,
-        grid.origin_x + (grid.n_x - 1) * grid.h - edge,
-        grid.origin_y + (grid.n_y - 1) * grid.h - edge,
-        grid.origin_z + edge if settings.open_low_sides else -far,
-        grid.origin_z + (grid.n_z - 1) * grid.h - edge,
-    )
 
 
 def make_update_points(
@@ -67,7 +43,7 @@ def make_update_points(
 ) -> Callable[..., None]:
     """G2P and stress, tile by tile, with the dimension, the laws of column and base and the scheme frozen in."""
     transfer = make_transfer(dimension, scheme.basis)
-    gather, limits, row = transfer.gather, transfer.limits, transfer.RECORD_SIZE
+    gather, row = transfer.gather, transfer.RECORD_SIZE
     column_stress = make_update_stresses(dimension, column_law, scheme.volumetric_strain)
     base_stress = make_update_stresses(dimension, base_law, scheme.volumetric_strain)
     affine, kept = scheme.affine, dimension * LANES
@@ -81,8 +57,8 @@ def make_update_points(
         Reads: nodes (v~, a). Writes: rows, report (n_tiles, 5). Eq. (26)-(34), and c_p + |v_p| of Eq. (35)-(36).
         """
         nodes, start, split, cells = grid.nodes, tiles.start, tiles.split, tiles.cells
-        inside, anywhere = column_box(grid, settings), Box(-np.inf, np.inf, np.inf, -np.inf, np.inf)
-        bounds, inv_h = limits(grid, settings), 1.0 / grid.h
+        inside, anywhere = column_box(grid, settings), unlimited_box()
+        bounds, inv_h = particle_limits(grid, settings), 1.0 / grid.h
         for t in prange(len(split)):
             travel, node_work = splat(0.0), splat(0.0)
             if affine:  # the stress needs the velocity gradient in its lanes first

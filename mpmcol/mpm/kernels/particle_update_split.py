@@ -10,6 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from mpmcol.mpm.boundary import column_box, particle_limits, unlimited_box
 from mpmcol.mpm.constitutive import ConstitutiveLaw
 from mpmcol.mpm.jit import phase, prange, variant
 from mpmcol.mpm.kernels.interpolation import keep_columns, make_sums, restore_columns, set_columns
@@ -20,8 +21,6 @@ from mpmcol.mpm.kernels.particle_update import (
     SPEED,
     TRAVEL,
     WORK,
-    Box,
-    column_box,
     make_update_stresses,
 )
 from mpmcol.mpm.kernels.transfer import make_transfer
@@ -35,7 +34,7 @@ from mpmcol.mpm.simd import LANES, extract, load, maximum, splat, store, where_p
 def make_move(dimension: int, scheme: Scheme) -> Callable[..., None]:
     """G2P without stress."""
     transfer = make_transfer(dimension, scheme.basis)
-    gather, limits, row = transfer.gather, transfer.limits, transfer.RECORD_SIZE
+    gather, row = transfer.gather, transfer.RECORD_SIZE
     affine, waits = scheme.affine, scheme.stress_order == "musl"
     sums = make_sums(dimension, SHAPE_FUNCTIONS[scheme.basis], affine)
 
@@ -46,7 +45,7 @@ def make_move(dimension: int, scheme: Scheme) -> Callable[..., None]:
 
         Reads: nodes (v~, a). Writes: rows, moved, report (n_tiles, 5). Eq. (26)-(28).
         """
-        nodes, start, bounds, inv_h = grid.nodes, tiles.start, limits(grid, settings), 1.0 / grid.h
+        nodes, start, bounds, inv_h = grid.nodes, tiles.start, particle_limits(grid, settings), 1.0 / grid.h
         for t in prange(len(start) - 1):
             travel, node_work = splat(0.0), splat(0.0)
             for p in range(start[t], start[t + 1]):
@@ -89,7 +88,7 @@ def make_strain(
         Reads: nodes (v), moved. Writes: rows, report (n_tiles, 5). Eq. (28)-(34), and c_p + |v_p| of Eq. (35)-(36).
         """
         nodes, start, split, cells = grid.nodes, tiles.start, tiles.split, tiles.cells
-        inside, anywhere = column_box(grid, settings), Box(-np.inf, np.inf, np.inf, -np.inf, np.inf)
+        inside, anywhere = column_box(grid, settings), unlimited_box()
         for t in prange(len(split)):
             matrix = np.empty(kept * (start[t + 1] - start[t]))
             for p in range(start[t], start[t + 1]):

@@ -24,14 +24,13 @@ TRANSFERS: dict[int, Any] = {2: transfer_quadratic_2d, 3: transfer_quadratic_3d}
 
 @cache
 def make_transfer(dimension: int, basis: str) -> Any:
-    """What a dimension and a basis need of the transfers: `scatter`, `gather`, `limits` and `RECORD_SIZE`."""
+    """What a dimension and a basis need of the transfers: `scatter`, `gather` and `RECORD_SIZE`."""
     own = TRANSFERS[dimension]
     if basis == "quadratic":
         return own
     return SimpleNamespace(
         __name__=f"{basis}_{dimension}",
         RECORD_SIZE=own.RECORD_SIZE,
-        limits=own.limits,
         scatter=_make_scatter(dimension, SHAPE_FUNCTIONS[basis]),
         gather=_make_gather(dimension, SHAPE_FUNCTIONS[basis]),
     )

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from mpmcol.mpm.boundary import keep_within
 from mpmcol.mpm.grid import Grid, Tiles
 from mpmcol.mpm.jit import device, phase, prange, variant
 from mpmcol.mpm.settings import Settings
@@ -14,7 +15,6 @@ from mpmcol.mpm.shape_functions.quadratic import spline_lanes
 from mpmcol.mpm.simd import LANES, extract, fma, load, prefetch, splat, store, swap_halves, vector, where_positive
 
 AHEAD = 24  # points: memory answers in the time that so many take
-WALL_GAP = 0.1  # in h: a point closer to one wall would be stiffer than the default time step bears (nu up to 0.3)
 
 
 def make_p2g(transfer: Any) -> Callable[..., None]:
@@ -108,8 +108,7 @@ def move(record: Any, mean: Any, d: int, limits: Any, settings: Settings, dt: fl
     # Eq. 27
     step = fma(forces(d) * (-settings.position_factor * dt * dt), mean, forces(d) * dt * swapped)
     moved = fma(record, kept, speed_up + step)
-    held = where_positive(limits[0] - moved, limits[0], moved)
-    held = where_positive(held - limits[1], limits[1], held)
+    held = keep_within(moved, limits)
     pull = vector(0.0, 0.0, 0.0, 0.0, settings.gravity_x, settings.gravity_y, settings.gravity_z, 0.0)
     return held, step, extract(record, 0) * (pull * (held - moved))
 

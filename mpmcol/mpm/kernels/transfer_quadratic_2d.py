@@ -9,26 +9,12 @@ import numpy as np
 from mpmcol.mpm import lanes
 from mpmcol.mpm.grid import Grid
 from mpmcol.mpm.jit import device
-from mpmcol.mpm.kernels.transfer_common import WALL_GAP, forces, momenta, move, power, spread, stencil, store_column
+from mpmcol.mpm.kernels.transfer_common import forces, momenta, move, power, spread, stencil, store_column
 from mpmcol.mpm.lanes import S_ZZ, V0, J, M, X, Y
 from mpmcol.mpm.settings import Settings
 from mpmcol.mpm.simd import extract, fma, load, splat, store, vector
 
 RECORD_SIZE = lanes.RECORD_SIZE[2]
-
-
-@device
-def limits(grid: Grid, settings: Settings) -> tuple[Any, Any]:
-    """Least and largest position of a point: WALL_GAP h inside the grid, and the axis gap from an axis."""
-    h, far = grid.h, np.inf
-    left = settings.axis_gap if settings.axisymmetric else WALL_GAP
-    return (
-        vector(-far, -far, -far, -far, grid.origin_x + left * h, grid.origin_y + WALL_GAP * h, -far, -far),
-        vector(
-            far, far, far, far,
-            grid.origin_x + (grid.n_x - 1 - WALL_GAP) * h, grid.origin_y + (grid.n_y - 1 - WALL_GAP) * h, far, far,
-        ),
-    )  # fmt: skip
 
 
 @device

@@ -9,24 +9,12 @@ import numpy as np
 from mpmcol.mpm import lanes
 from mpmcol.mpm.grid import Grid
 from mpmcol.mpm.jit import device
-from mpmcol.mpm.kernels.transfer_common import WALL_GAP, forces, momenta, move, power, spread, stencil, store_column
+from mpmcol.mpm.kernels.transfer_common import forces, momenta, move, power, spread, stencil, store_column
 from mpmcol.mpm.lanes import V0, J, M, X, Y, Z
 from mpmcol.mpm.settings import Settings
 from mpmcol.mpm.simd import extract, fma, load, splat, store, vector
 
 RECORD_SIZE = lanes.RECORD_SIZE[3]
-
-
-@device
-def limits(grid: Grid, settings: Settings) -> tuple[Any, Any]:
-    """Least and largest position of a point: WALL_GAP h inside the grid."""
-    gap, far = WALL_GAP * grid.h, np.inf
-    x, y, z = grid.origin_x, grid.origin_y, grid.origin_z
-    x_end, y_end, z_end = x + (grid.n_x - 1) * grid.h, y + (grid.n_y - 1) * grid.h, z + (grid.n_z - 1) * grid.h
-    return (
-        vector(-far, -far, -far, -far, x + gap, y + gap, z + gap, -far),
-        vector(far, far, far, far, x_end - gap, y_end - gap, z_end - gap, far),
-    )
 
 
 @device

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from mpmcol.failure_modes.toolkit import by_id
+from mpmcol.mpm.boundary import WALL_GAP, hold_components
 from mpmcol.mpm.constitutive import LAWS
-from mpmcol.mpm.grid import allocate_grid, node_coordinates, set_fixed
-from mpmcol.mpm.kernels.transfer_common import WALL_GAP
+from mpmcol.mpm.grid import allocate_grid, node_coordinates
 from mpmcol.mpm.particles import Points
 from mpmcol.mpm.settings import Scheme, Settings
 from mpmcol.mpm.solver import Body, Solver
@@ -132,7 +132,7 @@ def compare_with_reference(d: int, law: str, change: dict, scheme: Scheme) -> No
     x, y = node_coordinates(grid)[:2]
     shape = (grid.n_x, grid.n_y, grid.n_z)[:d]
     fixed = [np.broadcast_to(mask, shape) for mask in ((x < 1e-9) | (y < -0.199), y < -0.199, y < -0.199)[:d]]
-    set_fixed(grid, *fixed)
+    hold_components(grid, *fixed)
     solver = Solver(points, grid, settings, body(law), body("elastic"), scheme)
 
     if scheme.volumetric_strain == "cell":  # where the points are sorted

@@ -1,4 +1,4 @@
-"""The words of [method] reach the solver."""
+"""The model of a case: the keys of [method] in the solver, and the warnings of its time step."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from mpmcol.setup.model import build_model
 
 
 @pytest.mark.parametrize(
-    ("words", "taylor", "flip_fraction", "scheme"),
+    ("method", "taylor", "flip_fraction", "scheme"),
     [
         ([], 1.0, 1.0, PAPER),
         (["transfer=flip", "flip_fraction=0.9"], 0.0, 0.9, PAPER),
@@ -26,8 +26,8 @@ from mpmcol.setup.model import build_model
     ],
     ids=str,
 )
-def test_words_of_the_method(words: list[str], taylor: float, flip_fraction: float, scheme: Scheme) -> None:
-    model = build_model(load_case("quickstart", [f"method.{word}" for word in words]))
+def test_keys_of_the_method(method: list[str], taylor: float, flip_fraction: float, scheme: Scheme) -> None:
+    model = build_model(load_case("quickstart", [f"method.{setting}" for setting in method]))
     for stage in (model.equilibrate, model.collapse):
         assert (stage.settings.taylor, stage.settings.flip_fraction) == (taylor, flip_fraction)
     assert model.scheme == scheme
@@ -40,19 +40,22 @@ def test_volume_update(update: str, exponential: bool) -> None:
 
 
 @pytest.mark.parametrize(
-    ("overrides", "told"),
+    ("overrides", "message"),
     [
         (["time.cfl=0.6"], ""),
-        (["time.cfl=0.62"], "time.cfl = 0.62 exceeds 0.61, up to which a point alone is stable beside a wall"),
+        (
+            ["time.cfl=0.62"],
+            "time.cfl = 0.62 exceeds 0.61, the stability limit of a single particle next to the smooth wall",
+        ),
         (["method.transfer=flip"], "time.cfl = 0.5 exceeds 0.45"),
         (["time.cfl=0.62", "method.basis=cubic"], ""),
         (["time.cfl=0.64", "method.basis=cubic"], "time.cfl = 0.64 exceeds 0.62"),
-        (["method.basis=linear"], "with time.cfl = 0.5 a point alone is unstable where it is within 0.085 h"),
+        (["method.basis=linear"], "with time.cfl = 0.5 a single particle is unstable within 0.085 h"),
     ],
     ids=str,
 )
-def test_time_steps_that_a_point_alone_does_not_bear_are_told(overrides: list[str], told: str) -> None:
-    """Bounds for nu = 0.2 in plane strain, from the eigenvalues of one point."""
+def test_time_steps_above_the_single_particle_limit_cause_a_warning(overrides: list[str], message: str) -> None:
+    """Limits for nu = 0.2 in plane strain."""
     warnings = [text for text in discretize(load_case("quickstart", overrides)).warnings if "cfl" in text]
-    assert len(warnings) == (1 if told else 0)
-    assert all(told in text for text in warnings)
+    assert len(warnings) == (1 if message else 0)
+    assert all(message in text for text in warnings)

@@ -10,6 +10,7 @@ import pytest
 from mpmcol.case import load_case
 from mpmcol.errors import CaseError
 from mpmcol.io.names import GIVEN_CASE_FILE
+from mpmcol.setup.memory import memory_bytes
 from mpmcol.sweep import runs as module
 from mpmcol.sweep.axes import parse_axes
 from mpmcol.sweep.runs import PlannedRun, freeze, notes, plan_runs
@@ -153,7 +154,7 @@ def test_never_more_threads_than_cores(cores: int) -> None:
 
 def test_memory_limits_the_points_at_a_time() -> None:
     points = plan(case="lube-quarter", aspect="6,6.5,7")
-    enough = sum(point.discretization.memory_bytes + 250e6 for point in points) / 0.8
+    enough = sum(memory_bytes(point.discretization) + 250e6 for point in points) / 0.8
     assert shares(points, 3, memory=1.01 * enough, threads=1) == (3, 1)
     assert shares(points, 3, memory=0.99 * enough, threads=1) == (2, 1)
     assert shares(points, 3, memory=1.0, threads=1) == (1, 1)

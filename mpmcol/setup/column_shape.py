@@ -1,0 +1,22 @@
+"""The initial column as the measurements need it."""
+
+from __future__ import annotations
+
+from mpmcol.case import Case
+from mpmcol.measure import ColumnShape
+from mpmcol.setup.discretization import Discretization
+
+
+def column_shape(case: Case, discretization: Discretization) -> ColumnShape:
+    """The column that deposits of a case are measured against."""
+    return ColumnShape(
+        model=case.geometry.model,
+        release=case.geometry.release,
+        r_i=discretization.r_i,
+        h_i=discretization.h_i,
+        spacing=discretization.h,
+        density=case.material.density,
+        point_size=discretization.point_size,
+        section=case.geometry.section,
+        depth=discretization.depth,
+    )

@@ -1,0 +1,42 @@
+"""Memory that the arrays of a model need, and the refusal of models that do not fit."""
+
+from __future__ import annotations
+
+import os
+from math import prod
+
+from mpmcol.errors import UsageError
+from mpmcol.mpm.grid import NODE
+from mpmcol.setup.discretization import Discretization
+
+# record of a point and of the last valid state, sorting, its share of the nodes in use, and copies made for a snapshot
+BYTES_PER_POINT = {2: 800, 3: 1060}
+BYTES_PER_NODE = 5  # masks, and the arrays that they are made from
+
+
+def memory_bytes(discretization: Discretization) -> int:
+    """Memory in use, bytes: of the node records, only those near material are ever touched."""
+    points = discretization.most_points * BYTES_PER_POINT[discretization.dimension]
+    return points + prod(discretization.cells) * BYTES_PER_NODE
+
+
+def grid_bytes(discretization: Discretization) -> int:
+    """Size of the array of node records, bytes; some systems do not allocate more than their memory."""
+    return prod(discretization.cells) * NODE * 8
+
+
+def require_memory_for(discretization: Discretization) -> None:
+    """Raise UsageError if the arrays of a model do not fit into the memory of this machine."""
+    cells = " x ".join(f"{n:,}" for n in discretization.cells)
+    require_memory(
+        max(memory_bytes(discretization), grid_bytes(discretization)),
+        f"{discretization.most_points:,} points and {cells} cells",
+        "increase grid.spacing, or check whether a length is in mm instead of m",
+    )
+
+
+def require_memory(needed: int, what: str, fix: str) -> None:
+    """Raise UsageError if `needed` bytes exceed the memory of this machine; `what` needs them."""
+    memory = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    if needed > memory:
+        raise UsageError(f"{what} need {needed / 1e9:,.0f} GB, this machine has {memory / 1e9:,.0f} GB; {fix}")
