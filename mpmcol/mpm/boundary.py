@@ -174,9 +174,3 @@ def column_box(grid: Grid, settings: Settings) -> Box:
         grid.origin_z + edge if settings.open_low_sides else -far,
         grid.origin_z + (grid.n_z - 1) * grid.h - edge,
     )
-
-
-@device
-def unlimited_box() -> Box:
-    """Limits that every finite position meets."""
-    return Box(-np.inf, np.inf, np.inf, -np.inf, np.inf)

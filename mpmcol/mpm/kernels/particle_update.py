@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmcol.mpm.boundary import column_box, particle_limits, unlimited_box
+from mpmcol.mpm.boundary import Box, column_box, particle_limits
 from mpmcol.mpm.constitutive import ConstitutiveLaw
 from mpmcol.mpm.jit import device, phase, prange, variant
 from mpmcol.mpm.kernels import stress_2d, stress_3d
@@ -57,7 +57,7 @@ def make_update_points(
         Reads: nodes (v~, a). Writes: rows, report (n_tiles, 5). Eq. (26)-(34), and c_p + |v_p| of Eq. (35)-(36).
         """
         nodes, start, split, cells = grid.nodes, tiles.start, tiles.split, tiles.cells
-        inside, anywhere = column_box(grid, settings), unlimited_box()
+        inside, anywhere = column_box(grid, settings), Box(-np.inf, np.inf, np.inf, -np.inf, np.inf)
         bounds, inv_h = particle_limits(grid, settings), 1.0 / grid.h
         for t in prange(len(split)):
             travel, node_work = splat(0.0), splat(0.0)

@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from mpmcol.mpm.boundary import column_box, particle_limits, unlimited_box
+from mpmcol.mpm.boundary import Box, column_box, particle_limits
 from mpmcol.mpm.constitutive import ConstitutiveLaw
 from mpmcol.mpm.jit import phase, prange, variant
 from mpmcol.mpm.kernels.interpolation import keep_columns, make_sums, restore_columns, set_columns
@@ -88,7 +88,7 @@ def make_strain(
         Reads: nodes (v), moved. Writes: rows, report (n_tiles, 5). Eq. (28)-(34), and c_p + |v_p| of Eq. (35)-(36).
         """
         nodes, start, split, cells = grid.nodes, tiles.start, tiles.split, tiles.cells
-        inside, anywhere = column_box(grid, settings), unlimited_box()
+        inside, anywhere = column_box(grid, settings), Box(-np.inf, np.inf, np.inf, -np.inf, np.inf)
         for t in prange(len(split)):
             matrix = np.empty(kept * (start[t + 1] - start[t]))
             for p in range(start[t], start[t + 1]):
