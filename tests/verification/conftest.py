@@ -1,4 +1,4 @@
-"""Verification problems are small: one thread is faster than two."""
+"""Verification problems run on one thread: they are too small to gain from more."""
 
 from __future__ import annotations
 

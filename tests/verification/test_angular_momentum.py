@@ -1,9 +1,9 @@
-"""Angular momentum of a free elastic block that tumbles and rings, for each transfer.
+"""Angular momentum of a free elastic block that rotates and vibrates, for each transfer.
 
-APIC (Jiang et al. 2015, doi:10.1145/2766996) counts sum x x m v and what the affine matrices hold,
-sum m D (C - C^T), D = h^2 / 4. P2G hands both to the nodes, internal forces change nothing there, and G2P takes both
-back: exactly, where points move by dt S v~ (the rule "end") and no wall is near. The Taylor matrix of TPIC is no such
-share: with it the sum is kept to some per mille only. PIC forgets all rotation inside a cell.
+In APIC (Jiang et al. 2015, doi:10.1145/2766996) the angular momentum is sum x x m v plus that of the affine matrices C,
+sum m D (C - C^T) with D = h^2 / 4. P2G and G2P transfer both exactly if points move by dt S v~ (position update "end")
+and no wall is near; internal forces do not change the sum. The velocity gradient of TPIC has no such interpretation, so
+with TPIC the sum is conserved to a few per mille only. PIC loses all rotation inside a cell.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ END = WEIGHTLESS._replace(flip_fraction=0.0, position_factor=0.0, cfl=0.3)
 both_dimensions = pytest.mark.parametrize("d", [2, 3])
 
 
-def tumbling(transfer: str, d: int, basis: str = "quadratic") -> Solver:
-    """A block in the middle of a grid, all its points away from the walls for the whole time."""
+def rotating_block(transfer: str, d: int, basis: str = "quadratic") -> Solver:
+    """A rotating block in the middle of a grid, far from its faces."""
     spin = SPIN[:d, :d]
     points = points_at(lattice((0.8,) * d, (1.2,) * d, H / 2), H / 2, density=1.0)
     points.x[:] += 0.01 * np.random.default_rng(1).normal(size=points.x.shape)
@@ -45,20 +45,20 @@ def tumbling(transfer: str, d: int, basis: str = "quadratic") -> Solver:
     return make_solver(points, grid, settings, body=elastic_body(1.0, 1e3, 0.2), scheme=scheme)
 
 
-def angular_momentum(points: Points, held: float) -> np.ndarray:
-    """Antisymmetric matrix sum m (v x^T - x v^T) + `held` m (C - C^T)."""
+def angular_momentum(points: Points, D: float) -> np.ndarray:
+    """Antisymmetric matrix sum m (v x^T - x v^T) + D m (C - C^T)."""
     d = points.dimension
     C = points.grad_v[:, :d, :d]
-    moment = points.v.T @ (points.m[:, None] * points.x) + held * np.einsum("p,pab->ab", points.m, C)
+    moment = points.v.T @ (points.m[:, None] * points.x) + D * np.einsum("p,pab->ab", points.m, C)
     return moment - moment.T
 
 
-def relative_change(transfer: str, d: int, held: float = 0.25 * H**2, basis: str = "quadratic") -> float:
-    solver = tumbling(transfer, d, basis)
-    before = angular_momentum(solver.points, held)
+def relative_change(transfer: str, d: int, D: float = 0.25 * H**2, basis: str = "quadratic") -> float:
+    solver = rotating_block(transfer, d, basis)
+    before = angular_momentum(solver.points, D)
     advance_steps(solver, STEPS)
     assert np.all((solver.points.x > 0.25) & (solver.points.x < 1.75))
-    return float(np.abs(angular_momentum(solver.points, held) - before).max() / np.abs(before).max())
+    return float(np.abs(angular_momentum(solver.points, D) - before).max() / np.abs(before).max())
 
 
 @both_dimensions
@@ -67,28 +67,28 @@ def test_apic_conserves_angular_momentum_to_roundoff(d: int) -> None:
 
 
 @both_dimensions
-def test_so_it_does_with_cubic_splines(d: int) -> None:
-    """Their D is h^2 / 3."""
-    assert relative_change("apic", d, held=H**2 / 3.0, basis="cubic") < 1e-12
+def test_apic_conserves_angular_momentum_with_cubic_shape_functions(d: int) -> None:
+    """D = h^2 / 3 for cubic B-splines."""
+    assert relative_change("apic", d, D=H**2 / 3.0, basis="cubic") < 1e-12
 
 
 @both_dimensions
-def test_without_the_share_of_the_matrices_it_does_not(d: int) -> None:
-    assert relative_change("apic", d, held=0.0) > 1e-5
+def test_the_share_of_the_affine_matrices_is_needed(d: int) -> None:
+    assert relative_change("apic", d, D=0.0) > 1e-5
 
 
 @both_dimensions
-def test_tpic_does_not_but_nearly(d: int) -> None:
+def test_tpic_conserves_angular_momentum_approximately(d: int) -> None:
     assert 1e-6 < relative_change("tpic", d) < 1e-2
 
 
 @both_dimensions
-def test_pic_loses_what_the_others_keep(d: int) -> None:
-    """Angular momentum by its PIC count (positions and velocities only), and kinetic energy."""
-    assert relative_change("pic", d, held=0.0) > 0.3
+def test_pic_loses_angular_momentum_and_energy(d: int) -> None:
+    """Angular momentum of positions and velocities only, and kinetic energy."""
+    assert relative_change("pic", d, D=0.0) > 0.3
     left = {}
     for transfer in TRANSFERS:
-        solver = tumbling(transfer, d)
+        solver = rotating_block(transfer, d)
         start = kinetic_energy(solver.points)
         advance_steps(solver, STEPS)
         left[transfer] = kinetic_energy(solver.points) / start

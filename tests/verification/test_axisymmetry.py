@@ -1,4 +1,4 @@
-"""Axisymmetry: patch tests next to the axis, and the breathing of a cylinder."""
+"""Axisymmetry: patch tests next to the axis, and the radial vibration of a cylinder."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ from mpmcol.mpm.grid import node_records
 from tests.support.breathing_cylinder import bessel, breathing_root
 
 H = 0.1
-FREE = WEIGHTLESS._replace(axisymmetric=True)
+SETTINGS = WEIGHTLESS._replace(axisymmetric=True)
 
 
 def test_uniform_expansion_is_exact_next_to_the_axis() -> None:
-    """v_r = a r gives L_rr = L_tt = a, for points one hundredth of a cell from the axis, too."""
+    """v_r = a r gives L_rr = L_tt = a, even for points one hundredth of a cell from the axis."""
     rng = np.random.default_rng(1)
     r = np.concatenate([H * np.array([0.01, 0.02, 0.1, 0.3, 0.49]), rng.uniform(0.01 * H, 8 * H, 200)])
     x = np.stack([r, rng.uniform(0.01 * H, 7.9 * H, len(r))], axis=1)
@@ -38,26 +38,26 @@ def test_uniform_expansion_is_exact_next_to_the_axis() -> None:
     gradient = np.zeros((len(r), 3, 3))
     gradient[:, 0, 0] = a
     points.grad_v = gradient
-    solver = make_solver(points, walled_grid((0.0, 0.0), H, (10, 8), rollers="left"), FREE)
+    solver = make_solver(points, walled_grid((0.0, 0.0), H, (10, 8), rollers="left"), SETTINGS)
     advance_steps(solver, 1)
     np.testing.assert_allclose(solver.points.grad_v, np.broadcast_to(np.diag([a, 0.0, a]), (len(r), 3, 3)), atol=1e-12)
 
 
 def radial_acceleration(points_per_axis: int) -> np.ndarray:
-    """Over sigma / rho h, of a row of nodes (r = 0, h, 2h...) in a cylinder under uniform pressure."""
+    """Radial acceleration of nodes at r = 0, h, 2h... in a cylinder under uniform stress, over sigma / (rho h)."""
     sigma, spacing = 1e4, H / points_per_axis
     points = points_at(lattice((0.0, 0.0), (8 * H, 6 * H), spacing), spacing, axisymmetric=True)
     points.sigma = np.broadcast_to([sigma, sigma, sigma, 0.0], (len(points), 4))
-    solver = make_solver(points, walled_grid((0.0, 0.0), H, (12, 9), rollers="left"), FREE)
+    solver = make_solver(points, walled_grid((0.0, 0.0), H, (12, 9), rollers="left"), SETTINGS)
     advance_steps(solver, 1)
     return node_records(solver.grid)[:, 3, 4] * DENSITY * H / sigma
 
 
-def test_uniform_stress_is_in_balance_from_the_second_node_on() -> None:
-    """One point per quarter cell integrates (r w)' exactly but at the join of hat and spline, r = h / 2.
+def test_uniform_stress_is_in_equilibrium_except_at_the_first_node_off_the_axis() -> None:
+    """With four points per cell the quadrature of (r w)' is exact, except where the kernel correction ends, r = h / 2.
 
-    What is left acts on the node at r = h alone, -1/32 of sigma / rho h, and falls with the square of the
-    distance of points.
+    The error acts on the node at r = h alone. It is -1/32 of sigma / (rho h) and decreases with the square of the
+    distance between points.
     """
     two, four = radial_acceleration(2), radial_acceleration(4)
     np.testing.assert_allclose(two[2:7], 0.0, atol=1e-12)
@@ -67,9 +67,9 @@ def test_uniform_stress_is_in_balance_from_the_second_node_on() -> None:
 
 
 def test_self_weight_stress_next_to_the_axis() -> None:
-    """Oedometric cylinder: sigma_r = sigma_t = nu / (1 - nu) sigma_v within 3.3 % in two cells, then 1 %.
+    """Confined cylinder: sigma_r = sigma_t = nu / (1 - nu) sigma_v within 3.5 % in the first two cells, 1 % beyond.
 
-    The 3 % are the -1/32 of the test above and do not fall with h.
+    The 3.5 % come from the quadrature error of -1/32 (see the test above) and do not decrease with h.
     """
     cells, height = 10, 1.0
     x = lattice((0.0, 0.0), (height, height), H / 2)
@@ -88,13 +88,13 @@ def test_self_weight_stress_next_to_the_axis() -> None:
     np.testing.assert_allclose(points.sigma[deep, 0][axis], points.sigma[deep, 2][axis], rtol=1e-4)
 
 
-def test_an_elastic_cylinder_dropped_on_its_end_shows_no_spike_at_the_axis() -> None:
-    """Largest hoop stress and hoop rate of the first column of points against those of the next three."""
+def test_impact_of_an_elastic_cylinder_causes_no_peak_at_the_axis() -> None:
+    """Largest hoop stress and hoop strain rate of the first column of points, compared with the next three."""
     radius, speed, c = 1.0, 0.5, 64.7
     x = lattice((0.0, 0.0), (radius, radius), H / 2)
     points = points_at(x, H / 2, axisymmetric=True)
     points.v[:, 1] = -speed
-    solver = make_solver(points, walled_grid((0.0, 0.0), H, (15, 15), rollers="left bottom"), FREE)
+    solver = make_solver(points, walled_grid((0.0, 0.0), H, (15, 15), rollers="left bottom"), SETTINGS)
     stress, rate = np.zeros(len(x)), np.zeros(len(x))
     for k in range(40):
         advance_to(solver, (k + 1) * 0.1 * radius / c)
@@ -109,13 +109,15 @@ def test_an_elastic_cylinder_dropped_on_its_end_shows_no_spike_at_the_axis() -> 
 
 
 def breathing_period(cells: int) -> float:
-    """Period over the exact one."""
+    """Period of the radial vibration of an elastic cylinder, over the exact one."""
     z, h, body = breathing_root(), 1.0 / cells, elastic_body()
     x = lattice((0.0, 0.0), (1.0, 2.0 * h), h / 2)
     shape = bessel(1, z * x[:, 0])
     points = points_at(x, h / 2, axisymmetric=True)
     points.v[:, 0] = 1e-3 * shape
-    solver = make_solver(points, walled_grid((0.0, 0.0), h, (cells + 4, 2), rollers="left bottom top"), FREE, body=body)
+    solver = make_solver(
+        points, walled_grid((0.0, 0.0), h, (cells + 4, 2), rollers="left bottom top"), SETTINGS, body=body
+    )
     exact = 2.0 * np.pi / (z * np.sqrt(body.wave_speed2))
     times, amplitudes = [], []
     while solver.time < 5.0 * exact:
@@ -128,8 +130,8 @@ def breathing_period(cells: int) -> float:
     return float(2.0 * np.polyfit(np.arange(len(crossing)), crossing, 1)[0] / exact)
 
 
-def test_breathing_cylinder() -> None:
-    """Plane-strain radial vibration (Lame in time): within 0.1 % at ten cells and second order."""
+def test_radial_vibration_of_a_cylinder() -> None:
+    """Plane strain: within 0.1 % of the exact period at ten cells, with second-order convergence."""
     errors = np.array([breathing_period(cells) for cells in (5, 10, 20)]) - 1.0
     assert 0.0 < errors[1] < 1e-3
     orders = np.log2(errors[:-1] / errors[1:])

@@ -1,10 +1,11 @@
-"""A spinning elastic ball: half a turn about an axis of the grid and about an oblique one.
+"""A rotating elastic ball: half a revolution about an axis of the grid and about an oblique axis.
 
-R = 1, h = 0.2, eight points per cell, nu = 0.2, CFL 0.4, c_p = 16.7 omega R: the disc of test_disc.py in space.
+R = 1, h = 0.2, eight points per cell, nu = 0.2, CFL 0.4, c_p = 16.7 omega R: the disc of test_disc.py in 3D.
 
-The ball grows, as the disc does: the stress rests when the rate of deformation is zero, so the nodes carry the points
-along tangents. That alone stretches both directions across the axis by 1/2 omega^2 dt^2 a step, which det(I + dt L)
-= 1 + omega^2 dt^2 counts as volume, and the trapezoid rule of Eq. 27 adds as much again, which it does not count.
+The ball grows, as does the disc. The rate of deformation of rigid rotation is zero, so no stress opposes the motion of
+the points along tangents. In each step that stretches both directions normal to the axis by 1/2 omega^2 dt^2, which
+det(I + dt L) = 1 + omega^2 dt^2 includes in J; the position update of Eq. 27 adds the same amount, which J does not
+include.
 """
 
 from __future__ import annotations
@@ -33,15 +34,15 @@ YOUNG = DENSITY * 16.7**2 * (1.0 + NU) * (1.0 - 2.0 * NU) / (1.0 - NU)
 AXES = {"y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0), "oblique": (1.0, -2.0, 3.0)}
 
 
-class Spin(NamedTuple):
+class Rotation(NamedTuple):
     axis: np.ndarray
-    angular_momentum: np.ndarray  # over its amount at the start
-    energy: float  # over that at the start
-    residual: float  # rms of the velocity less rigid rotation, over omega R
+    angular_momentum: np.ndarray  # over its initial norm
+    energy: float  # over its initial value
+    residual: float  # rms of the velocity minus rigid rotation, over omega R
     J: np.ndarray
     drift: float  # sum of omega^2 dt^2
-    across: float  # radius of gyration about the axis, over that at the start
-    along: float  # root of the mean square of the distance along the axis, likewise
+    across: float  # radius of gyration about the axis, over its initial value
+    along: float  # rms distance along the axis, over its initial value
     centre: np.ndarray
 
 
@@ -56,7 +57,7 @@ def gyration(points: Points, axis: np.ndarray) -> tuple[float, float]:
 
 
 @cache
-def spin(name: str) -> Spin:
+def rotation(name: str) -> Rotation:
     axis = np.array(AXES[name]) / np.linalg.norm(AXES[name])
     x = lattice((-1.2,) * 3, (1.2,) * 3, H / 2)
     points = points_at(x[np.linalg.norm(x, axis=1) < 1.0], H / 2, density=DENSITY)
@@ -76,16 +77,16 @@ def spin(name: str) -> Spin:
     (wide, high), left = gyration(points, axis), angular_momentum(points)
     rigid = np.cross(left @ axis / (points.m.sum() * wide**2) * axis, points.x)
     residual = float(np.sqrt(points.m @ np.sum((points.v - rigid) ** 2, axis=1) / points.m.sum()))
-    return Spin(
+    return Rotation(
         axis, left / np.linalg.norm(start), kinetic_energy(points) / energy, residual, points.J, drift, wide / across,
         high / along, points.m @ points.x / points.m.sum(),
     )  # fmt: skip
 
 
 @pytest.mark.parametrize("name", AXES)
-def test_the_ball_spins_on(name: str) -> None:
-    """It gains 0.6 % of angular momentum; its energy is that of a rigid ball of its larger inertia."""
-    ball = spin(name)
+def test_the_ball_keeps_rotating(name: str) -> None:
+    """It gains 0.6 % of angular momentum; its energy is that of a rigid ball with its increased inertia."""
+    ball = rotation(name)
     np.testing.assert_allclose(ball.angular_momentum, 1.006 * ball.axis, atol=0.001)
     assert ball.energy == pytest.approx((1.006 / ball.across) ** 2, abs=0.001)
     assert ball.residual < 0.015
@@ -93,9 +94,9 @@ def test_the_ball_spins_on(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", AXES)
-def test_drift_of_the_volume(name: str) -> None:
-    """J grows by omega^2 dt^2 a step everywhere in the ball; so do both directions across the axis, and none along."""
-    ball = spin(name)
+def test_volume_drift(name: str) -> None:
+    """J and the lengths normal to the axis grow by omega^2 dt^2 per step; the length along the axis does not change."""
+    ball = rotation(name)
     assert 0.01 < ball.drift < 0.02
     assert ball.J.mean() - 1.0 == pytest.approx(ball.drift, rel=0.05)
     assert ball.J.std() < 0.02 * ball.drift
@@ -103,9 +104,9 @@ def test_drift_of_the_volume(name: str) -> None:
     assert ball.along == pytest.approx(1.0, abs=0.05 * ball.drift)
 
 
-def test_no_axis_is_preferred() -> None:
-    """Axes of the grid agree to round-off, an oblique one but for what the lattice makes of a ball."""
-    y, z, oblique = (spin(name) for name in AXES)
+def test_results_do_not_depend_on_the_axis() -> None:
+    """Axes of the grid agree to round-off, the oblique one up to the error of the lattice of points."""
+    y, z, oblique = (rotation(name) for name in AXES)
     assert y.energy == pytest.approx(z.energy, rel=1e-10)
     assert oblique.energy == pytest.approx(z.energy, rel=1e-3)
     assert oblique.angular_momentum @ oblique.axis == pytest.approx(z.angular_momentum @ z.axis, rel=1e-4)

@@ -1,4 +1,4 @@
-"""The basis beside walls: partition of unity, linear fields, and the join of corrected and plain spline."""
+"""Shape functions next to walls: partition of unity, linear fields, continuity of the kernel correction."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ WALL_STRIPS = np.concatenate([EVERY_CELL[EVERY_CELL < 0.5], EVERY_CELL[EVERY_CEL
 
 
 def weights_at(s: float, correction: bool = True) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Node numbers, weights and gradients of one axis, three each."""
+    """Numbers, weights and gradients of the three nodes along one axis."""
     first, w0, w1, w2, g0, g1, g2 = spline(s, NODES, correction)
     return first + np.arange(3), np.array([w0, w1, w2]), np.array([g0, g1, g2])
 
@@ -45,7 +45,7 @@ def test_linear_fields_are_exact_in_wall_and_corner_cells(corner: tuple[str, str
 
 
 @pytest.mark.parametrize("join", [0.5, NODES - 1.5])
-def test_corrected_and_plain_spline_join_with_equal_value_and_slope(join: float) -> None:
+def test_corrected_and_uncorrected_b_spline_join_with_equal_value_and_slope(join: float) -> None:
     def dense(s: float) -> np.ndarray:
         nodes, w, g = weights_at(s)
         out = np.zeros((2, NODES))
@@ -55,7 +55,7 @@ def test_corrected_and_plain_spline_join_with_equal_value_and_slope(join: float)
     np.testing.assert_allclose(dense(np.nextafter(join, 0.0)), dense(np.nextafter(join, NODES)), atol=1e-14)
 
 
-def test_without_correction_the_spline_is_cut_off_at_the_wall() -> None:
+def test_without_correction_the_b_spline_is_truncated_at_the_wall() -> None:
     for s in WALL_STRIPS:
         _, w, g = weights_at(s, correction=False)
         distance = min(s, NODES - 1 - s)
@@ -64,8 +64,8 @@ def test_without_correction_the_spline_is_cut_off_at_the_wall() -> None:
 
 
 @pytest.mark.parametrize("correction", [True, False])
-def test_all_lanes_have_the_bits_of_the_single_spline(correction: bool) -> None:
-    """Three axes of different lengths at once, beside other lanes that hold anything."""
+def test_vectors_and_scalars_give_the_same_bits(correction: bool) -> None:
+    """Three axes of different lengths at once; the other lanes have arbitrary values."""
     lengths, far = np.array([3, 6, 11]), np.inf
     bottom = vector(-far, -far, -far, -far, 0.5, 0.5, 0.5, -far)
     top = vector(far, far, far, far, *(lengths - 1.5), far)
@@ -73,25 +73,23 @@ def test_all_lanes_have_the_bits_of_the_single_spline(correction: bool) -> None:
     for _ in range(2000):
         walls = rng.integers(0, 2, 3) * (lengths - 1.0) + rng.choice([-0.4, -0.01, 0.01, 0.4], 3)
         inside = rng.uniform(0.0, lengths - 1.0)
-        places = np.clip(np.where(rng.uniform(size=3) < 0.3, walls, inside), 0.0, lengths - 1.0)
-        s = np.concatenate((rng.normal(0.0, 1e3, 4), places, [np.nan]))
+        positions = np.clip(np.where(rng.uniform(size=3) < 0.3, walls, inside), 0.0, lengths - 1.0)
+        s = np.concatenate((rng.normal(0.0, 1e3, 4), positions, [np.nan]))
         found = spline_lanes(s, bottom, top, correction)
-        for axis, (place, n) in enumerate(zip(places, lengths, strict=True)):
-            assert [value[4 + axis] for value in found] == list(spline(place, n, correction))
+        for axis, (position, n) in enumerate(zip(positions, lengths, strict=True)):
+            assert [value[4 + axis] for value in found] == list(spline(position, n, correction))
 
-
-# ------------------------------------------------------------------------------------------- any basis
 
 every_basis = pytest.mark.parametrize("basis", list(SHAPE_FUNCTIONS))
 
 
 def dense_weights(basis: str, s: np.ndarray, correction: bool = True) -> tuple[np.ndarray, np.ndarray]:
-    """Weights and gradients (n, NODES) of all nodes of an axis at `s` (n,), all inside the grid."""
+    """Weights and gradients (n, NODES) of all nodes along an axis at positions `s` (n,) inside the grid."""
     far = np.inf
     w, g = np.zeros((2, len(s), NODES))
-    for place, w_p, g_p in zip(s, w, g, strict=True):
+    for position, w_p, g_p in zip(s, w, g, strict=True):
         lanes = vector(-far, -far, -far, -far, 0.5, 0.5, 0.5, -far), vector(*[far] * 4, *[NODES - 1.5] * 3, far)
-        base, *rest = SHAPE_FUNCTIONS[basis].evaluate(vector(*[place] * 8), *lanes, correction)
+        base, *rest = SHAPE_FUNCTIONS[basis].evaluate(vector(*[position] * 8), *lanes, correction)
         found = np.array(rest)[:, 5]
         width = SHAPE_FUNCTIONS[basis].WIDTH
         assert 0 <= base[5] <= NODES - width and not np.any(found[width:4]) and not np.any(found[4 + width :])
@@ -101,7 +99,7 @@ def dense_weights(basis: str, s: np.ndarray, correction: bool = True) -> tuple[n
 
 
 @every_basis
-def test_every_basis_reproduces_constants_and_coordinates_in_every_cell(basis: str) -> None:
+def test_all_shape_functions_reproduce_constants_and_coordinates_in_every_cell(basis: str) -> None:
     w, g = dense_weights(basis, EVERY_CELL)
     nodes = np.arange(NODES)
     assert np.all(w >= -1e-16)
@@ -116,13 +114,13 @@ def test_every_basis_reproduces_constants_and_coordinates_in_every_cell(basis: s
 def test_gradients_are_the_derivatives_of_the_weights(basis: str, correction: bool) -> None:
     step = 1e-6
     s = EVERY_CELL[1:-1]
-    s = s[np.abs(2.0 * s - np.round(2.0 * s)) > 1e-3]  # where no two pieces join
+    s = s[np.abs(2.0 * s - np.round(2.0 * s)) > 1e-3]  # away from the joins of pieces
     (up, _), (down, _), (_, g) = (dense_weights(basis, s + shift, correction) for shift in (step, -step, 0.0))
     np.testing.assert_allclose((up - down) / (2.0 * step), g, atol=1e-9)
 
 
 @pytest.mark.parametrize("join", [1.0, 2.0, NODES - 2.0])
-def test_pieces_of_the_cubic_basis_join_with_equal_value_slope_and_curvature(join: float) -> None:
+def test_pieces_of_the_cubic_b_spline_join_with_equal_value_slope_and_curvature(join: float) -> None:
     step = 1e-4
     low, high = (dense_weights("cubic", np.array([join + shift for shift in shifts]))
                  for shifts in ((-step, -1e-12), (1e-12, step)))  # fmt: skip
@@ -131,14 +129,14 @@ def test_pieces_of_the_cubic_basis_join_with_equal_value_slope_and_curvature(joi
     np.testing.assert_allclose((low[1][1] - low[1][0]), (high[1][1] - high[1][0]), atol=4.0 * step**2)
 
 
-def test_far_from_walls_cubic_weights_are_those_of_the_b_spline() -> None:
-    """(1 - r)^3 / 6 ... from the convolution of hats: 1/6, 2/3, 1/6 on a node, 1/48 and 23/48 between two."""
+def test_cubic_weights_far_from_walls() -> None:
+    """Values of the cubic B-spline: 1/6, 2/3, 1/6 on a node; 1/48, 23/48, 23/48, 1/48 midway between two."""
     w, _ = dense_weights("cubic", np.array([2.0, 2.5]))
     np.testing.assert_allclose(w[0], [0.0, 1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0, 0.0, 0.0], atol=1e-15)
     np.testing.assert_allclose(w[1], [0.0, 1.0 / 48.0, 23.0 / 48.0, 23.0 / 48.0, 1.0 / 48.0, 0.0], atol=1e-15)
 
 
-def test_without_correction_the_cubic_spline_is_cut_off_at_the_wall() -> None:
+def test_without_correction_the_cubic_b_spline_is_truncated_at_the_wall() -> None:
     xi = np.linspace(0.01, 0.99, 50)
     for s in (xi, NODES - 1.0 - xi):
         w, g = dense_weights("cubic", s, correction=False)
@@ -147,7 +145,7 @@ def test_without_correction_the_cubic_spline_is_cut_off_at_the_wall() -> None:
 
 
 @every_basis
-def test_stiffness_bounds_what_one_point_feels_away_from_walls(basis: str) -> None:
+def test_stiffness_is_the_largest_sum_of_squared_gradients_over_weights(basis: str) -> None:
     s = np.linspace(2.001, 2.999, 999)
     w, g = dense_weights(basis, s)
     largest = (g**2 / np.where(w > 0.0, w, 1.0)).sum(axis=1).max()

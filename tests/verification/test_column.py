@@ -1,4 +1,4 @@
-"""A column under its own weight between rollers: stress, settlement, and the active thrust on the gate."""
+"""A column under self-weight between rollers: stress, settlement, and active thrust on the gate."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ both_dimensions = pytest.mark.parametrize("d", [2, 3])
 
 
 def settled(cells: int, d: int, scheme: Scheme = PAPER, young: float = 1e8) -> tuple[Points, np.ndarray]:
-    """Elastic points and their initial heights, the column being at rest."""
+    """Points of an elastic column at rest, and their initial heights."""
     points, initial_height, unbalanced = settled_column(cells, d, scheme, young)
     assert unbalanced < AT_REST
     return points, initial_height
@@ -46,16 +46,16 @@ def test_stress_is_within_half_a_percent_at_ten_cells_and_second_order(d: int) -
     assert np.all((orders > 1.85) & (orders < 2.15)), (errors, orders)
 
 
-def test_cubic_splines_are_second_order_too() -> None:
-    """And a little better: 0.21 % at ten cells, where the quadratic ones have 0.25 %."""
+def test_cubic_shape_functions_are_second_order() -> None:
+    """The error at ten cells is 0.21 %, with quadratic B-splines 0.25 %."""
     errors = [stress_error(*settled(cells, 2, Scheme(basis="cubic"))) for cells in (5, 10, 20)]
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
     assert errors[1] < 0.0022
     assert np.all((orders > 1.85) & (orders < 2.15)), (errors, orders)
 
 
-def test_linear_hats_are_first_order_and_fail_where_points_cross_cells() -> None:
-    """Stiff columns have the mean stress of each cell; in a soft one, which settles by 4 %, no spacing helps."""
+def test_linear_shape_functions_are_first_order_and_fail_where_points_cross_cells() -> None:
+    """In a stiff column the stress is constant per cell; in a soft one, which settles by 4 %, it does not converge."""
     stiff, soft = (
         [stress_error(*settled(cells, 2, Scheme(basis="linear"), young)) for cells in (5, 10, 20)]
         for young in (1e8, 3e5)
@@ -78,11 +78,9 @@ def test_settlement_and_lateral_stress(d: int) -> None:
 
 
 def sand_behind_a_gate(cells: int, d: int, width: int = 4) -> Solver:
-    """Sand at rest between the wall and a smooth gate `width` cells away, its weight brought up in stages.
+    """Sand at rest between a wall and a smooth gate `width` cells away; in 3D between two walls and two gates.
 
-    In 3D it stands in the corner of two walls, with the gate along x and z.
-
-    Weight that comes at once makes the stress overshoot; that leaves a thrust of 1.10 times the active one.
+    Gravity is applied in steps: applied at once, it causes overshoot that leaves a thrust of 1.10 times the active one.
     """
     h = HEIGHT / cells
     x = lattice((0.0,) * d, (width * h, HEIGHT, width * h)[:d], h / 2)
@@ -102,7 +100,7 @@ def sand_behind_a_gate(cells: int, d: int, width: int = 4) -> Solver:
 
 @both_dimensions
 def test_active_thrust_on_the_gate(d: int) -> None:
-    """1/2 K_a rho g H^2 with K_a = 0.2948, as the sum of the forces on the nodes of the gate and beyond."""
+    """1/2 K_a rho g H^2 with K_a = 0.2948 is the sum of the forces on the nodes at and beyond the gate."""
     solver, width = sand_behind_a_gate(10, d, width=4), 0.4 * HEIGHT
     solver.sort()
     clear(solver.grid, solver.tiles)

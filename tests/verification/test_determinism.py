@@ -1,4 +1,4 @@
-"""A collapse is the same to the last bit for any number of threads and however its calls are cut."""
+"""A collapse is bitwise reproducible for any number of threads and any number of steps per call."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ for threads in (1, 2, 4):
 """
 
 
-def test_equal_for_1_2_and_4_threads() -> None:
+def test_results_are_equal_for_1_2_and_4_threads() -> None:
     run = subprocess.run(
         [sys.executable, "-c", IN_ANOTHER_PROCESS],
         cwd=ROOT,
@@ -32,17 +32,17 @@ def test_equal_for_1_2_and_4_threads() -> None:
         check=True,
         timeout=120,
     )
-    threads, *prints = zip(*(line.split() for line in run.stdout.splitlines()), strict=True)
+    threads, *digests = zip(*(line.split() for line in run.stdout.splitlines()), strict=True)
     assert threads == ("1", "2", "4")
     here = [state_digest(2), state_digest(3), state_digest(2, scheme=OTHER_SCHEME), state_digest(3, margin=1)]
-    assert [set(each) for each in prints] == [{each} for each in here]
+    assert [set(each) for each in digests] == [{each} for each in here]
     assert len(set(here)) == len(here)
 
 
 @pytest.mark.parametrize("d", [2, 3])
-def test_equal_however_the_calls_are_cut(d: int) -> None:
+def test_results_do_not_depend_on_the_steps_per_call(d: int) -> None:
     assert state_digest(d, chunk=1) == state_digest(d, chunk=7) == state_digest(d)
 
 
-def test_so_is_another_scheme() -> None:
+def test_results_of_another_scheme_do_not_depend_on_the_steps_per_call() -> None:
     assert state_digest(2, 7, OTHER_SCHEME) == state_digest(2, scheme=OTHER_SCHEME)

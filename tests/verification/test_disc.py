@@ -1,14 +1,13 @@
-"""A spinning elastic disc: what is left of rigid rotation in its third turn, for each transfer.
+"""A rotating elastic disc (`mpmcol.failure_modes.problems.disc`): deviation from rigid rotation for each transfer.
 
-`mpmcol.failure_modes.problems.disc`. Residual: mass-weighted rms of
-the velocity less the rigid rotation of the same angular momentum, over omega R. An independent code found, at
-one instant after three turns, 3.7 % for FLIP, 1.39 % for Taylor P2G with FLIP and 1.20 % with PIC, with
-kinetic energies of 0.897, 0.956 and 0.958 and angular momenta of 0.986, 1.021 and 1.022. Its stiffness is not
-on record; this one meets those energies and momenta. With APIC it found 1.23 %, 0.958 and 1.021.
+Residual: mass-weighted rms of the velocity minus the rigid rotation of equal angular momentum, over omega R, in the
+third revolution. The reference values of residual, kinetic energy and angular momentum are those of an independent code
+at one instant after three revolutions; its stiffness is not recorded, the one used here reproduces its energies and
+momenta.
 
-The residual of the Taylor transfers is no noise: it is the disc's breathing under its own spin, which swings
-between 0.1 and 1.7 % and would be there in an exact solution. Without it (the uniform part of the radial
-velocity), 0.16 % is left with Taylor, against 3.6 % with FLIP.
+The residual of the Taylor transfers is not noise: it is the radial vibration of the disc due to its rotation, which
+oscillates between 0.1 and 1.7 % and is part of the exact solution. Without the uniform part of the radial velocity,
+0.16 % remain with the Taylor term, and 3.6 % with FLIP.
 """
 
 from __future__ import annotations
@@ -36,7 +35,7 @@ def test_residual_energy_and_angular_momentum(
     assert result.angular_momentum == pytest.approx(angular_momentum, abs=0.003)
 
 
-def test_noise_of_the_transfers() -> None:
+def test_velocity_noise_of_the_transfers() -> None:
     assert spin("flip").residual == pytest.approx(0.037, rel=0.05)
     assert spin("tpic").noise < spin("taylor-flip").noise < 0.1 * spin("flip").noise
     assert spin("taylor-flip").noise < 0.002

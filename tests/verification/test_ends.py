@@ -1,4 +1,4 @@
-"""The flow stops the run at an end of the domain, a lone grain is held there; planes of symmetry are no end."""
+"""Open ends of the domain: they stop the run when the flow arrives, and arrest single particles."""
 
 from __future__ import annotations
 
@@ -27,17 +27,17 @@ ENDS = {
 
 
 def thrown(model: str, direction: tuple[float, ...], folder: Path) -> Stages:
-    """A coarse run at its release, its column thrown in the given direction."""
+    """A coarse run at its release, with a velocity of the column in the given direction."""
     case = mpmcol.load_case("lube-quarter", [f"geometry.model={model}", *COARSE, *SMALL])
     run = Stages(start(case, build_model(case), folder / "run"))
     run.release()
     run.solver.points.v[run.solver.points.kind != BASE] = SPEED * np.array(direction)
-    count_energy_from_here(run)
+    restart_energy_ledger(run)
     return run
 
 
-def count_energy_from_here(run: Stages) -> None:
-    """What was thrown has its energy from the test, not from nowhere."""
+def restart_energy_ledger(run: Stages) -> None:
+    """The kinetic energy added by the test is part of the initial energy."""
     run.recorder.rows.clear()
     run.recorder.start_ledger()
 
@@ -63,7 +63,7 @@ def test_each_end_of_the_full_domain_stops_the_run(direction: tuple[float, ...],
 
 
 @pytest.mark.parametrize("axis", [0, 2], ids="xz")
-def test_the_high_ends_of_a_quarter_stop_the_run_too(axis: int, tmp_path: Path) -> None:
+def test_the_open_ends_of_a_quarter_stop_the_run(axis: int, tmp_path: Path) -> None:
     run = thrown("quarter", tuple(np.eye(3)[axis]), tmp_path)
     with pytest.raises(NumericalFailure, match="reached the end of the domain") as stopped:
         run.collapse()
@@ -71,32 +71,32 @@ def test_the_high_ends_of_a_quarter_stop_the_run_too(axis: int, tmp_path: Path) 
 
 
 @pytest.mark.parametrize("direction", [(1.0, 0.0, 0.0), (0.0, 0.0, -1.0)], ids=["x", "z"])
-def test_a_lone_grain_is_held_at_the_end_and_told(direction: tuple[float, ...], tmp_path: Path) -> None:
-    """It flies ahead of the flow, and the run goes on without it."""
+def test_a_single_particle_is_arrested_at_the_end_with_a_warning(direction: tuple[float, ...], tmp_path: Path) -> None:
+    """It is detached ahead of the flow, and the run continues."""
     run = thrown("full", (0.0, 0.0, 0.0), tmp_path)
     points, discretization = run.solver.points, run.model.discretization
-    lone = points.id[np.flatnonzero(points.kind != BASE)[-1]]
-    (row,) = np.flatnonzero(points.id == lone)
+    single = points.id[np.flatnonzero(points.kind != BASE)[-1]]
+    (row,) = np.flatnonzero(points.id == single)
     points.x[row] = 0.24 * np.array(direction) + (0.0, 2.5 * discretization.h, 0.0)
     points.v[row] = SPEED * np.array(direction)
     run.solver.sort()
-    count_energy_from_here(run)
+    restart_energy_ledger(run)
     run.collapse()
-    reach = float(points.x[points.id == lone][0] @ np.array(direction))
+    reach = float(points.x[points.id == single][0] @ np.array(direction))
     assert discretization.length - 5.0 * discretization.h < reach < discretization.length - 2.0 * discretization.h
     assert "1 particle was arrested at the domain boundary" in run.simulation.progress.warnings[-1]
 
 
-def test_planes_of_symmetry_are_no_end(tmp_path: Path) -> None:
-    """A quarter that is thrown against them goes on."""
+def test_planes_of_symmetry_do_not_stop_the_run(tmp_path: Path) -> None:
+    """A quarter column is thrown against them."""
     run = thrown("quarter", (-0.2, 0.0, -0.2), tmp_path)
     while run.solver.time < 0.5 * run.fall_time:
         assert run.solver.advance(0.5 * run.fall_time) == -1
     assert 0.0 < run.solver.points.x[:, ::2].min() < 0.5 * run.model.discretization.h
 
 
-def test_a_base_that_fills_the_domain_does_not_stop_the_run(tmp_path: Path) -> None:
-    """Elastic points stand in the last cells from the start."""
+def test_base_points_near_the_ends_do_not_stop_the_run(tmp_path: Path) -> None:
+    """The base fills the domain up to its ends."""
     run = thrown("full", (0.0, 0.0, 0.0), tmp_path)
     base = run.solver.points.x[run.solver.points.kind == BASE]
     assert np.abs(base[:, ::2]).max() > run.model.discretization.length - run.model.discretization.h

@@ -1,4 +1,4 @@
-"""What falls faster than its own waves goes on; what is faster than waves and gravity allow does not."""
+"""Points may be faster than the waves of their material, but not faster than gravity can cause."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ SOFT = ("grid.spacing=0.015", "material.youngs_modulus=0.002 MPa", "stages.initi
 
 
 def falling(folder: Path, share: float) -> Stages:
-    """A soft column at its release, with a point thrown up at this share of the speed that gravity can give."""
+    """A soft column at its release, with one point moving up at `share` times the speed that gravity can cause."""
     case = mpmcol.load_case("quickstart", SOFT)
     run = Stages(start(case, build_model(case), folder / "run"))
     run.release()
     points, waves = run.solver.points, np.sqrt(run.solver.bodies[0].wave_speed2)
     speed = share * run.solver.settings.free_speed
     assert speed > 1.1 * waves
-    (row,) = np.flatnonzero(points.id == points.id[points.kind != BASE].max())  # at the top, beside the free side
+    (row,) = np.flatnonzero(points.id == points.id[points.kind != BASE].max())  # at the top, next to the free surface
     points.v[row, 1] = speed
     return run
 
 
-def test_the_limit_is_twice_the_fall_from_the_top_of_the_column_to_the_floor(tmp_path: Path) -> None:
+def test_the_limit_is_twice_the_speed_of_free_fall_from_the_top_of_the_column_to_the_floor(tmp_path: Path) -> None:
     discretization = falling(tmp_path, 0.9).model.discretization
     assert discretization.base > 0.0
     assert free_speed(9.81, discretization.h_i + discretization.base) == pytest.approx(
@@ -39,7 +39,7 @@ def test_the_limit_is_twice_the_fall_from_the_top_of_the_column_to_the_floor(tmp
 
 
 @pytest.mark.parametrize(("share", "is_fault"), [(0.98, False), (1.2, True)])
-def test_a_point_faster_than_its_waves_is_a_fault_only_beyond_gravity(
+def test_a_point_faster_than_its_waves_is_invalid_only_beyond_the_speed_of_gravity(
     share: float, is_fault: bool, tmp_path: Path
 ) -> None:
     run = falling(tmp_path, share)

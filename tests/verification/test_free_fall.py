@@ -1,4 +1,4 @@
-"""A block that falls freely: exact parabola, mass and momentum, position rules, local damping."""
+"""Free fall of a block: exact parabola, mass and momentum, position updates, local damping."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def test_parabola_is_exact_over_10_000_steps(d: int) -> None:
 
 @pytest.mark.parametrize("v", [(20.0, 0.0, 0.0), (0.0, -20.0, 0.0), (0.0, 0.0, 20.0)], ids="xyz")
 def test_a_block_flies_straight_along_each_axis(v: tuple[float, float, float]) -> None:
-    """Ten cells: its points must be sorted again on the way, whichever axis it follows."""
+    """Over ten cells, so that points are sorted again on the way, along each axis."""
     solver, start = thrown_block(v, WEIGHTLESS)
     advance_steps(solver, 1000)
     points = by_id(solver)
@@ -44,7 +44,7 @@ def test_a_block_flies_straight_along_each_axis(v: tuple[float, float, float]) -
 
 
 @both_dimensions
-def test_mass_and_momentum_are_kept_to_round_off(d: int) -> None:
+def test_mass_and_momentum_are_conserved_to_round_off(d: int) -> None:
     solver, start = thrown_block(THROWN[:d])
     rng = np.random.default_rng(2)
     solver.points.v[:] += rng.normal(0.0, 1.0, start.v.shape)
@@ -60,8 +60,8 @@ def test_mass_and_momentum_are_kept_to_round_off(d: int) -> None:
 
 
 @pytest.mark.parametrize(("factor", "share"), [(1.0, -0.5), (0.5, 0.0), (0.0, 0.5)], ids=["paper", "trapezoid", "end"])
-def test_error_of_the_position_rules(factor: float, share: float) -> None:
-    """Error `share` a dt t, a the acceleration: Eq. 27 as printed lags, the end velocity runs ahead."""
+def test_error_of_the_position_updates(factor: float, share: float) -> None:
+    """The error is `share` times a dt t, a the acceleration: Eq. 27 as printed lags, the end velocity leads."""
     solver, start = thrown_block((0.0, 0.0), PLAIN._replace(position_factor=factor))
     sum_dt2 = 0.0
     for _ in range(200):
@@ -72,8 +72,8 @@ def test_error_of_the_position_rules(factor: float, share: float) -> None:
 
 
 @pytest.mark.parametrize(("speed", "factor"), [(-0.5, 0.95), (5.0, 1.05)], ids=["down", "up"])
-def test_damping_of_5_percent_takes_5_percent_of_the_force(speed: float, factor: float) -> None:
-    """-alpha_d |f| sign(v): a falling block accelerates with 0.95 g, a rising one slows down with 1.05 g."""
+def test_damping_of_5_percent_changes_the_force_by_5_percent(speed: float, factor: float) -> None:
+    """-alpha_d |f| sign(v): a falling block accelerates at 0.95 g, a rising one decelerates at 1.05 g."""
     solver, _ = thrown_block((0.0, speed), PLAIN._replace(alpha_d=0.05))
     advance_steps(solver, 1000)
     np.testing.assert_allclose(solver.points.v[:, 1], speed - factor * G * solver.time, rtol=1e-12)
