@@ -1,12 +1,13 @@
-"""Whether `mpmcol run --accuracy` holds on columns that its table was not made from, and the error bar of `--certify`.
+"""Verify the errors of `mpmcol run --accuracy` and the error bars of `--certify` on random columns.
 
     python scripts/accuracy_cases.py OUT [--accuracy 5%] [--count 20] [--jobs N]
 
-Columns are drawn at random, fixed by their number: model, friction, size, aspect ratio. Each is run as advised (where
-no setting keeps to the accuracy, with the most accurate one, and judged by what that one promises) and, finer, as
-reference: the mean of two families, with half their difference as uncertainty. Prints, for each column, the errors of
-the first advised run against that and whether the error bar holds it; then in how many columns both quantities held,
-and were within twice the accuracy. Finished runs in OUT are kept.
+Each column (model, friction, size and aspect ratio) is drawn at random from its number, so that the same columns are
+drawn every time. It is run as recommended for the accuracy or, if none is accurate enough, with the most accurate
+configuration and its error. Its reference is the mean of two scheme variants on finer grids, with half their difference
+as uncertainty. Printed are, for each column, the errors of the first run and whether the error bars contain the
+reference; then the number of columns for which both quantities were within the accuracy, and within twice the
+accuracy. Completed runs in OUT are not repeated.
 """
 
 from __future__ import annotations
@@ -20,16 +21,17 @@ import numpy as np
 
 from mpmcol.case import load_case
 from mpmcol.errors import UsageError
-from mpmcol.studies.pareto.certify import Certified, certify
-from mpmcol.studies.pareto.recommend import Advice, advise, as_overrides, options, values_for
+from mpmcol.studies.definition import as_overrides
+from mpmcol.studies.pareto.certify import CertifiedQuantity, certify
+from mpmcol.studies.pareto.recommend import Recommendation, configuration_values, options, recommend
 from mpmcol.studies.pareto.shipped import QUANTITIES
 from mpmcol.sweep.runner import run_sweep
 from mpmcol.sweep.runs import PlannedRun, plan_run
 from mpmcol.sweep.table import make_rows
 from mpmcol.units import to_unit
 
-FINE = {"light, nine points": 112.0, "light, sixteen points": 80.0}  # family -> r_i / h of the reference
-FINE_TALL = {"light, nine points": 56.0, "light, sixteen points": 40.0}  # as many cells in the height
+FINE = {"light, 9 points per cell": 112.0, "light, 16 points per cell": 80.0}  # variant -> r_i / h of the reference
+FINE_TALL = {"light, 9 points per cell": 56.0, "light, 16 points per cell": 40.0}  # about as many cells in height
 TALL = 1.5  # a
 
 Values = Mapping[str, float]  # by quantity
@@ -37,18 +39,18 @@ Values = Mapping[str, float]  # by quantity
 
 @dataclass(frozen=True)
 class Column:
-    """A case, and what was advised for it."""
+    """A random column and the accuracy that is requested for it."""
 
     number: int
     source: str
     a: float
     radius: float  # m
     friction_deg: float
-    accuracy: float  # that is asked for, or the best that there is
+    accuracy: float  # requested, or the best available
 
     @property
     def overrides(self) -> tuple[str, ...]:
-        """Of the shipped case."""
+        """Values that are replaced in the shipped case."""
         return (
             f"geometry.aspect={self.a:.4g}", f"geometry.radius={self.radius:.4g}",
             f"geometry.base_thickness={0.2 * self.radius:.4g}", f"grid.spacing={self.radius / 20.0:.6g}",
@@ -62,73 +64,80 @@ class Column:
 
 
 @dataclass(frozen=True)
-class Checked:
-    """A column's errors against its reference."""
+class Verification:
+    """Errors of a column relative to its reference."""
 
-    errors: Values  # of one run as advised
-    unsure: Values  # of the reference, relative
-    bars: Sequence[bool]  # whether the error bars hold the reference
+    errors: Values  # of one recommended run
+    uncertainty: Values  # of the reference, relative
+    bars: Sequence[bool]  # whether the error bars contain the reference
 
 
-def draw(number: int, accuracy: float) -> tuple[Column, Advice]:
-    """Column `number` with the setting for it."""
+def draw(number: int, accuracy: float) -> tuple[Column, Recommendation]:
+    """Draw column `number` and recommend a configuration for it."""
     rng = np.random.default_rng(number)
     source = ("lube-cylinder", "lube-channel")[rng.integers(2)]
     a, radius = float(np.exp(rng.uniform(np.log(0.5), np.log(3.0)))), float(np.exp(rng.uniform(np.log(0.05), 0.0)))
     column = Column(number, source, a, radius, float(rng.uniform(22.0, 42.0)), accuracy)
     try:
-        return column, advise(source, column.overrides, accuracy)
+        return column, recommend(source, column.overrides, accuracy)
     except UsageError:
         best = min(options(source, column.overrides), key=lambda one: one.error)
         return Column(number, source, a, radius, column.friction_deg, best.error), best
 
 
-def check(column: Column, advice: Advice, out: Path, jobs: int | None) -> Checked:
-    """Run a column as advised and as reference."""
+def verify(column: Column, advice: Recommendation, out: Path, jobs: int | None) -> Verification:
+    """Run a column as recommended and as reference, and compare."""
     folder = out / f"{column.number:02d}"
-    outcomes, bars = certify(column.source, column.overrides, advice, folder / "advised", jobs)
+    outcomes, bars = certify(column.source, column.overrides, advice, folder / "recommended", jobs=jobs)
     first = next(row for row in make_rows(outcomes) if row["cells"] == advice.cells)
     fine = FINE if column.a < TALL else FINE_TALL
-    points = [_reference(column, family, cells, folder / "reference") for family, cells in fine.items()]
-    rows = make_rows(run_sweep(points, folder / "reference", jobs, 1))
+    runs = [_reference(column, variant, cells, folder / "reference") for variant, cells in fine.items()]
+    rows = make_rows(run_sweep(runs, folder / "reference", jobs, 1))
     reference = {quantity: (rows[0][quantity] + rows[1][quantity]) / 2.0 for quantity in QUANTITIES}
-    return Checked(
+    return Verification(
         {quantity: first[quantity] / reference[quantity] - 1.0 for quantity in QUANTITIES},
         {quantity: abs(rows[0][quantity] / reference[quantity] - 1.0) for quantity in QUANTITIES},
-        [_holds(bar, reference[bar.quantity]) for bar in bars],
+        [_contains(bar, reference[bar.quantity]) for bar in bars],
     )
 
 
-def _reference(column: Column, family: str, cells: float, out: Path) -> PlannedRun:
+def _reference(column: Column, variant: str, cells: float, out: Path) -> PlannedRun:
     base = load_case(column.source, column.overrides)
-    asked = [*column.overrides, *as_overrides(values_for(base, family, cells))]
-    return plan_run(load_case(column.source, asked), out, {"cells": cells}, f"{cells:g}")
+    overrides = [*column.overrides, *as_overrides(configuration_values(base, variant, cells))]
+    return plan_run(load_case(column.source, overrides), out, {"cells": cells}, f"{cells:g}")
 
 
-def _holds(bar: Certified, reference: float) -> bool:
+def _contains(bar: CertifiedQuantity, reference: float) -> bool:
     return abs(bar.value - reference) <= bar.error
 
 
 def main() -> None:
-    """Draw, run, compare."""
+    """Verify all columns."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("out", type=Path)
-    parser.add_argument("--accuracy", type=lambda text: to_unit(text, ""), default=0.05)
-    parser.add_argument("--count", type=int, default=20)
-    parser.add_argument("--jobs", type=int)
-    words = parser.parse_args()
-    held = twice = bars = 0
-    for number in range(words.count):
-        column, advice = draw(number, words.accuracy)
-        checked = check(column, advice, words.out, words.jobs)
-        worst = max(abs(error) for error in checked.errors.values()) / column.accuracy
-        held, twice, bars = held + (worst <= 1.0), twice + (worst <= 2.0), bars + all(checked.bars)
-        told = ", ".join(f"{q} {e:+.1%} (reference +- {checked.unsure[q]:.1%})" for q, e in checked.errors.items())
+    parser.add_argument("out", type=Path, help="folder of the runs")
+    parser.add_argument("--accuracy", type=lambda text: to_unit(text, ""), default=0.05, help="default: 5%%")
+    parser.add_argument("--count", type=int, default=20, help="columns (default: 20)")
+    parser.add_argument("--jobs", type=int, help="simultaneous runs")
+    args = parser.parse_args()
+    within = within_twice = bars = 0
+    for number in range(args.count):
+        column, advice = draw(number, args.accuracy)
+        result = verify(column, advice, args.out, args.jobs)
+        worst = max(abs(error) for error in result.errors.values()) / column.accuracy
+        within, within_twice, bars = within + (worst <= 1.0), within_twice + (worst <= 2.0), bars + all(result.bars)
+        errors = ", ".join(
+            f"{quantity} {error:+.1%} (reference +- {result.uncertainty[quantity]:.1%})"
+            for quantity, error in result.errors.items()
+        )
         print(
-            f"{column}; {advice.family}, {advice.cells:g}; asked {column.accuracy:.1%}: {told}; bars {checked.bars}",
+            f"{column}; {advice.variant}, {advice.cells:g}; requested {column.accuracy:.1%}: {errors}; "
+            f"error bars contain the reference: {', '.join('yes' if one else 'no' for one in result.bars)}",
             flush=True,
         )
-    print(f"of {words.count}: {held} within the accuracy, {twice} within twice that; {bars} within their error bars")
+    print(
+        f"of {args.count} columns {within} are within the accuracy, {within_twice} within twice the accuracy, and "
+        f"{bars} within their error bars"
+    )
 
 
 if __name__ == "__main__":

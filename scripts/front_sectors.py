@@ -1,15 +1,16 @@
-"""How the farthest point's runout in 3D depends on how finely it is looked at around the axis.
+"""Measure how the runout of the farthest point in 3D depends on the width of the sectors of azimuth.
 
     python scripts/front_sectors.py DIR ...
 
-For each results folder of a quarter: zeta of the farthest point, mean over sectors of azimuth of 10, 5, 2 and 1
-degrees. The more points a sector holds, the farther the farthest of them is; the axisymmetric model has one sector that
-is one point wide.
+Prints, for each results folder of a quarter, zeta of the farthest point as the mean over sectors of 10, 5, 2 and 1
+degrees. The more points a sector contains, the farther is the farthest of them; the axisymmetric model corresponds to
+one sector that is one point wide.
 """
 
 from __future__ import annotations
 
-import sys
+import argparse
+from pathlib import Path
 
 import numpy as np
 
@@ -19,7 +20,7 @@ WIDTHS = (10.0, 5.0, 2.0, 1.0)  # degrees
 
 
 def mean_farthest(r: np.ndarray, azimuth: np.ndarray, width: float) -> float:
-    """Mean over the sectors of a quarter of the largest r in each; r (n,), azimuth (n,) in degrees, 0 to 90."""
+    """Return the mean over the sectors of a quarter of the largest r in each; r (n,), azimuth (n,) in degrees."""
     sector = np.minimum(azimuth // width, 90.0 // width - 1.0).astype(int)
     farthest = np.zeros(round(90.0 / width))
     np.maximum.at(farthest, sector, r)
@@ -27,7 +28,10 @@ def mean_farthest(r: np.ndarray, azimuth: np.ndarray, width: float) -> float:
 
 
 def main() -> None:
-    for folder in sys.argv[1:]:
+    """Measure all folders."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("folders", nargs="+", type=Path, metavar="DIR", help="results folder of a quarter")
+    for folder in parser.parse_args().folders:
         results = Results(folder)
         snapshot, shape = results.snapshot(), results.shape
         x = snapshot.arrays["position"][snapshot.column].astype(float)

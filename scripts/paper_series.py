@@ -1,9 +1,9 @@
-"""Run the paper's Mohr-Coulomb series at its grid spacing and at half of it, and keep the table of the README.
+"""Run the paper's Mohr-Coulomb series at its node spacing or at half of it, and update scripts/paper_series.csv.
 
     python scripts/paper_series.py OUT [--threads N] [--only channel|cylinder|quarter] [--halved] [--aspect A,...]
 
-Finished runs in OUT and rows already in scripts/paper_series.csv are kept, so the script can be stopped, started
-again, and run beside another one that takes other members. Prints the table of all rows.
+Completed runs in OUT and rows that are already in the table are not repeated; the script can therefore be interrupted
+and repeated, and several can run at the same time for different members. Prints the table as Markdown.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ Member = tuple[str, float, float]  # case, aspect ratio, spacing (m)
 
 
 def members(only: str | None, halved: bool, aspects: list[float] | None) -> list[Member]:
-    """The members asked for, cheapest first."""
+    """Return the selected members, cheapest first."""
     return [
         (case, a, spacing * (0.5 if halved else 1.0))
         for name, (case, spacing, series) in SERIES.items()
@@ -45,7 +45,7 @@ def members(only: str | None, halved: bool, aspects: list[float] | None) -> list
 
 
 def simulate(member: Member, out: Path, threads: int | None) -> Results:
-    """Run a member, or take the finished run."""
+    """Run a member, or return its completed run."""
     case, a, spacing = member
     folder = out / f"{case}-a{a:g}-h{spacing * 1e3:g}mm"
     if (folder / "result.json").exists() and Results(folder).summary["status"] == "done":
@@ -58,7 +58,7 @@ def simulate(member: Member, out: Path, threads: int | None) -> Results:
 
 
 def make_row(member: Member, results: Results) -> dict[str, Any]:
-    """What the table keeps of a run."""
+    """Return the row of a run."""
     summary, measured, (case, a, spacing) = results.summary, results.measure(), member
     geometry, ranges = results.case.geometry, measured.zeta_range
     experiment = find_experiment("paper", geometry.model, geometry.section)
@@ -76,7 +76,7 @@ def make_row(member: Member, results: Results) -> dict[str, Any]:
 
 
 def read_table() -> dict[Member, dict[str, Any]]:
-    """Rows by member."""
+    """Read the rows by member."""
     if not TABLE.exists():
         return {}
     with TABLE.open(newline="") as file:
@@ -84,8 +84,8 @@ def read_table() -> dict[Member, dict[str, Any]]:
     return {(row["case"], float(row["a"]), float(row["h_mm"]) * 1e-3): row for row in rows}
 
 
-def keep(member: Member, row: dict[str, Any]) -> None:
-    """Add a row to the table on disk, which another script may have changed meanwhile."""
+def save(member: Member, row: dict[str, Any]) -> None:
+    """Add a row to the table, which another process may have changed in the meantime."""
     rows = read_table() | {member: row}
     with TABLE.open("w", newline="") as file:
         writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
@@ -94,34 +94,37 @@ def keep(member: Member, row: dict[str, Any]) -> None:
 
 
 def markdown(rows: list[dict[str, Any]]) -> str:
-    """The table of the README."""
+    """Format the table."""
 
-    def against(value: str, law: str) -> str:
+    def compared(value: str, law: str) -> str:
         return f"{float(value):.3f} ({float(value) / float(law) - 1.0:+.0%})" if law else f"{float(value):.3f}"
 
     lines = ["| case | a | h (mm) | zeta: front_max | front_connected | front_height | law | beta | law |"]
     lines.append("|---" * 9 + "|")
     for row in rows:
-        zeta = [against(row[name], row["zeta_law"]) for name in FRONTS]
+        zeta = [compared(row[name], row["zeta_law"]) for name in FRONTS]
         if row["front_max_range"]:  # over azimuth
             zeta[0] += f" {row['front_max_range']}"
         laws = [f"{float(row[law]):.3f}" if row[law] else "none" for law in ("zeta_law", "beta_law")]
-        cells = [row["case"], row["a"], row["h_mm"], *zeta, laws[0], against(row["beta"], row["beta_law"]), laws[1]]
+        cells = [row["case"], row["a"], row["h_mm"], *zeta, laws[0], compared(row["beta"], row["beta_law"]), laws[1]]
         lines.append("| " + " | ".join(cells) + " |")
     return "\n".join(lines)
 
 
 def main() -> None:
+    """Run the selected members and print the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("out", type=Path)
+    parser.add_argument("out", type=Path, help="folder of the runs")
     parser.add_argument("--threads", type=int)
-    parser.add_argument("--only", choices=list(SERIES))
+    parser.add_argument("--only", choices=list(SERIES), help="one series")
     parser.add_argument("--halved", action="store_true", help="half the paper's spacing")
-    parser.add_argument("--aspect", type=lambda text: [float(a) for a in text.split(",")], help="only these")
-    asked = parser.parse_args()
-    for member in members(asked.only, asked.halved, asked.aspect):
+    parser.add_argument(
+        "--aspect", type=lambda text: [float(a) for a in text.split(",")], help="aspect ratios, separated by commas"
+    )
+    args = parser.parse_args()
+    for member in members(args.only, args.halved, args.aspect):
         if not any(known[:2] == member[:2] and abs(known[2] / member[2] - 1.0) < 1e-6 for known in read_table()):
-            keep(member, make_row(member, simulate(member, asked.out, asked.threads)))
+            save(member, make_row(member, simulate(member, args.out, args.threads)))
     print(markdown(list(read_table().values())))
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 if TYPE_CHECKING:
-    from mpmcol.studies.pareto.recommend import Advice
+    from mpmcol.studies.pareto.recommend import Recommendation
 
 
 class Accuracy(click.ParamType):
@@ -36,11 +36,11 @@ class Accuracy(click.ParamType):
 ACCURACY = Accuracy()
 
 
-def advised(case: str, overrides: Sequence[str], accuracy: float, silent: bool) -> Advice:
+def advised(case: str, overrides: Sequence[str], accuracy: float, silent: bool) -> Recommendation:
     """The cheapest setting for a case that keeps to an accuracy; tells which and why."""
-    from mpmcol.studies.pareto.recommend import advise
+    from mpmcol.studies.pareto.recommend import recommend
 
-    advice = advise(case, overrides, accuracy)
+    advice = recommend(case, overrides, accuracy)
     if not silent:
         click.echo(f"cheapest within {100.0 * accuracy:.3g}%: {advice}")
     return advice
@@ -49,7 +49,7 @@ def advised(case: str, overrides: Sequence[str], accuracy: float, silent: bool) 
 def certified(
     case: str,
     overrides: Sequence[str],
-    advice: Advice,
+    advice: Recommendation,
     out: Path,
     threads: int | None,
     as_json: bool,

@@ -1,4 +1,4 @@
-"""mpmcol paper: the figures of the paper, computed."""
+"""mpmcol paper: reproduction of the figures of the paper."""
 
 from __future__ import annotations
 
@@ -8,42 +8,41 @@ import click
 
 from mpmcol.cli.option_types import JOBS, THREADS
 
-NAMES = ("fig5", "fig6", "fig7", "fig8", "fig9", "factors")
-
 
 @click.command()
-@click.argument("figures", nargs=-1, metavar="[fig5|fig6|fig7|fig8|fig9|factors|all]...")
-@click.option("--quick", is_flag=True, help="Coarse grids and fewer columns: some minutes instead of hours.")
-@click.option("--out", type=click.Path(path_type=Path), help="Folder; paper, or paper-quick, by default.")
-@click.option("--jobs", type=JOBS, help="Runs at a time; chosen from their sizes by default.")
-@click.option("--threads", type=THREADS, help="Threads of each run; chosen from their sizes by default.")
-@click.option("--quiet", is_flag=True, help="Print nothing but the verdicts.")
+@click.argument("figures", nargs=-1, metavar="[FIGURE]...")
+@click.option("--quick", is_flag=True, help="Coarse grids and fewer columns: minutes instead of hours.")
+@click.option("--out", type=click.Path(path_type=Path), help="Folder (default: paper, or paper-quick).")
+@click.option("--jobs", type=JOBS, help="Simultaneous runs (default: chosen from their sizes).")
+@click.option("--threads", type=THREADS, help="Threads of each run (default: chosen from their sizes).")
+@click.option("--quiet", is_flag=True, help="Print only the comparisons.")
 def paper(
     figures: tuple[str, ...], quick: bool, out: Path | None, jobs: int | None, threads: int | None, quiet: bool
 ) -> None:
-    """Compute the figures of Coetzee & Purvance 2026 (all by default) and judge every number that they state.
+    """Reproduce figures of Coetzee & Purvance 2026 and compare every number that the paper states.
 
-    For each figure a table (CSV), charts, and a verdict a number: ours, the paper's, and whether it is met. `factors`
-    is what each assumption is worth, in per cent of runout and height. The same command again completes what is
-    missing.
+    FIGURE is fig5, fig6, fig7, fig8, fig9, factors (effect of each assumption on runout and height) or all (default).
+    Each figure gives a table (CSV), charts, and a list of comparisons: computed, stated by the paper, met or missed.
+    Repeating the command completes missing runs.
     """
-    unknown = [name for name in figures if name not in (*NAMES, "all")]
-    if unknown:
-        raise click.BadParameter(f"{unknown[0]!r}: expected {', '.join(NAMES)} or all", param_hint="figures")
     from mpmcol.cli.sweep_display import Display
-    from mpmcol.studies.paper import FIGURES, reproduce
+    from mpmcol.studies.frame import RUNS, carry_out_study
+    from mpmcol.studies.paper import FIGURES, PaperStudy
     from mpmcol.sweep.engine import exit_code
 
-    chosen = [name for name in NAMES if name in figures] if figures and "all" not in figures else list(NAMES)
+    unknown = [name for name in figures if name not in (*FIGURES, "all")]
+    if unknown:
+        raise click.BadParameter(f"{unknown[0]!r}: expected {', '.join(FIGURES)} or all", param_hint="figures")
+    names = [name for name in FIGURES if name in figures or "all" in figures or not figures]
     folder = out or Path("paper-quick" if quick else "paper")
-    with Display(folder / "runs", quiet) as display:
-        outcomes, reports, files = reproduce(chosen, quick, folder, jobs, threads, display)
-    for name, report in reports.items():
+    with Display(folder / RUNS, quiet) as display:
+        result = carry_out_study(PaperStudy(names, quick), folder, jobs=jobs, threads=threads, observer=display)
+    for name, figure in result.evaluation.items():
         click.echo(FIGURES[name].TITLE)
-        for verdict in report.verdicts:
-            click.echo(f"  {verdict}")
+        for comparison in figure.comparisons:
+            click.echo(f"  {comparison}")
     if not quiet:
-        click.echo(f"in {folder}: {', '.join(path.name for path in files)}")
-    # without opening strain runs diverge, as `factors` shows
-    broken = [one for one in outcomes if one.status != "failed" or one.run.case.method.opening_strain]
-    click.get_current_context().exit(exit_code(broken))
+        click.echo(f"in {folder}: {', '.join(path.name for path in result.files)}")
+    # runs without opening strain may diverge, which `factors` reports
+    counted = [one for one in result.outcomes if one.status != "failed" or one.run.case.method.opening_strain]
+    click.get_current_context().exit(exit_code(counted))

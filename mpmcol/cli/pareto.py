@@ -1,4 +1,4 @@
-"""mpmcol pareto: cost against error of every choice, on one chart."""
+"""mpmcol pareto: cost against error of many configurations."""
 
 from __future__ import annotations
 
@@ -11,29 +11,32 @@ from mpmcol.cli.option_types import JOBS
 
 @click.command()
 @click.argument("study", default="default")
-@click.option("--out", type=click.Path(path_type=Path), help="Folder; pareto/NAME of the study by default.")
-@click.option("--jobs", type=JOBS, help="Runs at a time; chosen from their sizes by default.")
-@click.option("--report-only", is_flag=True, help="Run nothing: tables and charts from the runs that have ended.")
-@click.option("--quiet", is_flag=True, help="Print nothing but errors.")
+@click.option("--out", type=click.Path(path_type=Path), help="Folder (default: pareto/NAME of the study).")
+@click.option("--jobs", type=JOBS, help="Simultaneous runs (default: chosen from their sizes).")
+@click.option("--report-only", is_flag=True, help="Run nothing: report on the runs that have ended.")
+@click.option("--quiet", is_flag=True, help="Print only errors.")
 def pareto(study: str, out: Path | None, jobs: int | None, report_only: bool, quiet: bool) -> None:
-    """Run STUDY, a TOML file or a shipped one (default, choices, quick), and chart error over cost of its settings.
+    """Run STUDY, a TOML file or a shipped study (default, choices, quick), and chart error against cost.
 
-    Errors are told apart: of discretisation, against a converged value with an uncertainty of its own, and of the
-    model, against the experiment with its scatter. The same command again completes what is missing.
+    Discretisation errors are relative to grid-converged values with stated uncertainties; model errors are relative to
+    the experiment with its scatter. Repeating the command completes missing runs.
     """
     from mpmcol.cli.sweep_display import Display
-    from mpmcol.studies.pareto import RUNS, carry_out_study
+    from mpmcol.studies.frame import RUNS, carry_out_study
+    from mpmcol.studies.pareto import ParetoStudy
+    from mpmcol.studies.pareto.report import closing_lines
     from mpmcol.studies.pareto.study import load_study
-    from mpmcol.studies.pareto.text import closing_lines
     from mpmcol.sweep.engine import exit_code
 
-    loaded = load_study(study)
+    definition = load_study(study)
     folder = out or Path("pareto") / Path(study).stem
     with Display(folder / RUNS, quiet) as display:
-        studied = carry_out_study(loaded, folder, jobs, display, report_only)
+        result = carry_out_study(
+            ParetoStudy(definition), folder, jobs=jobs, threads=1, observer=display, report_only=report_only
+        )
     if not quiet:
-        click.echo("\n".join(closing_lines(loaded, studied.scored)))
-        click.echo(f"in {folder}: {', '.join(path.name for path in studied.files)}")
-    # that settings fail is what a study may show; runs that broke are told
-    broken = [outcome for outcome in studied.outcomes if outcome.status != "failed"]
-    click.get_current_context().exit(0 if report_only else exit_code(broken))
+        click.echo("\n".join(closing_lines(definition, result.evaluation.scored)))
+        click.echo(f"in {folder}: {', '.join(path.name for path in result.files)}")
+    # a diverging configuration is a result of the study; other failures are not
+    counted = [outcome for outcome in result.outcomes if outcome.status != "failed"]
+    click.get_current_context().exit(0 if report_only else exit_code(counted))

@@ -25,13 +25,13 @@ def plan(case: str, overrides: tuple[str, ...], accuracy: float, target: Path | 
     """
     from mpmcol.case import load_case, resolved_toml
     from mpmcol.io.atomic import atomic_write
-    from mpmcol.studies.pareto.recommend import advise
+    from mpmcol.studies.pareto.recommend import recommend
     from mpmcol.studies.pareto.savings import propose
 
     click.echo(f"{'change, alone':44s}{'time':>8s}{'zeta':>8s}{'beta':>8s}")
     for proposal in propose(case, overrides, accuracy):
         click.echo(f"{proposal.name:44s}{f'x {proposal.cost_ratio:.2g}':>8s}{_effects(proposal.effect)}")
-    advice = advise(case, overrides, accuracy)
+    advice = recommend(case, overrides, accuracy)
     click.echo(f"\ncheapest within {100.0 * accuracy:.3g}%: {advice}")
     if target:
         atomic_write(target, resolved_toml(load_case(case, [*overrides, *advice.overrides])).encode())

@@ -13,7 +13,8 @@ from mpmcol.cli.option_types import JOBS
 if TYPE_CHECKING:
     from mpmcol.failure_modes import CatalogueOutcome, Observer
     from mpmcol.failure_modes.scenario import ScenarioOutcome
-    from mpmcol.studies.method_map import Drawn
+    from mpmcol.studies.frame import StudyResult
+    from mpmcol.studies.method_map import MethodMap
 
 RECORD_SCHEMA = 1
 FAILED = 4  # exit code
@@ -70,32 +71,32 @@ def stability(
 
 
 def _map(name: str, out: Path | None, jobs: int | None, report_only: bool, quiet: bool, to_json: bool) -> int:
-    """The exit code: that methods fail is what a map is for, but runs that broke are told."""
+    """Run a map and return the exit code; a diverging run is a result of the map, other failures are not."""
     from mpmcol.cli.sweep_display import Display
-    from mpmcol.studies.method_map import RUNS, draw_map
+    from mpmcol.studies.frame import RUNS, carry_out_study
+    from mpmcol.studies.method_map import MapStudy
     from mpmcol.studies.method_map.definition import load_map
     from mpmcol.studies.method_map.text import closing_lines
     from mpmcol.sweep.engine import exit_code
     from mpmcol.sweep.plan import as_json
 
     folder = out or Path("stability") / f"map-{Path(name).stem}"
-    map_ = load_map(name)
+    study = MapStudy(load_map(name))
     with Display(folder / RUNS, quiet or to_json) as display:
-        drawn = draw_map(map_, folder, jobs, display, report_only)
+        result = carry_out_study(study, folder, jobs=jobs, threads=1, observer=display, report_only=report_only)
     if to_json:
-        click.echo(as_json(_map_record(drawn)))
+        click.echo(as_json(_map_record(result)))
     elif not quiet:
-        click.echo("\n".join(closing_lines(drawn.judged)))
-        click.echo(f"in {folder}: {', '.join(path.name for path in drawn.files)}")
-    return exit_code([outcome for outcome in drawn.outcomes if outcome.status != "failed"])
+        click.echo("\n".join(closing_lines(result.evaluation.assessed)))
+        click.echo(f"in {folder}: {', '.join(path.name for path in result.files)}")
+    return exit_code([outcome for outcome in result.outcomes if outcome.status != "failed"])
 
 
-def _map_record(drawn: Drawn) -> dict[str, Any]:
+def _map_record(result: StudyResult[MethodMap]) -> dict[str, Any]:
     from mpmcol.studies.method_map.report import table_rows
 
-    return {
-        "schema": RECORD_SCHEMA, "rows": list(table_rows(drawn.judged)), "files": [str(path) for path in drawn.files],
-    }  # fmt: skip
+    rows = list(table_rows(result.evaluation.assessed))
+    return {"schema": RECORD_SCHEMA, "rows": rows, "files": [str(path) for path in result.files]}
 
 
 def _observer(quiet: bool, to_json: bool) -> Observer:

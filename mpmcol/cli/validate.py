@@ -1,4 +1,4 @@
-"""mpmcol validate: the experiments that are shipped, passed or failed."""
+"""mpmcol validate: comparison with published experiments."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import click
 from mpmcol.cli.option_types import JOBS, THREADS
 
 if TYPE_CHECKING:
+    from mpmcol.studies.frame import StudyResult
     from mpmcol.studies.validation import Validation
 
 RECORD_SCHEMA = 1
@@ -34,47 +35,52 @@ def validate(
     quiet: bool,
     to_json: bool,
 ) -> None:
-    """Check runout, height, surface, failure line and duration against published experiments.
+    """Check runout, height, surface, failure line and stop time against published experiments.
 
-    NAME is a check or a group of them (rods, channel, cylinder); all by default. Each measures one number, which must
-    lie in a band that comes from the experiment, and runs negative controls, whose number must lie outside. Bands are
-    the same with --quick, so that some may fail there. The same command again completes what is missing.
+    NAME is a check or a group of checks (rods, channel, cylinder); all by default. A check measures one quantity, which
+    must be inside a band taken from the experiment, and runs negative controls, whose values must be outside. The bands
+    are the same with --quick, so that some checks may fail on its coarse grids. Checks with unverified bands are shown
+    for information. Repeating the command completes missing runs.
 
     Exit code 4 if a check fails.
     """
     from mpmcol.cli.sweep_display import Display
-    from mpmcol.studies.validation import validate as carry_out
+    from mpmcol.studies.frame import RUNS, carry_out_study
+    from mpmcol.studies.validation import ValidationStudy, select_checks
     from mpmcol.sweep.engine import exit_code
     from mpmcol.sweep.plan import as_json
 
     folder = out or Path("validation-quick" if quick else "validation")
-    with Display(folder / "runs", quiet) as display:
-        found = carry_out(names, quick, folder, jobs, threads, display)
-    click.echo(as_json(_record(found, quick)) if to_json else "\n".join(_lines(found)))
+    study = ValidationStudy(select_checks(names), quick)
+    with Display(folder / RUNS, quiet) as display:
+        result = carry_out_study(study, folder, jobs=jobs, threads=threads, observer=display)
+    click.echo(as_json(_record(result, quick)) if to_json else "\n".join(_lines(result.evaluation)))
     if not quiet and not to_json:
-        click.echo(f"in {folder}: {', '.join(path.name for path in found.files)}")
-    click.get_current_context().exit(exit_code(found.outcomes) or (0 if found.passed else FAILED))
+        click.echo(f"in {folder}: {', '.join(path.name for path in result.files)}")
+    click.get_current_context().exit(exit_code(result.outcomes) or (0 if result.evaluation.passed else FAILED))
 
 
-def _lines(found: Validation) -> Iterator[str]:
-    from mpmcol.studies.validation.report import band_of, controls_of, shown, summary_of
+def _lines(validation: Validation) -> Iterator[str]:
+    from mpmcol.studies.validation.report import format_band, format_controls, format_value, summary
 
-    width = max(len(judgement.check.name) for judgement in found.judgements)
-    for judgement in found.judgements:
-        check = judgement.check
+    width = max(len(result.check.name) for result in validation.results)
+    for result in validation.results:
+        check = result.check
         yield (
-            f"{check.name:{width}}  {shown(judgement.value):>6}  band {band_of(judgement):16} {judgement.verdict:14} "
-            f"{check.number}{', ' * bool(check.unit)}{check.unit}{'' if judgement.at_rest else '; not at rest'}"
+            f"{check.name:{width}}  {format_value(result.value):>6}  band {format_band(result):16} "
+            f"{result.verdict:12} {check.quantity}{', ' * bool(check.unit)}{check.unit}"
+            f"{'' if result.at_rest else '; not at rest'}"
         )
-        yield f"{'':{width}}  controls: {'; '.join(controls_of(judgement))}"
-    yield summary_of(found.judgements)
+        yield f"{'':{width}}  negative controls: {'; '.join(format_controls(result))}"
+    yield summary(validation.results)
 
 
-def _record(found: Validation, quick: bool) -> dict[str, Any]:
+def _record(result: StudyResult[Validation], quick: bool) -> dict[str, Any]:
     from mpmcol.studies.validation.report import table_rows
 
-    rows = [row for judgement in found.judgements for row in table_rows(judgement, quick)]
+    validation = result.evaluation
     return {
-        "schema": RECORD_SCHEMA, "passed": found.passed, "checks": rows,
-        "others": [vars(other) for other in found.others], "files": [str(path) for path in found.files],
+        "schema": RECORD_SCHEMA, "passed": validation.passed,
+        "checks": [row for one in validation.results for row in table_rows(one, quick)],
+        "others": [vars(other) for other in validation.others], "files": [str(path) for path in result.files],
     }  # fmt: skip

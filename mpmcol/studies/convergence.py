@@ -1,4 +1,4 @@
-"""The limit of a quantity for small spacings, from runs at several of them, with its uncertainty."""
+"""Grid convergence: the value of a quantity extrapolated to zero node spacing, with its standard error."""
 
 from __future__ import annotations
 
@@ -6,65 +6,86 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.stats import linregress
 
-ORDERS = np.linspace(0.5, 2.0, 31)  # that a scheme of this kind may have
-FEWEST = 3  # spacings
-FARTHEST = 3.05  # times the finest spacing: coarser ones are not yet on their way to the limit
+ORDERS = np.linspace(0.5, 2.0, 31)  # candidate orders of convergence
+MIN_SPACINGS = 3
+MAX_RATIO = 3.05  # of a spacing to the finest one: coarser grids are not yet in the asymptotic range
 
 
 @dataclass(frozen=True)
-class Limit:
-    """A value with its standard error, and the order at which runs approach it."""
+class ConvergedValue:
+    """A grid-converged value with its standard error and the order of convergence."""
 
     value: float
     error: float
     order: float
 
 
-def find_limit(runs: Mapping[float, Sequence[float]]) -> Limit | None:
-    """Richardson extrapolation q(h) = q_0 + c h^p with the observed order p, from repeated runs at each spacing h.
+def first_order_value(spacings: Sequence[float], values: Sequence[float]) -> ConvergedValue | None:
+    """Extrapolate single runs at several spacings by the least-squares line q(h) = q_0 + c h.
 
-    The order is not chosen but weighed: for each of ORDERS a line is fitted to the means, weighted by their standard
-    errors (from the scatter within spacings, pooled); the fits count by their likelihood. So the error holds the
-    scatter of the runs and what is not known of the order, and it grows with the misfit where the means are on no such
-    curve. None for fewer than FEWEST spacings or no repetitions.
+    First order is that of the gap below an elastic base and of the thickness of the front. The standard error follows
+    from the residuals. Spacings larger than MAX_RATIO times the finest are left out.
+
+    Returns None for fewer than MIN_SPACINGS different spacings.
     """
-    runs = {h: values for h, values in runs.items() if values and h <= FARTHEST * min(runs)}
-    spacing = np.array(sorted(runs))
-    if len(spacing) < FEWEST or (scatter := _pooled_scatter(runs)) is None:
+    h, q = np.asarray(spacings, dtype=float), np.asarray(values, dtype=float)
+    near = h <= MAX_RATIO * h.min(initial=np.inf)
+    if len(np.unique(h[near])) < MIN_SPACINGS:
         return None
-    means = np.array([np.mean(runs[h]) for h in spacing])
-    errors = scatter / np.sqrt([len(runs[h]) for h in spacing])
-    fits = [_fit(spacing / spacing.max(), means, errors, order) for order in ORDERS]
+    line = linregress(h[near], q[near])
+    return ConvergedValue(float(line.intercept), float(line.intercept_stderr), 1.0)
+
+
+def converged_value(levels: Mapping[float, Sequence[float]]) -> ConvergedValue | None:
+    """Extrapolate repeated runs at several spacings: q(h) = q_0 + c h^p (Richardson extrapolation, observed order).
+
+    A line in h^p is fitted to the means of the spacings for each p of ORDERS, weighted by the standard errors of the
+    means, which follow from the pooled scatter of repetitions. The fits are averaged with their likelihoods as weights.
+    The standard error therefore includes the scatter of the runs and the uncertainty of the order; it is inflated by
+    the misfit where no power law fits the means.
+
+    Args:
+        levels: node spacing, in any unit -> values of the repeated runs.
+
+    Returns None for fewer than MIN_SPACINGS spacings or without scatter between repetitions.
+    """
+    levels = {h: values for h, values in levels.items() if values and h <= MAX_RATIO * min(levels)}
+    h = np.array(sorted(levels))
+    if len(h) < MIN_SPACINGS or (scatter := _pooled_scatter(levels)) is None:
+        return None
+    means = np.array([np.mean(levels[spacing]) for spacing in h])
+    errors = scatter / np.sqrt([len(levels[spacing]) for spacing in h])
+    fits = [_fit(h / h.max(), means, errors, order) for order in ORDERS]
     values, variances, misfits = (np.array(column) for column in zip(*fits, strict=True))
-    inflation = max(misfits.min() / (len(spacing) - 2), 1.0)
+    inflation = max(misfits.min() / (len(h) - 2), 1.0)
     weights = np.exp(-0.5 * (misfits - misfits.min()) / inflation)
     weights /= weights.sum()
     value = float(weights @ values)
     variance = weights @ (variances * inflation + (values - value) ** 2)
-    return Limit(value, float(np.sqrt(variance)), float(weights @ ORDERS))
+    return ConvergedValue(value, float(np.sqrt(variance)), float(weights @ ORDERS))
 
 
-def combine(first: Limit, second: Limit) -> Limit:
-    """One limit from two independent refinements; its error is at least half of what they differ by."""
+def combine(first: ConvergedValue, second: ConvergedValue) -> ConvergedValue:
+    """Average two independent refinements by inverse variance; the error is at least half of their difference."""
     weights = np.array([first.error, second.error]) ** -2.0
     share = weights / weights.sum()
     value = float(share @ (first.value, second.value))
     error = max(float(weights.sum() ** -0.5), abs(first.value - second.value) / 2.0)
-    return Limit(value, error, float(share @ (first.order, second.order)))
+    return ConvergedValue(value, error, float(share @ (first.order, second.order)))
 
 
-def _pooled_scatter(runs: Mapping[float, Sequence[float]]) -> float | None:
-    """Standard deviation of runs about the mean of their spacing; None if no spacing is repeated or none scatters."""
-    freedom = sum(max(len(values) - 1, 0) for values in runs.values())
-    squares = sum(float(np.var(values)) * len(values) for values in runs.values() if len(values) > 1)
+def _pooled_scatter(levels: Mapping[float, Sequence[float]]) -> float | None:
+    """Return the pooled standard deviation within spacings; None without repetitions or without scatter."""
+    freedom = sum(max(len(values) - 1, 0) for values in levels.values())
+    squares = sum(float(np.var(values)) * len(values) for values in levels.values() if len(values) > 1)
     return float(np.sqrt(squares / freedom)) if freedom and squares > 0.0 else None
 
 
 def _fit(h: np.ndarray, means: np.ndarray, errors: np.ndarray, order: float) -> tuple[float, float, float]:
-    """Weighted least squares of q_0 + c h^order: q_0, its variance, and the squared misfit over the errors."""
-    matrix = np.stack((np.ones_like(h), h**order), axis=1) / errors[:, None]
-    inverse = np.linalg.inv(matrix.T @ matrix)
-    fit = inverse @ matrix.T @ (means / errors)
-    residual = means / errors - matrix @ fit
-    return float(fit[0]), float(inverse[0, 0]), float(residual @ residual)
+    """Fit q_0 + c h^order by weighted least squares; return q_0, its variance and the chi-squared misfit."""
+    x = h**order
+    coefficients, covariance = np.polyfit(x, means, 1, w=1.0 / errors, cov="unscaled")
+    residuals = (means - np.polyval(coefficients, x)) / errors
+    return float(coefficients[1]), float(covariance[1, 1]), float(residuals @ residuals)

@@ -1,4 +1,4 @@
-"""What a report consists of, as TOML files: reading and checking them, and the values in them."""
+"""Studies defined by TOML files: reading and validating them."""
 
 from __future__ import annotations
 
@@ -19,51 +19,56 @@ from mpmcol.selection import suggestion
 Value = str | bool | float
 
 
-class Strict(BaseModel):
-    """A table of a definition: keys that it does not know are refused."""
+class Table(BaseModel):
+    """A table of a definition; unknown keys are refused."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
-M = TypeVar("M", bound=Strict)
+T = TypeVar("T", bound=Table)
 
 
 def shipped_definitions(folder: str) -> dict[str, Path]:
-    """Definitions of a kind that come with mpmcol, by name: those in a folder beside the shipped cases."""
+    """Return the shipped definitions of one kind by name, from a folder beside the shipped cases."""
     found = (next(iter(shipped_cases().values())).parent / folder).glob("*.toml")
     return {path.stem: path for path in sorted(found)}
 
 
-def load_definition(source: str, shipped: Mapping[str, Path], kind: str, model: type[M]) -> M:
-    """Read a definition: a shipped one by its name, or a file.
+def load_definition(source: str, shipped: Mapping[str, Path], kind: str, model: type[T]) -> T:
+    """Load a definition: a shipped one by its name, or a file.
 
     Args:
-        kind: what it is called, such as "study".
+        kind: word for messages, such as "study".
 
     Raises:
-        CaseError: it cannot be read or is no TOML; with file and line.
-        UsageError: it is wrong; with file, line and key.
+        CaseError: the file cannot be read or is not valid TOML.
+        UsageError: there is no such file, or a value is wrong; the message names file, line and key.
     """
     path = shipped.get(source, Path(source))
-    if not os.path.exists(path):  # unlike Path.exists it is never upset by an impossible name
+    if not os.path.exists(path):  # unlike Path.exists it accepts any text, for example one that is too long for a path
         raise UsageError(f"{shortened(source, 200)}: no such {kind}; {suggestion(source, shipped)}")
     content = read_source(shortened(str(path), 200), path)
     try:
         return model.model_validate(content.tables)
     except ValidationError as invalid:
-        told = islice(invalid.errors(include_url=False), MOST_SHOWN)
-        raise UsageError("\n".join(_told(content, error) for error in told)) from None
+        errors = islice(invalid.errors(include_url=False), MOST_SHOWN)
+        raise UsageError("\n".join(_message(content, error) for error in errors)) from None
 
 
 def as_text(value: Value) -> str:
-    """A value as it is written in `--set KEY=VALUE`."""
+    """Format a value as in `--set KEY=VALUE`."""
     if isinstance(value, bool):
         return str(value).lower()
     return f"{value:.9g}" if isinstance(value, float) else str(value)
 
 
-def _told(source: Source, error: Any) -> str:
+def as_overrides(values: Mapping[str, Value]) -> list[str]:
+    """Format values as `--set` takes them."""
+    return [f"{key}={as_text(value)}" for key, value in values.items()]
+
+
+def _message(source: Source, error: Any) -> str:
     key = tuple(str(part) for part in error["loc"])
     line, name = source.location(key)[0], shortened(".".join(key), 100)
-    place = f"{source.name}:{line}" if line else source.name
-    return f"{place}: {name + ': ' if name else ''}{error['msg'].removeprefix('Value error, ')}"
+    where = f"{source.name}:{line}" if line else source.name
+    return f"{where}: {name + ': ' if name else ''}{error['msg'].removeprefix('Value error, ')}"

@@ -1,66 +1,60 @@
-"""The map: many short collapses over choices of method, each of which stands, degrades or fails.
+"""Map of methods: many short collapses over choices of method, each of which passes, degrades or fails.
 
-What is run is a TOML file (`definition.py`, shipped ones in `cases/maps`). The rule by which runs are
-judged is that of `mpmcol.studies.method_map.verdict`.
+A TOML file defines the runs (`definition.py`; shipped ones in `cases/maps`); `assessment.py` holds the criteria.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
-from mpmcol.studies.method_map.definition import Map
-from mpmcol.studies.method_map.grid_points import Place, places_of, repeats_of
+from mpmcol.studies.method_map.assessment import AssessedPoint, MapReference, assess, make_reference
+from mpmcol.studies.method_map.definition import MapDefinition
+from mpmcol.studies.method_map.points import MapPoint, points_of, reference_runs
 from mpmcol.studies.method_map.report import write_report
-from mpmcol.studies.method_map.verdict import Judged, Reference, judge, make_reference
-from mpmcol.studies.runs import Found, Member, carry_out_members, find_members
-from mpmcol.sweep.engine import Outcome
-from mpmcol.sweep.runner import SweepObserver
-
-RUNS = "runs"
+from mpmcol.studies.runs import EndedRuns, StudyRun
 
 
 @dataclass(frozen=True)
-class Drawn:
-    """What came of a map, and the files that were written."""
+class MethodMap:
+    """The references of the cases and the assessment of each point of a map."""
 
-    outcomes: Sequence[Outcome]
-    judged: Sequence[Judged]
-    files: Sequence[Path]
-
-
-def draw_map(
-    map_: Map, out: Path, jobs: int | None = None, observer: SweepObserver | None = None, report_only: bool = False
-) -> Drawn:
-    """Run what the map needs into `out`/runs, completing what is there, and write its report into `out`.
-
-    Every run has one thread. With `report_only` nothing is run, and places whose runs have not ended stay open. Raises
-    UsageError if a place makes no case that can be run, OutputError if a scene has too few runs to judge by.
-    """
-    places = list(places_of(map_))
-    repeats = {name: repeats_of(scene) for name, scene in map_.scenes.items()}
-    members = [member for pair in repeats.values() for level in pair for member in level]
-    members += [place.member for place in places]
-    if report_only:
-        outcomes, found = find_members(members, out / RUNS)
-    else:
-        outcomes, found = carry_out_members(members, out / RUNS, jobs, 1, observer)
-    references = {name: _reference(name, own, finer, found, out) for name, (own, finer) in repeats.items()}
-    judged = _judge_all(places, references, outcomes, found, out)
-    return Drawn(outcomes, judged, write_report(map_, references, judged, out))
+    references: Mapping[str, MapReference]
+    assessed: Sequence[AssessedPoint]
 
 
-def _reference(name: str, own: Sequence[Member], finer: Sequence[Member], found: Found, out: Path) -> Reference:
-    ended = [[found[member] for member in level if member in found] for level in (own, finer)]
-    return make_reference(name, ended[0], ended[1], out / RUNS)
+@dataclass(frozen=True)
+class MapStudy:
+    """A definition as a study (see `mpmcol.studies.frame.Study`)."""
 
+    definition: MapDefinition
 
-def _judge_all(
-    places: Sequence[Place], references: dict[str, Reference], outcomes: Sequence[Outcome], found: Found, out: Path
-) -> list[Judged]:
-    ended = {outcome.run.folder: outcome for outcome in outcomes}
-    return [
-        judge(place, ended.get(place.member.plan(out / RUNS).folder), found.get(place.member), references[place.scene])
-        for place in places
-    ]
+    @cached_property
+    def points(self) -> list[MapPoint]:
+        """All points of the map; UsageError if one of them is not a valid case."""
+        return list(points_of(self.definition))
+
+    def runs(self) -> Iterable[StudyRun]:
+        """Return the runs of the references, then those of the points."""
+        references = [reference_runs(case) for case in self.definition.cases.values()]
+        return [
+            *(run for levels in references for level in levels for run in level),
+            *(point.run for point in self.points),
+        ]
+
+    def evaluate(self, ended: EndedRuns) -> MethodMap:
+        """Assess all points; those whose runs have not ended are not assessed.
+
+        Raises OutputError if a case has too few successful runs for a reference.
+        """
+        references = {}
+        for name, case in self.definition.cases.items():
+            own, finer = (ended.completed_of(level) for level in reference_runs(case))
+            references[name] = make_reference(name, own, finer, ended.folder)
+        return MethodMap(references, [assess(point, ended, references[point.case]) for point in self.points])
+
+    def write_report(self, evaluation: MethodMap, heading: str, out: Path) -> list[Path]:
+        """Write map.csv, map.md and the chart."""
+        return write_report(self.definition, evaluation.references, evaluation.assessed, heading, out)

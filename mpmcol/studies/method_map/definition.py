@@ -1,4 +1,4 @@
-"""Maps as TOML files: which collapses, and over which choices they are drawn."""
+"""Definition of a map: which collapses, and over which choices of method."""
 
 from __future__ import annotations
 
@@ -7,71 +7,71 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from mpmcol.studies.definition import Strict, Value, load_definition, shipped_definitions
+from mpmcol.studies.definition import Table, Value, load_definition, shipped_definitions
 
 Values = Annotated[tuple[Value, ...], Field(min_length=1)]
 Axis = Annotated[dict[str, Values], Field(min_length=1, max_length=1)]  # a key of the case and its values
 Cells = Annotated[float, Field(ge=2.0, le=1000.0)]  # r_i / h
 
 
-class Scene(Strict):
-    """A collapse, and the runs of its default method by which all others are judged."""
+class MapCase(Table):
+    """A collapse, and the runs of its default method from which the criteria follow."""
 
-    case: str  # a shipped case or a path
+    extends: str  # shipped case or path
     aspect: float = Field(gt=0.0)
-    cells: Cells  # of all runs on the map
+    cells: Cells  # of all runs of the map
     finer: Cells  # of the reference
-    repeats: int = Field(8, ge=3, le=50)  # runs at `cells`, with time steps a little apart, that tell the scatter
+    repeats: int = Field(8, ge=3, le=50)  # runs at `cells`, slightly different in time step, which give the scatter
     finer_repeats: int = Field(3, ge=1, le=50)  # runs at `finer`, whose mean is the reference
 
     @model_validator(mode="after")
-    def _finer(self) -> Scene:
+    def _check_spacings(self) -> MapCase:
         if self.finer <= self.cells:
             raise ValueError(f"finer is {self.finer:g}, expected more than cells, {self.cells:g}")
         return self
 
 
-class Block(Strict):
-    """Panels of the chart: in each, a run for every value across and every value down."""
+class Block(Table):
+    """Panels of the chart; a panel has a run for each value across and each value down."""
 
-    scene: str
-    set: dict[str, Value] = Field(default_factory=dict)  # values of the case, alike in all runs of the block
+    case: str
+    set: dict[str, Value] = Field(default_factory=dict)  # values of all runs of the block
     panels: dict[str, Values] = Field(default_factory=dict)  # a panel for each combination
     across: Axis
     down: Axis
 
     @model_validator(mode="after")
-    def _keys(self) -> Block:
+    def _check_keys(self) -> Block:
         keys = [*self.set, *self.panels, *self.across, *self.down]
         if twice := sorted({key for key in keys if keys.count(key) > 1}):
             raise ValueError(f"{twice[0]} is given twice")
         return self
 
 
-class Map(Strict):
+class MapDefinition(Table):
     """Blocks of panels, in the order in which they are drawn."""
 
     schema_: Literal[1] = Field(1, alias="schema")
     title: str = ""
     side_by_side: int = Field(3, ge=1, le=10)  # panels
-    scenes: dict[str, Scene] = Field(min_length=1)
+    cases: dict[str, MapCase] = Field(min_length=1)
     blocks: dict[str, Block] = Field(min_length=1)
 
     @model_validator(mode="after")
-    def _names(self) -> Map:
+    def _check_names(self) -> MapDefinition:
         for name, block in self.blocks.items():
-            if block.scene not in self.scenes:
-                raise ValueError(f"blocks.{name}: no scene is called {block.scene!r}")
-        if unused := [name for name in self.scenes if all(block.scene != name for block in self.blocks.values())]:
-            raise ValueError(f"scenes.{unused[0]}: no block uses it")
+            if block.case not in self.cases:
+                raise ValueError(f"blocks.{name}: there is no case {block.case!r}")
+        if unused := [name for name in self.cases if all(block.case != name for block in self.blocks.values())]:
+            raise ValueError(f"cases.{unused[0]}: no block uses it")
         return self
 
 
 def shipped_maps() -> dict[str, Path]:
-    """Maps that come with mpmcol, by name."""
+    """Return the shipped maps by name."""
     return shipped_definitions("maps")
 
 
-def load_map(source: str) -> Map:
-    """Read a map: a shipped one by its name, or a file. Raises UsageError that names file and key."""
-    return load_definition(source, shipped_maps(), "map", Map)
+def load_map(source: str) -> MapDefinition:
+    """Load a map: a shipped one by its name, or a file; for errors see `load_definition`."""
+    return load_definition(source, shipped_maps(), "map", MapDefinition)

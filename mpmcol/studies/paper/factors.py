@@ -1,4 +1,4 @@
-"""What each assumption that we do not share with the paper, or that it leaves open, is worth: one at a time."""
+"""Effect of each assumption that the paper leaves open or that mpmcol does not share, one at a time."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from scipy.stats import sem
 
-from mpmcol.studies.paper.errors import QUANTITIES
-from mpmcol.studies.paper.report import Report, Verdict
-from mpmcol.studies.runs import Finished, Found, Member, with_settings
+from mpmcol.studies.paper.report import QUANTITIES, Comparison, FigureResult
+from mpmcol.studies.runs import REPEATED_CFL, CompletedRun, CompletedRuns, StudyRun, study_run
 
 Column = tuple[str, float, float]  # case, a, node spacing in m
 
-TITLE = "What each assumption is worth"
+TITLE = "Effect of each assumption"
 COLUMNS = (
     ("lube-channel", 1.0, 0.003),
     ("lube-channel", 3.0, 0.003),
@@ -22,85 +22,90 @@ COLUMNS = (
     *((case, a, 0.0045) for case in ("lube-channel-loose", "lube-channel-dense") for a in (1.0, 3.0)),
 )
 QUICK = (("lube-cylinder", 0.9, 0.010),)
+UNCHANGED = "shipped case"
 FACTORS: dict[str, dict[str, str]] = {
-    "as shipped": {},
-    "plain scheme without opening strain": {"method__opening_strain": "false"},
-    "rigid floor (with its impulse) instead of the elastic base": {
+    UNCHANGED: {},
+    "no opening strain": {"method__opening_strain": "false"},
+    "rigid floor (with wall impulse) instead of the elastic base": {
         "geometry__base": "rigid",
-        "method__wall_impulse": "true",  # points would sink into a floor that hands them none
+        "method__wall_impulse": "true",  # without it material points sink into a rigid floor
     },
     "no damping in the collapse": {"stages__collapse__damping": "0.0"},
     "position update as printed (Eq. 27)": {"method__position_update": "paper"},
-    "initial stress set, not loaded": {"stages__initial_stress": "k0"},
-    "walls hand their impulse to the points": {"method__wall_impulse": "true"},
-    "truncated splines at walls": {"method__kernel_correction": "false"},
+    "initial stress assigned instead of loaded": {"stages__initial_stress": "k0"},
+    "wall impulse in the FLIP velocity increment": {"method__wall_impulse": "true"},
+    "B-splines truncated at walls": {"method__kernel_correction": "false"},
 }
 SOFTENING: dict[str, dict[str, str]] = {
-    "as shipped": {},
+    UNCHANGED: {},
     "no damping in the collapse": {"stages__collapse__damping": "0.0"},
-    "softening strain counted twice": {"material__strain_factor": "1.633"},  # published definitions differ
-    "no dilatancy at the peak": {"material__dilatancy_peak_deg": "0.0"},
+    "softening strain doubled": {"material__strain_factor": "1.633"},  # published definitions differ by this factor
+    "no dilatancy at peak": {"material__dilatancy_peak_deg": "0.0"},
 }
-# The front is chaotic: runs that differ in the time step alone scatter by some per cent, so that each is repeated.
-TIME_STEPS = ("0.46", "0.48", "0.5", "0.52")
 
 
-def members(quick: bool) -> list[Member]:
-    """Every factor on every column, some times."""
+def runs(quick: bool) -> list[StudyRun]:
+    """Return repeated runs of each column with each factor."""
     return [
-        _member(column, factor, cfl)
+        run
         for column in (QUICK if quick else COLUMNS)
-        for factor in _factors(column)
-        for cfl in TIME_STEPS
+        for factor in factors_of(column)
+        for run in repeated_runs(column, factor)
     ]
 
 
-def report(found: Found, quick: bool) -> Report:
-    """Change of runout and height by each factor, with the standard error of repeated runs."""
+def evaluate(completed: CompletedRuns, quick: bool) -> FigureResult:
+    """Return the change of runout and height by each factor, with the standard error of the repeated runs."""
     rows = []
     for column in QUICK if quick else COLUMNS:
-        base = _runs(found, column, "as shipped")
-        rows += [_line(column, factor, _runs(found, column, factor), base) for factor in _factors(column)]
-    factors = [row for row in rows if row["factor"] != "as shipped"]
-    verdicts = [_verdict(row, quantity) for row in factors for quantity in ("zeta.front_height", "beta")]
-    return Report(rows, verdicts)
+        done = {
+            factor: [completed[run] for run in repeated_runs(column, factor) if run in completed]
+            for factor in factors_of(column)
+        }
+        rows += [effect_row(column, factor, repeats, done[UNCHANGED]) for factor, repeats in done.items()]
+    changed = [row for row in rows if row["factor"] != UNCHANGED]
+    comparisons = [_comparison(row, quantity) for row in changed for quantity in ("zeta.front_height", "beta")]
+    return FigureResult(rows, comparisons)
 
 
-def _factors(column: Column) -> dict[str, dict[str, str]]:
-    """What is changed of a column, by name: the values that are replaced."""
+def factors_of(column: Column) -> dict[str, dict[str, str]]:
+    """Return the values that each factor replaces in the case of a column."""
     return SOFTENING if column[0].startswith("lube-channel-") else FACTORS
 
 
-def _member(column: Column, factor: str, cfl: str) -> Member:
+def repeated_runs(column: Column, factor: str) -> list[StudyRun]:
+    """Return the repeated runs of a column with one factor."""
     case, a, h = column
-    return with_settings(case, a, h, **_factors(column)[factor], time__cfl=cfl)
+    return [study_run(case, a, h, **factors_of(column)[factor], time__cfl=cfl) for cfl in REPEATED_CFL]
 
 
-def _runs(found: Found, column: Column, factor: str) -> list[Finished]:
-    return [found[m] for cfl in TIME_STEPS if (m := _member(column, factor, cfl)) in found]
-
-
-def _line(column: Column, factor: str, runs: Sequence[Finished], base: Sequence[Finished]) -> dict[str, Any]:
+def effect_row(
+    column: Column, factor: str, repeats: Sequence[CompletedRun], base: Sequence[CompletedRun]
+) -> dict[str, Any]:
+    """Return the row of a factor: means and their relative changes from the unchanged case."""
     case, a, h = column
-    line: dict[str, Any] = {"case": case, "a": a, "h_mm": 1e3 * h, "factor": factor, "runs": len(runs)}
+    row: dict[str, Any] = {"case": case, "a": a, "h_mm": 1e3 * h, "factor": factor, "runs": len(repeats)}
     for quantity in QUANTITIES:
-        ours, reference = _mean(runs, quantity), _mean(base, quantity)
-        line[quantity] = ours and ours[0]
+        own, reference = _mean(repeats, quantity), _mean(base, quantity)
+        row[quantity] = own and own[0]
         change = error = None
-        if ours and reference:
-            change = ours[0] / reference[0] - 1.0
-            error = float(np.hypot(ours[1] / ours[0], reference[1] / reference[0]))
-        line[f"{quantity} change"], line[f"{quantity} change +-"] = change, error
-    return line
+        if own and reference:
+            change = own[0] / reference[0] - 1.0
+            error = float(np.hypot(own[1] / own[0], reference[1] / reference[0]))
+        row[f"{quantity} change"], row[f"{quantity} change +-"] = change, error
+    return row
 
 
-def _mean(runs: Sequence[Finished], quantity: str) -> tuple[float, float] | None:
-    """Mean and its standard error; None without two runs."""
-    values = np.array([run.row[quantity] for run in runs])
-    return None if len(values) < 2 else (float(values.mean()), float(values.std(ddof=1) / np.sqrt(len(values))))
+def _mean(repeats: Sequence[CompletedRun], quantity: str) -> tuple[float, float] | None:
+    """Return mean and standard error; None for fewer than two runs."""
+    values = [run.row[quantity] for run in repeats]
+    return None if len(values) < 2 else (float(np.mean(values)), float(sem(values)))
 
 
-def _verdict(row: dict[str, Any], quantity: str) -> Verdict:
+def _comparison(row: dict[str, Any], quantity: str) -> Comparison:
     change, error = row[f"{quantity} change"], row[f"{quantity} change +-"]
-    told = f"{row['runs']} of {len(TIME_STEPS)} runs ended well" if error is None else f"+- {100.0 * error:.1f} %"
-    return Verdict(f"{row['case']}, a = {row['a']:g}, {row['factor']}: change of {quantity}", change, comment=told)
+    done = f"{row['runs']} of {len(REPEATED_CFL)} runs successful"
+    comment = done if error is None else f"+- {100.0 * error:.1f} %"
+    return Comparison(
+        f"{row['case']}, a = {row['a']:g}, {row['factor']}: change of {quantity}", change, comment=comment
+    )

@@ -1,4 +1,4 @@
-"""Figure 6: runout of channel columns over the aspect ratio, Mohr-Coulomb and softening sand, loose and dense."""
+"""Figure 6: runout in the channel against aspect ratio, Mohr-Coulomb and softening sand, loose and dense."""
 
 from __future__ import annotations
 
@@ -6,56 +6,58 @@ from functools import partial
 
 from mpmcol.experiments import find_experiment
 from mpmcol.measure import FRONTS
-from mpmcol.studies.paper.errors import compare, summaries
-from mpmcol.studies.paper.report import Report, Verdict
-from mpmcol.studies.runs import Finished, Found, Member, with_settings
+from mpmcol.studies.paper.report import Comparison, FigureResult, error_summary, series_row
+from mpmcol.studies.runs import CompletedRun, CompletedRuns, StudyRun, study_run
 from mpmcol.sweep.charts import sweep_chart
 from mpmcol.sweep.series import ASPECT_COLUMN, Series
 
 TITLE = "Figure 6: runout in the channel"
 MATERIALS = {"Mohr-Coulomb": "lube-channel", "loose": "lube-channel-loose", "dense": "lube-channel-dense"}
-STATED = {"Mohr-Coulomb": 0.036, "loose": 0.058, "dense": 0.089}  # mean |error| in zeta, section 3.1
-STATED_POINTS = (8000, 115000)  # in the column, about
+STATED_ERRORS = {"Mohr-Coulomb": 0.036, "loose": 0.058, "dense": 0.089}  # mean |error| in zeta, section 3.1
+STATED_POINTS = (8000, 115000)  # smallest and largest number in the column, approximately
 ASPECTS = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 7.0, 10.0)
 SPACINGS = (0.006, 0.0045, 0.003, 0.002)  # m; the last is the paper's
 QUICK_ASPECTS, QUICK_SPACINGS = (1.0, 3.0, 7.0), (0.010, 0.0075, 0.006)
-FILMED = 7.0  # Figure 7 looks at this one in time
+FIG7_ASPECT = 7.0  # of the column that Figure 7 shows in time
 
 
-def series_member(case: str, a: float, h: float) -> Member:
-    """A column of the series; of the one that Figure 7 shows, more snapshots are kept."""
-    filmed = case == MATERIALS["Mohr-Coulomb"] and a == FILMED
-    return with_settings(case, a, h, output__snapshots="20") if filmed else Member(case, a, h)
+def channel_run(case: str, a: float, h: float) -> StudyRun:
+    """Return the run of a column; the column of Figure 7 has more snapshots."""
+    in_time = case == MATERIALS["Mohr-Coulomb"] and a == FIG7_ASPECT
+    return study_run(case, a, h, output__snapshots="20") if in_time else StudyRun(case, a, h)
 
 
-def members(quick: bool) -> list[Member]:
-    """All materials, aspect ratios and spacings."""
+def runs(quick: bool) -> list[StudyRun]:
+    """Return a run for each material, aspect ratio and spacing."""
     aspects, spacings = (QUICK_ASPECTS, QUICK_SPACINGS) if quick else (ASPECTS, SPACINGS)
-    return [series_member(case, a, h) for case in MATERIALS.values() for a in aspects for h in spacings]
+    return [channel_run(case, a, h) for case in MATERIALS.values() for a in aspects for h in spacings]
 
 
-def report(found: Found, quick: bool) -> Report:
-    """Errors against Eq. 37 under each definition of the front, at the finest spacing and extrapolated."""
+def evaluate(completed: CompletedRuns, quick: bool) -> FigureResult:
+    """Return errors against Eq. 37 for each definition of the front, on the finest grid and grid-converged."""
     aspects, spacings = (QUICK_ASPECTS, QUICK_SPACINGS) if quick else (ASPECTS, SPACINGS)
-    lines, verdicts, charted = [], [], []
+    rows, comparisons, charted = [], [], []
     for label, case in MATERIALS.items():
-        groups = [[found[m] for h in spacings if (m := series_member(case, a, h)) in found] for a in aspects]
-        finest = [group[-1] for group in groups if group]
-        own = [compare(group, group[-1]) for group in groups if group]
+        columns = [[completed[run] for h in spacings if (run := channel_run(case, a, h)) in completed] for a in aspects]
+        columns = [column for column in columns if column]
+        finest = [column[-1] for column in columns]
+        series = [series_row(column, column[-1]) for column in columns]
         for front in FRONTS:
-            verdicts += summaries(own, f"zeta.{front}", label, STATED[label])
-        lines += [{"material": label, **line} for line in own]
+            comparisons += error_summary(series, f"zeta.{front}", label, STATED_ERRORS[label])
+        rows += [{"material": label, **row} for row in series]
         charted.append(Series(label, [run.row for run in finest]))
         if finest and label == "Mohr-Coulomb":
-            verdicts += _counts(finest)
+            comparisons += _point_counts(finest)
     experiment = find_experiment("paper", "plane")
     draw = partial(sweep_chart, axis=ASPECT_COLUMN, series=charted, experiment=experiment, title="channel")
-    return Report(
-        lines, verdicts, {"fig6.png": lambda path: draw(path, "zeta"), "fig6-beta.png": lambda path: draw(path, "beta")}
-    )
+    charts = {"fig6.png": lambda path: draw(path, "zeta"), "fig6-beta.png": lambda path: draw(path, "beta")}
+    return FigureResult(rows, comparisons, charts)
 
 
-def _counts(finest: list[Finished]) -> list[Verdict]:
+def _point_counts(finest: list[CompletedRun]) -> list[Comparison]:
     counts = sorted(run.row["column_points"] for run in finest)
-    ends = zip(("fewest", "most"), (counts[0], counts[-1]), STATED_POINTS, strict=True)
-    return [Verdict(f"{which} material points in the column", n, paper, unit="") for which, n, paper in ends]
+    ends = zip(("smallest", "largest"), (counts[0], counts[-1]), STATED_POINTS, strict=True)
+    return [
+        Comparison(f"{which} number of material points in the column", count, stated, unit="")
+        for which, count, stated in ends
+    ]

@@ -1,4 +1,4 @@
-"""Runout and height with an error bar of their own, from runs at two spacings."""
+"""Runout and height with an error bar, from repeated runs at two spacings."""
 
 from __future__ import annotations
 
@@ -8,95 +8,99 @@ from math import sqrt
 from pathlib import Path
 
 import numpy as np
+from scipy.stats import t as student_t
 
 from mpmcol.case import load_case
-from mpmcol.studies.pareto.recommend import Advice
-from mpmcol.studies.runs import CFL_STEP
+from mpmcol.studies.pareto.recommend import Recommendation
+from mpmcol.studies.runs import CFL, repeated_cfl
 from mpmcol.sweep.engine import Outcome, unsuccessful
 from mpmcol.sweep.runner import SweepObserver, run_sweep
 from mpmcol.sweep.runs import PlannedRun, plan_run
 from mpmcol.sweep.table import make_rows
 
-RUNS = 3  # at each spacing, with time steps a little apart
-RATIO = sqrt(2.0)  # of the spacings, about: the radius is whole cells
-ORDER = 1.0  # the lowest that is usual for the front and the height of a pile
+REPEATS = 3  # at each spacing
+RATIO = sqrt(2.0)  # of the spacings, approximately, since the radius is a whole number of cells
+ORDER = 1.0  # the lowest order of convergence that is usual for front and height
 SAFETY = 1.25
-FEWEST = 2  # that must have ended well
-STUDENT = {2: 4.30, 3: 3.18, 4: 2.78}  # degrees of freedom -> 95 % of Student's t
+MIN_RUNS = 2  # successful ones at each spacing
+CONFIDENCE = 0.95
 
 
 @dataclass(frozen=True)
-class Certified:
-    """A quantity of the finer runs with its error bar: absolute, and what it is made of."""
+class CertifiedQuantity:
+    """A quantity of the finer runs with its absolute error bar and what this consists of."""
 
     quantity: str
     value: float
-    error: float  # the larger of what the two spacings show and what the study found
-    change: float  # from the coarser spacing to the finer
+    error: float  # the larger of that from the two spacings and that of the study
+    change: float  # from the coarser spacing to the finer one
     scatter: float  # standard deviation of one run
-    known: float  # error that the setting had in the study
+    study_error: float  # of the configuration in the study
 
     def __str__(self) -> str:
         return (
-            f"{self.quantity}: {self.value:.3f} +- {self.error:.3f} (from the coarser grid {self.change:+.3f}, "
-            f"scatter of a run {self.scatter:.3f}, in the study +- {self.known:.3f})"
+            f"{self.quantity}: {self.value:.3f} +- {self.error:.3f} (change from the coarser grid {self.change:+.3f}, "
+            f"scatter of a run {self.scatter:.3f}, error in the study {self.study_error:.3f})"
         )
 
 
 def certify(
     source: str | Path,
     overrides: Sequence[str],
-    advice: Advice,
+    advice: Recommendation,
     out: Path,
+    *,
     jobs: int | None = None,
     threads: int | None = None,
     observer: SweepObserver | None = None,
-) -> tuple[list[Outcome], list[Certified]]:
-    """Run a case as advised and at a coarser spacing into the folder `out`, some times each.
+) -> tuple[list[Outcome], list[CertifiedQuantity]]:
+    """Run a case as recommended and on a coarser grid, several times each, in the folder `out`.
 
-    Raises an MpmcolError with the runs' exit code if fewer than FEWEST at one of the spacings ended well.
+    Raises an MpmcolError with the exit code of the runs if fewer than MIN_RUNS at one of the spacings were successful.
     """
-    asked = [*overrides, *advice.overrides]
+    values = [*overrides, *advice.overrides]
     coarse = max(round(advice.cells / RATIO), 2)
-    levels = [_points(source, asked, cells, out) for cells in (coarse, advice.cells)]
-    outcomes = run_sweep([point for points in levels for point in points], out, jobs, threads, observer=observer)
+    levels = [_repeated_runs(source, values, cells, out) for cells in (coarse, advice.cells)]
+    outcomes = run_sweep([run for level in levels for run in level], out, jobs, threads, observer=observer)
     rows = [row for row in make_rows(outcomes) if row["status"] == "done"]
-    values = {
+    results = {
         quantity: [[row[quantity] for row in rows if row["cells"] == cells] for cells in (coarse, advice.cells)]
-        for quantity in advice.within
+        for quantity in advice.errors
     }
-    if any(len(level) < FEWEST for both in values.values() for level in both):
-        raise unsuccessful(outcomes, f"too few runs ended well to tell an error; mpmcol status {out} says why")
+    if any(len(level) < MIN_RUNS for both in results.values() for level in both):
+        raise unsuccessful(outcomes, f"too few runs were successful for an error bar; `mpmcol status {out}` lists why")
     ratio = advice.cells / coarse
     return outcomes, [
-        error_bar(quantity, both[0], both[1], ratio, advice.within[quantity]) for quantity, both in values.items()
+        error_bar(quantity, coarser, finer, ratio, advice.errors[quantity])
+        for quantity, (coarser, finer) in results.items()
     ]
 
 
 def error_bar(
-    quantity: str, coarse: Sequence[float], fine: Sequence[float], ratio: float, within: float = 0.0
-) -> Certified:
-    """The finer mean with the grid convergence index of Roache 1994 (doi:10.1115/1.2910291) and the scatter of means.
+    quantity: str, coarse: Sequence[float], fine: Sequence[float], ratio: float, study_error: float = 0.0
+) -> CertifiedQuantity:
+    """Compute the error of the finer mean by the grid convergence index of Roache 1994 (doi:10.1115/1.2910291).
 
-    With spacings `ratio` apart: SAFETY |change| / (ratio^ORDER - 1), where the change is taken with the 95 % interval
-    of its own scatter, added in squares. Two spacings alone can agree by luck, or approach the limit at a lower order,
-    so that the bar is never less than the relative error `within` which the study found of this setting.
+    With spacings in the ratio `ratio` it is SAFETY |change| / (ratio^ORDER - 1). The 95 % confidence interval of the
+    change, from the pooled scatter of the repetitions, is added to the change in quadrature. Two spacings can agree by
+    coincidence or converge at a lower order; the error bar is therefore at least the relative error `study_error` of
+    the configuration in the study.
     """
     change = float(np.mean(fine) - np.mean(coarse))
     freedom = len(coarse) + len(fine) - 2
     scatter = sqrt(sum(float(np.var(level)) * len(level) for level in (coarse, fine)) / freedom)
-    mean_error = scatter * sqrt(1.0 / len(coarse) + 1.0 / len(fine))
-    shown = SAFETY * float(np.hypot(change, STUDENT[freedom] * mean_error)) / (ratio**ORDER - 1.0)
+    change_error = scatter * sqrt(1.0 / len(coarse) + 1.0 / len(fine))
+    half_width = float(student_t.ppf((1.0 + CONFIDENCE) / 2.0, freedom)) * change_error
+    index = SAFETY * float(np.hypot(change, half_width)) / (ratio**ORDER - 1.0)
     value = float(np.mean(fine))
-    known = within * abs(value)
-    return Certified(quantity, value, max(shown, known), change, scatter, known)
+    least = study_error * abs(value)
+    return CertifiedQuantity(quantity, value, max(index, least), change, scatter, least)
 
 
-def _points(source: str | Path, overrides: Sequence[str], cells: float, out: Path) -> list[PlannedRun]:
+def _repeated_runs(source: str | Path, overrides: Sequence[str], cells: float, out: Path) -> list[PlannedRun]:
     base = load_case(source, overrides)
-    points = []
-    for i in range(RUNS):
-        cfl = base.time.cfl * (1.0 - CFL_STEP * i)
-        case = load_case(source, [*overrides, f"grid.spacing={base.geometry.r_i / cells:.9g}", f"time.cfl={cfl:.6g}"])
-        points.append(plan_run(case, out, {"cells": cells, "time.cfl": cfl}, f"cells{cells:g}-cfl{cfl:.4g}"))
-    return points
+    runs = []
+    for cfl in repeated_cfl(base.time.cfl, REPEATS):
+        case = load_case(source, [*overrides, f"grid.spacing={base.geometry.r_i / cells:.9g}", f"{CFL}={cfl}"])
+        runs.append(plan_run(case, out, {"cells": cells, CFL: float(cfl)}, f"cells{cells:g}-cfl{float(cfl):.4g}"))
+    return runs

@@ -1,4 +1,4 @@
-"""The cheapest setting for a case that keeps to an accuracy, by the shipped study."""
+"""The cheapest configuration for a case with a requested accuracy, from the shipped study."""
 
 from __future__ import annotations
 
@@ -6,29 +6,44 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import ceil
 from pathlib import Path
+from typing import Any
 
 from mpmcol.case import Case, load_case
+from mpmcol.case.fields import shown
+from mpmcol.case.schema import leaf_values
 from mpmcol.errors import UsageError
-from mpmcol.studies.definition import Value, as_text
-from mpmcol.studies.pareto.caveats import unlike
-from mpmcol.studies.pareto.configurations import overrides_of
-from mpmcol.studies.pareto.shipped import QUANTITIES, Row, place_of, scenes_around, shipped_rows, shipped_study
+from mpmcol.studies.definition import Value, as_overrides
+from mpmcol.studies.pareto.shipped import (
+    QUANTITIES,
+    SAME_ASPECT,
+    SAME_FRICTION,
+    ShippedConfiguration,
+    neighbouring_cases,
+    parameters_of,
+    shipped_configurations,
+    shipped_study,
+    similar_cases,
+)
+from mpmcol.studies.pareto.study import load_study_case, variant_values
 from mpmcol.sweep.runs import PlannedRun
 
-POINTS_PER_CELL = 4  # of the study where a family says nothing else
+POINTS_PER_CELL = 4  # of the study, where a variant does not set it
+COMPARED = ("method.", "time.", "stages.", "material.")  # tables in which a case is compared with those of the study
+# Values that the study varies, that follow from these, or that only scale the collapse of dry sand.
+NOT_COMPARED = {"material.friction_deg", "material.youngs_modulus", "stages.k0", "material.density"}
 
 
 @dataclass(frozen=True)
-class Advice:
-    """A setting for a case, and what it was found to keep to."""
+class Recommendation:
+    """A configuration for a case, with the errors and the cost that it had in the study."""
 
-    family: str
+    variant: str
     cells: float  # r_i / h
-    values: Mapping[str, Value]  # of the case, to be replaced
-    within: Mapping[str, float]  # quantity -> relative error that nine of ten runs keep to, in all `scenes`
-    scenes: Sequence[str]  # of the study, between which the case lies
+    values: Mapping[str, Value]  # to be replaced in the case
+    errors: Mapping[str, float]  # quantity -> relative error not exceeded by 90 % of runs in any of `cases`
+    cases: Sequence[str]  # of the study, between which the case lies
     core_seconds: float  # expected, on the machine of the study
-    unlike: Sequence[str]  # what the case has otherwise than the study, whose errors may not hold for it
+    differences: Sequence[str]  # of the case from those of the study, whose errors may not apply to it
 
     @property
     def overrides(self) -> list[str]:
@@ -37,69 +52,94 @@ class Advice:
 
     @property
     def error(self) -> float:
-        """The larger of the errors in runout and height."""
-        return max(self.within.values())
+        """The larger of the errors of runout and height."""
+        return max(self.errors.values())
 
     def __str__(self) -> str:
-        errors = ", ".join(f"{quantity} {error:.1%}" for quantity, error in self.within.items())
+        errors = ", ".join(f"{quantity} {error:.1%}" for quantity, error in self.errors.items())
         return "\n  ".join(
             [
-                f'"{self.family}" at r_i/h = {self.cells:g}: {", ".join(self.overrides)}',
-                f"its errors in the study: {errors} (9 of 10 runs; {'; '.join(self.scenes)})",
-                *(f"note: they may not hold here: {what}" for what in self.unlike),
-                f"expected: about {self.core_seconds:.2g} core-seconds on the machine of the study",
+                f'"{self.variant}" at r_i/h = {self.cells:g}: {", ".join(self.overrides)}',
+                f"errors in the study: {errors} (90 % of runs; {'; '.join(self.cases)})",
+                *(f"note: these errors may not apply: {difference}" for difference in self.differences),
+                f"expected cost: about {self.core_seconds:.2g} core-seconds on the machine of the study",
             ]
         )
 
 
-def advise(source: str | Path, overrides: Sequence[str], accuracy: float) -> Advice:
-    """The cheapest offered setting whose errors in runout and height kept to `accuracy` in all scenes around a case.
+def recommend(source: str | Path, overrides: Sequence[str], accuracy: float) -> Recommendation:
+    """Return the cheapest selectable configuration with errors of at most `accuracy` in all neighbouring cases.
 
     Args:
         source, overrides: of the case, as `load_case` takes them.
-        accuracy: relative.
+        accuracy: largest relative error of runout and height.
 
     Raises:
-        UsageError: none did; it tells the best that there is.
+        UsageError: there is none; the message shows the most accurate configuration.
     """
     candidates = list(options(source, overrides))
-    keeping = [one for one in candidates if one.error <= accuracy]
-    if not keeping:
+    accurate = [one for one in candidates if one.error <= accuracy]
+    if not accurate:
         best = min(candidates, key=lambda one: one.error)
         raise UsageError(
-            f"no setting of the study keeps to {100.0 * accuracy:.3g}% around this case; the most accurate:\n{best}\n"
-            f"ask for --accuracy {ceil(1e3 * best.error) / 10.0:g}% or more, or give grid.spacing yourself"
+            f"no configuration of the study has errors of at most {100.0 * accuracy:.3g}% for cases like this one; the "
+            f"most accurate is\n{best}\n"
+            f"use --accuracy {ceil(1e3 * best.error) / 10.0:g}% or more, or set grid.spacing instead"
         )
-    return min(keeping, key=lambda one: one.core_seconds)
+    return min(accurate, key=lambda one: one.core_seconds)
 
 
-def options(source: str | Path, overrides: Sequence[str]) -> Iterator[Advice]:
-    """All offered settings of the study for a case, with their errors around it and their costs."""
+def options(source: str | Path, overrides: Sequence[str]) -> Iterator[Recommendation]:
+    """Yield all selectable configurations of the study for a case, with their errors and costs."""
     case = load_case(source, overrides)
-    scenes = scenes_around(place_of(case))
-    by_setting: dict[tuple[str, float], list[Row]] = {}
-    for row in shipped_rows():
-        if row.scene in scenes and row.within and shipped_study().families[row.family].offered:
-            by_setting.setdefault((row.family, row.cells), []).append(row)
-    for (family, cells), rows in by_setting.items():
-        if len(rows) == len(scenes):
-            values = values_for(case, family, cells)
-            asked = load_case(source, [*overrides, *as_overrides(values)])
-            pace = max(row.seconds_per_point_step for row in rows)
-            known = [row.within for row in rows if row.within]
-            within = {quantity: max(errors[quantity] for errors in known) for quantity in QUANTITIES}
-            cost = pace * PlannedRun({}, asked, Path()).work
-            yield Advice(family, cells, values, within, scenes, cost, unlike(asked, family, scenes))
+    cases = neighbouring_cases(parameters_of(case))
+    variants = shipped_study().variants
+    groups: dict[tuple[str, float], list[ShippedConfiguration]] = {}
+    for one in shipped_configurations():
+        if one.case in cases and one.bounds and variants[one.variant].selectable:
+            groups.setdefault((one.variant, one.cells), []).append(one)
+    for (variant, cells), group in groups.items():
+        if len(group) == len(cases):
+            values = configuration_values(case, variant, cells)
+            configured = load_case(source, [*overrides, *as_overrides(values)])
+            pace = max(one.seconds_per_point_step for one in group)
+            bounds = [one.bounds for one in group if one.bounds]
+            errors = {quantity: max(bound[quantity] for bound in bounds) for quantity in QUANTITIES}
+            cost = pace * PlannedRun({}, configured, Path()).work
+            differences = differences_from_study(configured, variant, cases)
+            yield Recommendation(variant, cells, values, errors, cases, cost, differences)
 
 
-def values_for(case: Case, family: str, cells: float) -> dict[str, Value]:
-    """The values of a case that make it a setting of the study; a cylinder in 3D becomes axisymmetric."""
+def configuration_values(case: Case, variant: str, cells: float) -> dict[str, Value]:
+    """Return the values that turn a case into a configuration of the study; a 3D cylinder becomes axisymmetric."""
     values: dict[str, Value] = {"grid.spacing": case.geometry.r_i / cells}
     if case.geometry.dimension == 3:
         values |= {"geometry.model": "axisymmetric", "grid.points_per_cell": POINTS_PER_CELL}
-    return values | overrides_of(case, shipped_study().families[family])
+    return values | variant_values(case, shipped_study().variants[variant])
 
 
-def as_overrides(values: Mapping[str, Value]) -> list[str]:
-    """Values as `--set` takes them."""
-    return [f"{key}={as_text(value)}" for key, value in values.items()]
+def differences_from_study(case: Case, variant: str, cases: Sequence[str]) -> list[str]:
+    """Describe how a case, configured with `variant`, differs from the neighbouring `cases` of the study."""
+    study = shipped_study()
+    here, there = _compared(case), _compared(load_study_case(study.cases[cases[0]], study.variants[variant]))
+    keys = [key for key in here if key in there and here[key] != there[key]]
+    return [
+        *_outside_range(case),
+        *(f"{key} = {shown(here[key])}, in the study {shown(there[key])}" for key in keys),
+    ]
+
+
+def _compared(case: Case) -> Mapping[str, Any]:
+    values = leaf_values(case)
+    return {key: value for key, value in values.items() if key.startswith(COMPARED) and key not in NOT_COMPARED}
+
+
+def _outside_range(case: Case) -> Iterator[str]:
+    column = parameters_of(case)
+    similar = similar_cases(column).values()
+    for name, x, studied, near, ratio in (
+        ("a", column.a, [one.a for one in similar], 0.0, SAME_ASPECT),
+        ("friction", column.friction_deg, [one.friction_deg for one in similar], SAME_FRICTION, 1.0),
+    ):
+        if not min(studied) / ratio - near <= x <= max(studied) * ratio + near:
+            yield f"{name} = {x:.3g}, in the study {min(studied):g} to {max(studied):g}"

@@ -1,4 +1,4 @@
-"""Converged values of a scene, from two families of settings that are refined independently."""
+"""Grid-converged reference of a case, from two scheme variants that are refined independently."""
 
 from __future__ import annotations
 
@@ -7,44 +7,45 @@ from dataclasses import dataclass
 
 from mpmcol.measure import FRONTS, Array
 from mpmcol.measure.profile_distance import area_between, mean_height, stations
-from mpmcol.studies.convergence import Limit, combine, find_limit
-from mpmcol.studies.runs import Finished
+from mpmcol.studies.convergence import ConvergedValue, combine, converged_value
+from mpmcol.studies.runs import CompletedRun
 
 QUANTITIES = (*(f"zeta.{front}" for front in FRONTS), "beta")
+PROFILE = "profile"
 
-Levels = Mapping[float, Sequence[Finished]]  # runs of a family by r_i / h
+Levels = Mapping[float, Sequence[CompletedRun]]  # runs of a variant by r_i / h
 
 
 @dataclass(frozen=True)
-class Reference:
-    """What runs of a scene tend to."""
+class ConvergedReference:
+    """Grid-converged values of a case, and the mean profile of the finest runs."""
 
-    limits: Mapping[str, Limit]  # by quantity
-    refinements: Sequence[Mapping[str, Limit]]  # the same from each family alone
+    values: Mapping[str, ConvergedValue]  # by quantity
+    refinements: Sequence[Mapping[str, ConvergedValue]]  # values of each variant alone
     x: Array  # m
-    height: Array  # m: mean of the finest runs of both families at x
-    height_error: float  # half the area between the two families' finest, over the area
+    height: Array  # m, at x
+    height_error: float  # half the area between the two variants' finest profiles, relative to the area of the profile
 
     def uncertainty(self, quantity: str) -> float:
-        """Relative standard error of a quantity, or of the profile."""
-        if quantity == "profile":
+        """Return the relative standard error of a quantity, or of the profile."""
+        if quantity == PROFILE:
             return self.height_error
-        limit = self.limits[quantity]
-        return limit.error / abs(limit.value)
+        converged = self.values[quantity]
+        return converged.error / abs(converged.value)
 
 
-def make_reference(families: Sequence[Levels]) -> Reference | None:
-    """The reference from two refinements; None if one of them has too few runs."""
-    refinements = [_limits(levels) for levels in families]
-    if any(len(limits) < len(QUANTITIES) for limits in refinements):
+def make_reference(variants: Sequence[Levels]) -> ConvergedReference | None:
+    """Make the reference from two refinements; None if one of them has too few runs."""
+    refinements = [_converged(levels) for levels in variants]
+    if any(len(values) < len(QUANTITIES) for values in refinements):
         return None
     first, second = refinements
-    finest = [[run.results.measure(-1) for run in levels[max(levels)]] for levels in families]
+    finest = [[run.results.measure(-1) for run in levels[max(levels)]] for levels in variants]
     x = stations([deposit for deposits in finest for deposit in deposits])
     one, other = (mean_height(deposits, x) for deposits in finest)
     height = (one + other) / 2.0
-    return Reference(
-        limits={quantity: combine(first[quantity], second[quantity]) for quantity in QUANTITIES},
+    return ConvergedReference(
+        values={quantity: combine(first[quantity], second[quantity]) for quantity in QUANTITIES},
         refinements=refinements,
         x=x,
         height=height,
@@ -52,9 +53,9 @@ def make_reference(families: Sequence[Levels]) -> Reference | None:
     )
 
 
-def _limits(levels: Levels) -> dict[str, Limit]:
+def _converged(levels: Levels) -> dict[str, ConvergedValue]:
     found = {
-        quantity: find_limit({1.0 / cells: [run.row[quantity] for run in runs] for cells, runs in levels.items()})
+        quantity: converged_value({1.0 / cells: [run.row[quantity] for run in runs] for cells, runs in levels.items()})
         for quantity in QUANTITIES
     }
-    return {quantity: limit for quantity, limit in found.items() if limit}
+    return {quantity: value for quantity, value in found.items() if value}

@@ -1,82 +1,175 @@
-"""What a study becomes: pareto.csv, pareto.md, environment.json, and a chart for each scene."""
+"""Report of a study of cost against error: pareto.csv, pareto.md, and a chart for each case."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 from mpmcol.experiments import Experiment, find_experiment
 from mpmcol.io.atomic import atomic_write
-from mpmcol.provenance import environment
-from mpmcol.studies.pareto.chart import scene_chart
-from mpmcol.studies.pareto.reference import QUANTITIES, Reference
-from mpmcol.studies.pareto.score import COSTS, PROFILE, Scored
-from mpmcol.studies.pareto.selection import CHOSEN_BY, kept_errors, of_scene, pareto_front
-from mpmcol.studies.pareto.study import Study
-from mpmcol.studies.pareto.text import markdown
-from mpmcol.sweep.table import csv_text
+from mpmcol.studies.markdown import document, images, table
+from mpmcol.studies.pareto.chart import case_chart
+from mpmcol.studies.pareto.reference import PROFILE, QUANTITIES, ConvergedReference
+from mpmcol.studies.pareto.score import BETA, COSTS, ZETA, ScoredConfiguration
+from mpmcol.studies.pareto.selection import (
+    CRITERIA,
+    GOALS,
+    Effect,
+    cheapest,
+    effects,
+    error_bounds,
+    of_case,
+    pareto_front,
+)
+from mpmcol.studies.pareto.study import StudyDefinition
+from mpmcol.sweep.table import Row, csv_text
 
-CSV_FILE, TEXT_FILE, ENVIRONMENT_FILE = "pareto.csv", "pareto.md", "environment.json"
+CSV_FILE, TEXT_FILE = "pareto.csv", "pareto.md"
+ERRORS = ("bias", "scatter", "p90")  # of `RelativeError`
+
+References = Mapping[str, ConvergedReference]  # by case
+Scored = Sequence[ScoredConfiguration]
 
 
-def write_report(study: Study, references: Mapping[str, Reference], scored: Sequence[Scored], out: Path) -> list[Path]:
-    """Write all tables and charts into `out`; returns the files."""
-    experiments = {scene: experiment_of(one) for one in scored if one.runs and (scene := one.setting.scene)}
-    charts = [
-        path
-        for scene, reference in references.items()
-        for path in _draw(study, scene, reference, scored, experiments[scene], out)
-    ]
-    about = environment()
-    text = markdown(study, references, scored, experiments, charts, about)
+def write_report(study: StudyDefinition, references: References, scored: Scored, heading: str, out: Path) -> list[Path]:
+    """Write table, text and charts into the folder `out`; return the files."""
+    experiments = {case: experiment_of(one) for one in scored if one.runs and (case := one.configuration.case)}
+    charts = []
+    for case, reference in references.items():
+        path = out / chart_name(case)
+        charts += case_chart(path, case, of_case(scored, case), reference, experiments[case], study.baseline)
     atomic_write(out / CSV_FILE, csv_text(list(table_rows(study, references, scored))).encode())
-    atomic_write(out / TEXT_FILE, text.encode())
-    atomic_write(out / ENVIRONMENT_FILE, (json.dumps(about, indent=1) + "\n").encode())
-    return [out / CSV_FILE, out / TEXT_FILE, out / ENVIRONMENT_FILE, *charts]
+    atomic_write(out / TEXT_FILE, markdown(study, references, scored, experiments, charts, heading).encode())
+    return [out / CSV_FILE, out / TEXT_FILE, *charts]
 
 
-def table_rows(study: Study, references: Mapping[str, Reference], scored: Sequence[Scored]) -> Iterator[dict[str, Any]]:
-    """A row for each setting: what it is, what it costs, its errors, whether others beat it, and why runs failed."""
-    kept = {
-        (id(kept.one), quantity): kept.error
-        for scene in study.scenes
-        for quantity in CHOSEN_BY
-        for kept in kept_errors(of_scene(scored, scene), quantity)
+def chart_name(case: str) -> str:
+    """Return the file name of the chart of a case."""
+    return f"pareto-{''.join(letter if letter.isalnum() or letter in '.-' else '-' for letter in case)}.png"
+
+
+def table_rows(study: StudyDefinition, references: References, scored: Scored) -> Iterator[Row]:
+    """Yield a row for each configuration: cost, errors, error bounds, membership of Pareto fronts, failures."""
+    pairs = [(case, quantity) for case in study.cases for quantity in CRITERIA]
+    bounds = {
+        (id(bound.scored), quantity): bound.error
+        for case, quantity in pairs
+        for bound in error_bounds(of_case(scored, case), quantity)
     }
-    fronts = {
-        (scene, quantity): [kept.one for kept in pareto_front(of_scene(scored, scene), quantity)]
-        for scene in study.scenes
-        for quantity in CHOSEN_BY
-    }
+    fronts = {pair: [bound.scored for bound in pareto_front(of_case(scored, pair[0]), pair[1])] for pair in pairs}
     for one in scored:
-        setting, scene = one.setting, study.scenes[one.setting.scene]
-        row: dict[str, Any] = {
-            "scene": setting.scene, "case": scene.case, "a": scene.aspect, "family": setting.family,
-            "cells": setting.cells, "runs": len(one.runs), "failed": len(one.failures),
+        configuration, case = one.configuration, study.cases[one.configuration.case]
+        row: Row = {
+            "case": configuration.case, "extends": case.extends, "a": case.aspect, "variant": configuration.variant,
+            "cells": configuration.cells, "runs": len(one.runs), "failed": len(one.failures),
         }  # fmt: skip
         row |= {name: one.cost[name] if one.runs else None for name in COSTS}
         for quantity in (*QUANTITIES, PROFILE):
             error = one.errors.get(quantity)
-            row |= {f"{quantity} {what}": error and getattr(error, what) for what in ("bias", "scatter", "usual")}
-        reference = references.get(setting.scene)
-        for quantity in CHOSEN_BY:
-            row[f"{quantity} kept"] = kept.get((id(one), quantity))
-            row[f"{quantity} reference +-"] = reference and reference.uncertainty(quantity)
-            row[f"{quantity} unbeaten"] = one in fronts[setting.scene, quantity]
+            row |= {f"{quantity} {name}": error and getattr(error, name) for name in ERRORS}
+        reference = references.get(configuration.case)
+        for quantity in CRITERIA:
+            row[f"{quantity} bound"] = bounds.get((id(one), quantity))
+            row[f"{quantity} reference uncertainty"] = reference and reference.uncertainty(quantity)
+            row[f"{quantity} pareto-optimal"] = one in fronts[configuration.case, quantity]
         yield row | {"message": one.causes}
 
 
-def experiment_of(scored: Scored) -> Experiment:
-    """The experiment that the case of a setting names."""
+def experiment_of(scored: ScoredConfiguration) -> Experiment:
+    """Return the experiment that the case of a configuration names."""
     case = scored.runs[0].results.case
     return find_experiment(case.score.experiment, case.geometry.model, case.geometry.section)
 
 
-def _draw(
-    study: Study, scene: str, reference: Reference, scored: Sequence[Scored], experiment: Experiment, out: Path
-) -> list[Path]:
-    own = of_scene(scored, scene)
-    name = "".join(letter if letter.isalnum() or letter in ".-" else "-" for letter in scene)
-    return scene_chart(out / f"pareto-{name}.png", scene, own, reference, experiment, study.base)
+def markdown(
+    study: StudyDefinition,
+    references: References,
+    scored: Scored,
+    experiments: Mapping[str, Experiment],
+    charts: Sequence[Path],
+    heading: str,
+) -> str:
+    """Format grid-converged values, cheapest configurations, effects of single choices, failures and charts."""
+    return document(
+        [f"# {study.title}"],
+        [f"{heading}, one thread per run."],
+        ["## Grid-converged values"],
+        _references(study, references, experiments),
+        ["## Cheapest configuration for an error"],
+        [
+            "Errors are relative to the grid-converged values; 90 % of runs do not exceed them, at this spacing and at",
+            "all finer ones. Costs are core-seconds of one run. Variants at fewer than three spacings are left out.",
+        ],
+        _cheapest(study, scored),
+        [f'## Effect of single choices, relative to "{study.baseline}"'],
+        table(
+            ("case", "choice", "r_i/h", "core-seconds", "points x steps", "zeta (front_height)", "beta"),
+            map(_effect, effects(study, scored)),
+        ),
+        ["## Failed runs"],
+        _failures(scored),
+        images(charts),
+    )
+
+
+def closing_lines(study: StudyDefinition, scored: Scored) -> Iterator[str]:
+    """Yield the cheapest configurations as lines for a terminal."""
+    for case in study.cases:
+        yield f"{case}: cheapest configuration for an error"
+        for quantity in CRITERIA:
+            for goal in GOALS:
+                if one := cheapest(of_case(scored, case), quantity, goal):
+                    cost = f"{one.cost['core_seconds']:8.2f} core-seconds"
+                    yield f"  {quantity:18} {goal:4.0%}  {cost}  {one.configuration.label}"
+
+
+def _references(study: StudyDefinition, references: References, experiments: Mapping[str, Experiment]) -> Iterator[str]:
+    """Yield the table of grid-converged values, of the two refinements that give them, and of the experiments."""
+
+    def cells(case: str, quantity: str) -> tuple[str, ...]:
+        reference = references[case]
+        converged = reference.values[quantity]
+        parts = (converged, *(part[quantity] for part in reference.refinements))
+        law = experiments[case].expected(quantity.partition(".")[0], study.cases[case].aspect)
+        compared = (f"{law[0]:.4g}", f"{converged.value / law[0] - 1.0:+.1%}", f"{law[1] / law[0]:.0%}") if law else ()
+        values = (f"{part.value:.4g} +- {part.error:.2g}" for part in parts)
+        return (case, quantity, *values, f"{converged.order:.1f}", *(compared or ("none", "", "")))
+
+    return table(
+        ("case", "quantity", "converged", *study.reference, "order", "experiment", "difference", "its scatter"),
+        (cells(case, quantity) for case in references for quantity in QUANTITIES),
+    )
+
+
+def _cheapest(study: StudyDefinition, scored: Scored) -> Iterator[str]:
+    def cell(one: ScoredConfiguration | None) -> str:
+        return f"{one.configuration.label}: {one.cost['core_seconds']:.2g} s" if one else "none"
+
+    return table(
+        ("case", "quantity", *(f"{goal:.0%}" for goal in GOALS)),
+        (
+            (case, quantity, *(cell(cheapest(of_case(scored, case), quantity, goal)) for goal in GOALS))
+            for case in study.cases
+            for quantity in CRITERIA
+        ),
+    )
+
+
+def _effect(effect: Effect) -> tuple[str, ...]:
+    changes = (f"{change:+.1%} +- {error:.1%}" for change, error in (effect.change[name] for name in (ZETA, BETA)))
+    ratios = f"x {effect.cost_ratio:.2f}", f"x {effect.steps_ratio:.2f}"
+    return (effect.case, effect.variant, f"{effect.cells:g}", *ratios, *changes)
+
+
+def _failures(scored: Scored) -> Iterator[str]:
+    failed = [one for one in scored if one.failures]
+    if not failed:
+        return iter(("None.",))
+    rows = (
+        (
+            one.configuration.case, one.configuration.label, f"{len(one.failures)} of {len(one.configuration.runs)}",
+            one.causes,
+        )
+        for one in failed
+    )  # fmt: skip
+    return table(("case", "configuration", "failed runs", "cause"), rows)

@@ -1,4 +1,4 @@
-"""What every setting of a study costs, and how far its runs are from the converged values."""
+"""Cost of each configuration of a study, and its errors relative to the grid-converged values."""
 
 from __future__ import annotations
 
@@ -9,52 +9,51 @@ from functools import cached_property
 import numpy as np
 
 from mpmcol.measure.profile_distance import area_between, mean_height
-from mpmcol.studies.pareto.configurations import Setting
-from mpmcol.studies.pareto.reference import QUANTITIES, Reference, make_reference
-from mpmcol.studies.pareto.study import Study
-from mpmcol.studies.runs import Finished, Found, Member
+from mpmcol.studies.pareto.reference import PROFILE, QUANTITIES, ConvergedReference, make_reference
+from mpmcol.studies.pareto.study import Configuration, StudyDefinition
+from mpmcol.studies.runs import CompletedRun, EndedRuns
 
-ZETA, BETA, PROFILE = "zeta.front_height", "beta", "profile"  # what settings are chosen by
+ZETA, BETA = "zeta.front_height", "beta"
 COSTS = ("core_seconds", "point_steps", "peak_memory_bytes", "written_bytes")
-USUAL = 1.28  # standard deviations: nine of ten runs are less than this to the far side of the mean
+P90 = 1.28  # standard deviations: 90 % of normally distributed values are below the mean plus this
 
 
 @dataclass(frozen=True)
-class Error:
-    """Relative error of a setting's runs in one quantity."""
+class RelativeError:
+    """Relative error of the runs of a configuration in one quantity."""
 
-    bias: float  # of their mean
+    bias: float  # error of their mean
     scatter: float  # standard deviation of one run
     runs: int
 
     @property
-    def usual(self) -> float:
-        """What about nine of ten runs keep within."""
-        return abs(self.bias) + USUAL * self.scatter
+    def p90(self) -> float:
+        """Magnitude of the error that about 90 % of runs do not exceed."""
+        return abs(self.bias) + P90 * self.scatter
 
 
 @dataclass(frozen=True)
-class Scored:
-    """A setting, its runs that ended well, their errors, and why others did not end well."""
+class ScoredConfiguration:
+    """A configuration with its successful runs, their errors, and the causes of failed runs."""
 
-    setting: Setting
-    runs: Sequence[Finished]
-    errors: Mapping[str, Error]  # by quantity; empty without runs or reference
-    failures: Sequence[str]  # one for each run that did not
+    configuration: Configuration
+    runs: Sequence[CompletedRun]
+    errors: Mapping[str, RelativeError]  # by quantity; empty without runs or reference
+    failures: Sequence[str]  # message of each failed run
 
     @property
     def causes(self) -> str:
-        """Why runs did not end well, each cause once."""
+        """Causes of failed runs, each once."""
         return "; ".join(dict.fromkeys(self.failures))
 
     @property
     def is_complete(self) -> bool:
-        """Whether all of its runs ended well; some may not have been made yet."""
-        return len(self.runs) == len(self.setting.members)
+        """Whether all runs were carried out successfully."""
+        return len(self.runs) == len(self.configuration.runs)
 
     @cached_property
     def cost(self) -> dict[str, float]:
-        """Of one run: CPU time without compilation (the least of all), point-steps, peak memory, bytes written."""
+        """Cost of one run: least CPU time without compilation, points times steps, peak memory, bytes written."""
         rows = [run.row for run in self.runs]
         return {
             "core_seconds": min(row["core_seconds"] for row in rows),
@@ -64,46 +63,39 @@ class Scored:
         }
 
 
-def score_study(
-    study: Study, settings: Sequence[Setting], found: Found, failures: Mapping[Member, str]
-) -> tuple[dict[str, Reference], list[Scored]]:
-    """References by scene (those that could be made), and all settings with their errors against them.
-
-    Args:
-        failures: run -> why it did not end well.
-    """
-    levels: dict[tuple[str, str], dict[float, list[Finished]]] = {(s.scene, s.family): {} for s in settings}
-    for s in settings:
-        if runs := _runs(s, found):
-            levels[s.scene, s.family][s.cells] = runs
-    made = {scene: make_reference([levels[scene, family] for family in study.reference]) for scene in study.scenes}
-    references = {scene: reference for scene, reference in made.items() if reference}
-    return references, [_score(s, found, failures, references.get(s.scene)) for s in settings]
+def make_references(
+    study: StudyDefinition, configurations: Sequence[Configuration], ended: EndedRuns
+) -> dict[str, ConvergedReference]:
+    """Make the reference of each case for which there are enough runs."""
+    levels: dict[tuple[str, str], dict[float, list[CompletedRun]]] = {(c.case, c.variant): {} for c in configurations}
+    for one in configurations:
+        if runs := ended.completed_of(one.runs):
+            levels[one.case, one.variant][one.cells] = runs
+    references = {case: make_reference([levels[case, variant] for variant in study.reference]) for case in study.cases}
+    return {case: reference for case, reference in references.items() if reference}
 
 
-def _score(setting: Setting, found: Found, failures: Mapping[Member, str], reference: Reference | None) -> Scored:
-    runs = _runs(setting, found)
+def score(configuration: Configuration, ended: EndedRuns, reference: ConvergedReference | None) -> ScoredConfiguration:
+    """Compute the errors of the runs of a configuration."""
+    runs = ended.completed_of(configuration.runs)
     errors = _errors(runs, reference) if runs and reference else {}
-    return Scored(setting, runs, errors, [failures[member] for member in setting.members if member in failures])
+    failures = [ended.failures[run] for run in configuration.runs if run in ended.failures]
+    return ScoredConfiguration(configuration, runs, errors, failures)
 
 
-def _errors(runs: Sequence[Finished], reference: Reference) -> dict[str, Error]:
+def _errors(runs: Sequence[CompletedRun], reference: ConvergedReference) -> dict[str, RelativeError]:
     errors = {}
     for quantity in QUANTITIES:
-        ratios = np.array([run.row[quantity] for run in runs]) / reference.limits[quantity].value
-        errors[quantity] = Error(float(ratios.mean()) - 1.0, _deviation(ratios), len(runs))
+        ratios = np.array([run.row[quantity] for run in runs]) / reference.values[quantity].value
+        errors[quantity] = RelativeError(float(ratios.mean()) - 1.0, _deviation(ratios), len(runs))
     heights = [mean_height([run.results.measure(-1)], reference.x) for run in runs]
     areas = np.array([area_between(height, reference.height) for height in heights])
-    return errors | {PROFILE: Error(float(areas.mean()), _deviation(areas), len(runs))}
-
-
-def _runs(setting: Setting, found: Found) -> list[Finished]:
-    return [found[member] for member in setting.members if member in found]
+    return errors | {PROFILE: RelativeError(float(areas.mean()), _deviation(areas), len(runs))}
 
 
 def _deviation(values: np.ndarray) -> float:
     return float(values.std(ddof=1)) if len(values) > 1 else 0.0
 
 
-def _size(run: Finished) -> int:
+def _size(run: CompletedRun) -> int:
     return sum(path.stat().st_size for path in run.folder.rglob("*") if path.is_file())

@@ -1,6 +1,6 @@
-"""The shipped study as the rest of the program uses it: what its settings cost, and the errors they were found to have.
+"""The shipped study: costs and errors of its configurations, and which of its cases resemble a given case.
 
-The table is the `pareto.csv` of `mpmcol pareto default`, kept beside the study's file.
+The table is `pareto.csv` as written by `mpmcol pareto default`, stored beside the definition of the study.
 """
 
 from __future__ import annotations
@@ -15,19 +15,18 @@ from typing import Any
 from mpmcol.case import Case
 from mpmcol.errors import UsageError
 from mpmcol.experiments import column_kind
-from mpmcol.studies.pareto.configurations import load_scene
 from mpmcol.studies.pareto.score import BETA, ZETA
-from mpmcol.studies.pareto.study import Study, load_study, shipped_studies
+from mpmcol.studies.pareto.study import StudyDefinition, load_study, load_study_case, shipped_studies
 
 STUDY = "default"
-NEAR_FRICTION = 2.0  # degrees
-NEAR_ASPECT = 1.1  # ratio
+SAME_FRICTION = 2.0  # degrees within which friction angles count as equal
+SAME_ASPECT = 1.1  # ratio within which aspect ratios count as equal
 QUANTITIES = (ZETA, BETA)
 
 
 @dataclass(frozen=True)
-class Place:
-    """Where a column stands among others."""
+class ColumnParameters:
+    """What a collapse depends on, besides its scale."""
 
     kind: str  # see `column_kind`
     a: float
@@ -35,75 +34,85 @@ class Place:
 
 
 @dataclass(frozen=True)
-class Row:
-    """A setting of the shipped study in one scene."""
+class ShippedConfiguration:
+    """A configuration of the shipped study with its measured cost and errors."""
 
-    scene: str
-    family: str
+    case: str
+    variant: str
     cells: float  # r_i / h
-    seconds_per_point_step: float  # of a core
-    bias: Mapping[str, float]  # error of the mean of its runs, by quantity, relative to the converged value
-    within: Mapping[str, float] | None  # error kept here and finer, with the limit's own; None: too few spacings
+    seconds_per_point_step: float  # of one core
+    bias: Mapping[str, float]  # error of the mean of its runs, by quantity, relative to the grid-converged value
+    bounds: (
+        Mapping[str, float] | None
+    )  # see `ErrorBound`, with the uncertainty of the reference; None: too few spacings
 
 
-def place_of(case: Case) -> Place:
-    """A case among the columns of the study; softening material stands where its weakest friction is."""
+def parameters_of(case: Case) -> ColumnParameters:
+    """Return the parameters of a case; a softening material counts with its residual friction.
+
+    Raises UsageError for a material without friction.
+    """
     geometry, material = case.geometry, case.material
     friction = getattr(material, "friction_deg", None) or getattr(material, "friction_residual_deg", None)
     if friction is None:
-        raise UsageError(f"material.law = {material.law}: the study of errors is of material with friction")
-    return Place(column_kind(geometry.model, geometry.section), geometry.a, friction)
+        raise UsageError(f"material.law = {material.law}: the errors were studied for materials with friction only")
+    return ColumnParameters(column_kind(geometry.model, geometry.section), geometry.a, friction)
 
 
 @cache
-def shipped_study() -> Study:
-    """The study that the shipped table is of."""
+def shipped_study() -> StudyDefinition:
+    """Return the definition of the shipped study."""
     return load_study(STUDY)
 
 
 @cache
-def shipped_rows() -> tuple[Row, ...]:
-    """The rows of the shipped table that have errors."""
+def shipped_configurations() -> tuple[ShippedConfiguration, ...]:
+    """Return the configurations of the shipped study that have errors."""
     path = shipped_studies()[STUDY].with_suffix(".csv")
     rows = csv.DictReader(path.read_text(encoding="utf-8").splitlines())
-    return tuple(_row(row) for row in rows if row[f"{ZETA} bias"])
+    return tuple(_configuration(row) for row in rows if row[f"{ZETA} bias"])
 
 
-def scenes_around(place: Place) -> list[str]:
-    """The study's scenes between which a column lies, in friction and in aspect ratio.
+def neighbouring_cases(column: ColumnParameters) -> list[str]:
+    """Return the cases of the study between which a column lies in friction angle and in aspect ratio.
 
-    Of every friction next to its own the scenes next in aspect ratio, and of every aspect ratio next to its own those
-    next in friction: not every pair of the two was studied. Raises UsageError if there are no columns of this kind.
+    Not every combination of the two was studied. Therefore, for each neighbouring friction angle the cases with the
+    neighbouring aspect ratios are taken, and for each neighbouring aspect ratio the case with the nearest friction
+    angle.
+
+    Raises UsageError if the study has no columns of this kind.
     """
-    alike = places_alike(place)
+    similar = similar_cases(column)
     chosen: dict[str, None] = {}
-    for friction in _bracket({other.friction_deg for other in alike.values()}, place.friction_deg, NEAR_FRICTION, 1.0):
-        group = {name: other.a for name, other in alike.items() if other.friction_deg == friction}
-        aspects = _bracket(set(group.values()), place.a, 0.0, NEAR_ASPECT)
-        chosen |= dict.fromkeys(name for name, a in group.items() if a in aspects)
-    for aspect in _bracket({other.a for other in alike.values()}, place.a, 0.0, NEAR_ASPECT):
-        group = {name: other.friction_deg for name, other in alike.items() if other.a == aspect}
-        chosen |= dict.fromkeys([min(group, key=lambda name: abs(group[name] - place.friction_deg))])
+    for friction in _bracket({one.friction_deg for one in similar.values()}, column.friction_deg, SAME_FRICTION, 1.0):
+        aspects_of = {name: one.a for name, one in similar.items() if one.friction_deg == friction}
+        aspects = _bracket(set(aspects_of.values()), column.a, 0.0, SAME_ASPECT)
+        chosen |= dict.fromkeys(name for name, a in aspects_of.items() if a in aspects)
+    for aspect in _bracket({one.a for one in similar.values()}, column.a, 0.0, SAME_ASPECT):
+        distances = {
+            name: abs(one.friction_deg - column.friction_deg) for name, one in similar.items() if one.a == aspect
+        }
+        chosen |= dict.fromkeys([min(distances, key=lambda name: distances[name])])
     return list(chosen)
 
 
-def places_alike(place: Place) -> dict[str, Place]:
-    """The study's scenes with columns of the same kind, and where they stand; UsageError if there are none."""
-    places = {name: place_of(scene_case(name)) for name in shipped_study().scenes}
-    alike = {name: other for name, other in places.items() if other.kind == place.kind}
-    if not alike:
-        raise UsageError(f"the study of errors has no {place.kind} columns; give grid.spacing yourself")
-    return alike
+def similar_cases(column: ColumnParameters) -> dict[str, ColumnParameters]:
+    """Return the cases of the study with columns of the same kind; UsageError if there are none."""
+    parameters = {name: parameters_of(study_case(name)) for name in shipped_study().cases}
+    similar = {name: one for name, one in parameters.items() if one.kind == column.kind}
+    if not similar:
+        raise UsageError(f"the shipped study has no {column.kind} columns; set grid.spacing instead of an accuracy")
+    return similar
 
 
 @cache
-def scene_case(name: str) -> Case:
-    """The case of a scene of the shipped study."""
-    return load_scene(shipped_study().scenes[name])
+def study_case(name: str) -> Case:
+    """Load a case of the shipped study."""
+    return load_study_case(shipped_study().cases[name])
 
 
 def _bracket(values: Iterable[float], x: float, near: float, ratio: float) -> list[float]:
-    """The value that is as good as x, or those next below and above it."""
+    """Return the value that counts as equal to x, or else the next ones below and above it."""
     close = [value for value in values if abs(value - x) <= near or 1.0 / ratio <= value / x <= ratio]
     if close:
         return [min(close, key=lambda value: abs(value - x))]
@@ -111,16 +120,16 @@ def _bracket(values: Iterable[float], x: float, near: float, ratio: float) -> li
     return [*([max(below)] if below else []), *([min(above)] if above else [])]
 
 
-def _row(row: Mapping[str, Any]) -> Row:
-    return Row(
-        scene=row["scene"],
-        family=row["family"],
+def _configuration(row: Mapping[str, Any]) -> ShippedConfiguration:
+    return ShippedConfiguration(
+        case=row["case"],
+        variant=row["variant"],
         cells=float(row["cells"]),
         seconds_per_point_step=float(row["core_seconds"]) / float(row["point_steps"]),
         bias={quantity: float(row[f"{quantity} bias"]) for quantity in QUANTITIES},
-        within={quantity: _within(row, quantity) for quantity in QUANTITIES} if row[f"{ZETA} kept"] else None,
+        bounds={quantity: _bound(row, quantity) for quantity in QUANTITIES} if row[f"{ZETA} bound"] else None,
     )
 
 
-def _within(row: Mapping[str, Any], quantity: str) -> float:
-    return hypot(float(row[f"{quantity} kept"]), float(row[f"{quantity} reference +-"]))
+def _bound(row: Mapping[str, Any], quantity: str) -> float:
+    return hypot(float(row[f"{quantity} bound"]), float(row[f"{quantity} reference uncertainty"]))

@@ -1,81 +1,139 @@
-"""Studies of cost against error as TOML files: which scenes, which families of settings, how fine."""
+"""Definition of a study of cost against error: cases, scheme variants, and the configurations that they give.
+
+A configuration is one case computed with one scheme variant at one node spacing. Its runs are repetitions.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from mpmcol.studies.definition import Strict, Value, load_definition, shipped_definitions
+from mpmcol.case import Case, load_case
+from mpmcol.studies.definition import Table, Value, as_overrides, as_text, load_definition, shipped_definitions
+from mpmcol.studies.runs import CFL, StudyRun, repeated_cfl, study_run
 
 Cells = tuple[Annotated[float, Field(ge=2.0, le=1000.0)], ...]
 
 
-class Scene(Strict):
-    """A collapse whose converged runout, height and profile are sought."""
+class StudyCase(Table):
+    """A collapse whose grid-converged runout, height and profile are sought."""
 
-    case: str  # a shipped case or a path
+    extends: str  # shipped case or path
     aspect: float = Field(gt=0.0)
     set: dict[str, Value] = Field(default_factory=dict)  # further values of the case
-    finest: float | None = Field(None, ge=2.0)  # r_i / h that no family goes beyond; all of theirs if absent
+    finest: float | None = Field(None, ge=2.0)  # largest r_i / h for this case; no limit if absent
 
 
-class Family(Strict):
-    """Settings that differ from a scene's own in some choices, at some spacings."""
+class Variant(Table):
+    """A scheme variant: values of the method that replace those of a case, at some spacings."""
 
     set: dict[str, Value] = Field(default_factory=dict)
-    softness: float | None = Field(None, gt=0.0, lt=0.1)  # rho g h_i / E; the scene's own if absent
-    cells: Cells | None = None  # r_i / h; the study's if absent
-    scenes: tuple[str, ...] | None = None  # all if absent
+    softness: float | None = Field(None, gt=0.0, lt=0.1)  # rho g h_i / E; that of the case if absent
+    cells: Cells | None = None  # r_i / h; those of the study if absent
+    cases: tuple[str, ...] | None = None  # all if absent
     repeats: int | None = Field(None, ge=1)
-    offered: bool = False  # whether `mpmcol run --accuracy` may choose it
+    selectable: bool = False  # whether `mpmcol run --accuracy` may choose it
 
 
-class Study(Strict):
-    """Scenes times families times spacings, every setting run some times; `reference` names two families."""
+class StudyDefinition(Table):
+    """All cases with all scheme variants at all spacings, each configuration run several times."""
 
     schema_: Literal[1] = Field(1, alias="schema")
     title: str = ""
-    repeats: int = Field(4, ge=1, le=20)  # runs of a setting, with time steps a little apart
+    repeats: int = Field(4, ge=1, le=20)  # runs of a configuration, which differ slightly in time step
     cells: Cells
-    base: str  # family that single choices are compared with
-    reference: tuple[str, str]  # families that are refined independently
-    scenes: dict[str, Scene] = Field(min_length=1)
-    families: dict[str, Family] = Field(min_length=1)
+    baseline: str  # variant that single choices are compared with
+    reference: tuple[str, str]  # two variants that are refined independently
+    cases: dict[str, StudyCase] = Field(min_length=1)
+    variants: dict[str, Variant] = Field(min_length=1)
 
     @model_validator(mode="after")
-    def _names(self) -> Study:
-        for name in (self.base, *self.reference):
-            if name not in self.families:
-                raise ValueError(f"no family is called {name!r}")
+    def _check_names(self) -> StudyDefinition:
+        for name in (self.baseline, *self.reference):
+            if name not in self.variants:
+                raise ValueError(f"there is no variant {name!r}")
         if self.reference[0] == self.reference[1]:
-            raise ValueError("reference takes two different families")
-        for family, content in self.families.items():
-            for scene in content.scenes or ():
-                if scene not in self.scenes:
-                    raise ValueError(f"families.{family}: no scene is called {scene!r}")
+            raise ValueError("reference needs two different variants")
+        for variant, content in self.variants.items():
+            for case in content.cases or ():
+                if case not in self.cases:
+                    raise ValueError(f"variants.{variant}: there is no case {case!r}")
         return self
 
-    def cells_of(self, family: str, scene: str) -> Cells:
-        """r_i / h of a family's settings in a scene, coarsest first."""
-        finest = self.scenes[scene].finest or float("inf")
-        return tuple(sorted(cells for cells in self.families[family].cells or self.cells if cells <= finest))
+    def cells_of(self, variant: str, case: str) -> Cells:
+        """Return r_i / h of a variant for a case, coarsest first."""
+        finest = self.cases[case].finest or float("inf")
+        return tuple(sorted(cells for cells in self.variants[variant].cells or self.cells if cells <= finest))
 
-    def repeats_of(self, family: str) -> int:
-        """Runs of each of a family's settings."""
-        return self.families[family].repeats or self.repeats
+    def variants_of(self, case: str) -> list[str]:
+        """Return the variants with which a case is computed."""
+        return [name for name, variant in self.variants.items() if variant.cases is None or case in variant.cases]
 
-    def families_of(self, scene: str) -> list[str]:
-        """Families that a scene is run with."""
-        return [name for name, family in self.families.items() if family.scenes is None or scene in family.scenes]
+
+@dataclass(frozen=True)
+class Configuration:
+    """One case with one scheme variant at one spacing; its runs differ only in time step."""
+
+    case: str
+    variant: str
+    cells: float  # r_i / h
+    runs: tuple[StudyRun, ...]
+
+    def __str__(self) -> str:
+        return f"{self.case}, {self.label}"
+
+    @property
+    def label(self) -> str:
+        """Variant and spacing."""
+        return f"{self.variant}, r_i/h = {self.cells:g}"
 
 
 def shipped_studies() -> dict[str, Path]:
-    """Studies that come with mpmcol, by name."""
+    """Return the shipped studies by name."""
     return shipped_definitions("studies")
 
 
-def load_study(source: str) -> Study:
-    """Read a study: a shipped one by its name, or a file. See `load_definition` for what is raised."""
-    return load_definition(source, shipped_studies(), "study", Study)
+def load_study(source: str) -> StudyDefinition:
+    """Load a study: a shipped one by its name, or a file; for errors see `load_definition`."""
+    return load_definition(source, shipped_studies(), "study", StudyDefinition)
+
+
+def configurations_of(study: StudyDefinition) -> Iterator[Configuration]:
+    """Yield all configurations of a study."""
+    for name, case in study.cases.items():
+        for variant in study.variants_of(name):
+            repeats = study.variants[variant].repeats or study.repeats
+            for cells in study.cells_of(variant, name):
+                yield Configuration(name, variant, cells, _repeated_runs(case, study.variants[variant], cells, repeats))
+
+
+def variant_values(case: Case, variant: Variant) -> dict[str, Value]:
+    """Return the values that a variant replaces in a case; softness gives a Young's modulus, which is never raised."""
+    values = dict(variant.set)
+    if variant.softness is not None:
+        modulus = case.material.density * case.geometry.gravity * case.geometry.h_i / variant.softness
+        values["material.youngs_modulus"] = min(modulus, case.material.youngs_modulus)
+    return values
+
+
+def load_study_case(case: StudyCase, variant: Variant | None = None) -> Case:
+    """Load the case of a study, with a scheme variant if one is given."""
+    values: dict[str, Value] = {"geometry.aspect": case.aspect, **case.set}
+    if variant is not None:
+        values |= variant_values(load_study_case(case), variant)
+    return load_case(case.extends, as_overrides(values))
+
+
+def _repeated_runs(study_case: StudyCase, variant: Variant, cells: float, repeats: int) -> tuple[StudyRun, ...]:
+    case = load_study_case(study_case)
+    values = {**study_case.set, **variant_values(case, variant)}
+    cfl = float(values.pop(CFL, case.time.cfl))
+    h = round(case.geometry.r_i / cells, 9)
+    texts = {key: as_text(value) for key, value in values.items()}
+    return tuple(
+        study_run(study_case.extends, study_case.aspect, h, **texts, **{CFL: one}) for one in repeated_cfl(cfl, repeats)
+    )

@@ -1,71 +1,67 @@
-"""Every experiment that is shipped, passed or failed against a band that was written down beforehand.
+"""Validation: numbers of published experiments, each computed and compared with a band that was fixed beforehand.
 
-A check is an entry of CHECKS in `mpmcol.studies.validation.checks`. What it measures is a function in
-`measures.py`; its band belongs to the experiment, not to the grid, and is never widened for a coarse
-one.
+A check is an entry of CHECKS in `checks.py`; what it measures is a function in `measures.py`. Its band belongs to the
+experiment, not to the grid, and is the same on coarse grids.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from mpmcol.selection import select
-from mpmcol.studies.runs import Found, carry_out_members
-from mpmcol.studies.validation.check import Check, Judgement, judge
+from mpmcol.studies.runs import EndedRuns, StudyRun
+from mpmcol.studies.validation.check import Check, CheckResult, evaluate_check
 from mpmcol.studies.validation.checks import CHECKS
-from mpmcol.studies.validation.report import Other, other_laws, write_report
-from mpmcol.sweep.engine import Outcome, unsuccessful
-from mpmcol.sweep.runner import SweepObserver
-
-RUNS = "runs"
+from mpmcol.studies.validation.report import OtherLaw, other_laws, write_report
 
 
 @dataclass(frozen=True)
 class Validation:
-    """What came of the checks, and the files that were written."""
+    """Results of the checks, and comparisons with the laws of other experiments for information."""
 
-    outcomes: Sequence[Outcome]
-    judgements: Sequence[Judgement]
-    others: Sequence[Other]  # what other experiments would say: for information
-    files: Sequence[Path]
+    results: Sequence[CheckResult]
+    others: Sequence[OtherLaw]
 
     @property
     def passed(self) -> bool:
-        """Whether all checks that have a verified reference have passed."""
-        return all(judgement.verdict in ("passed", "unverified") for judgement in self.judgements)
+        """Whether every check that can pass or fail has passed: checks with unverified bands do not count."""
+        return all(result.verdict == "passed" for result in self.counted)
+
+    @property
+    def counted(self) -> list[CheckResult]:
+        """Results of the checks with verified bands."""
+        return [result for result in self.results if result.check.band.verified]
 
 
-def choose(names: Sequence[str]) -> list[Check]:
-    """The checks of these names, or whose names begin with one and a hyphen; all of them without names.
+@dataclass(frozen=True)
+class ValidationStudy:
+    """Some of the checks as a study (see `mpmcol.studies.frame.Study`)."""
 
-    Raises UsageError for a name that means none.
+    checks: Sequence[Check]
+    quick: bool  # coarse grids, each column once
+
+    def runs(self) -> Iterable[StudyRun]:
+        """Return the runs of all checks and of their negative controls."""
+        return (run for check in self.checks for run in check.runs(self.quick))
+
+    def evaluate(self, ended: EndedRuns) -> Validation:
+        """Evaluate all checks."""
+        results = [evaluate_check(check, ended.completed, self.quick) for check in self.checks]
+        columns = dict.fromkeys(check.column for check in self.checks)
+        first = ended.completed_of(column.runs(self.quick)[0] for column in columns)
+        return Validation(results, [other for run in first for other in other_laws(run)])
+
+    def write_report(self, evaluation: Validation, heading: str, out: Path) -> list[Path]:
+        """Write validation.csv, validation.md and charts."""
+        heading = f"{heading}{'; quick: coarse grids, each column once' if self.quick else ''}."
+        return write_report(evaluation.results, evaluation.others, self.quick, heading, out)
+
+
+def select_checks(names: Sequence[str]) -> list[Check]:
+    """Select checks by name or by group (rods, channel, cylinder); all of them without names.
+
+    Raises UsageError for an unknown name.
     """
     return select(CHECKS, names, "check")
-
-
-def validate(
-    names: Sequence[str],
-    quick: bool,
-    out: Path,
-    jobs: int | None = None,
-    threads: int | None = None,
-    observer: SweepObserver | None = None,
-) -> Validation:
-    """Run what the checks need into `out`/runs, completing what is there, and write tables and charts into `out`."""
-    chosen = choose(names)
-    needed = [member for check in chosen for member in check.members(quick)]
-    outcomes, found = carry_out_members(needed, out / RUNS, jobs, threads, observer)
-    if not found:
-        raise unsuccessful(outcomes, f"no run of the checks ended well; mpmcol status {out / RUNS} says why")
-    judgements = [judge(check, found, quick) for check in chosen]
-    others = _others(chosen, found, quick)
-    return Validation(outcomes, judgements, others, write_report(judgements, others, found, quick, out))
-
-
-def _others(chosen: Sequence[Check], found: Found, quick: bool) -> list[Other]:
-    """What the laws that no check is made of say of the columns, each once."""
-    columns = dict.fromkeys(check.column for check in chosen)
-    firsts = [found[column.members(quick)[0]] for column in columns if column.members(quick)[0] in found]
-    return [other for run in firsts for other in other_laws(run)]

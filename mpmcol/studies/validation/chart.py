@@ -1,4 +1,4 @@
-"""A deposit over the digitised surface and failure line of an experiment, and how far apart they are."""
+"""Charts of a deposit against the digitised surface and failure line of an experiment, with their difference."""
 
 from __future__ import annotations
 
@@ -8,28 +8,28 @@ from matplotlib.figure import Figure
 
 from mpmcol.measure import Array, Measurement
 from mpmcol.plotting.charts import EXPERIMENT_COLOUR, LAST, save_figure
-from mpmcol.studies.runs import Finished
+from mpmcol.studies.runs import CompletedRun
 from mpmcol.studies.validation import measures
 
 Line = tuple[Array, Array]
 
 
-def draw_rods(path: Path, run: Finished, width: float) -> None:
-    """Bui's rods: surface and failure line; `width` of the band in mm."""
+def draw_rods(path: Path, run: CompletedRun, width: float) -> None:
+    """Draw surface and failure line of the rods of Bui et al. 2008; `width` of the band in mm."""
     deposit = run.results.measure()
-    lines = measures.rods_failure_line(run), measures.metres(measures.FAILURE)
-    _draw(path, run, deposit, measures.metres(measures.SURFACE), width, lines)
+    lines = measures.rods_failure_line(run), measures.points_of(measures.FAILURE)
+    _draw(path, run, deposit, measures.points_of(measures.SURFACE), width, lines)
 
 
-def draw_shape(path: Path, run: Finished, width: float) -> None:
-    """The universal shape, scaled to the deposit; `width` of the band as a share of the height."""
+def draw_shape(path: Path, run: CompletedRun, width: float) -> None:
+    """Draw the universal shape, scaled to the deposit; `width` of the band relative to the height."""
     deposit = run.results.measure()
     _draw(path, run, deposit, measures.scaled_shape(deposit), 1e3 * width * deposit.height)
 
 
 def _draw(
     path: Path,
-    run: Finished,
+    run: CompletedRun,
     deposit: Measurement,
     surface: Line,
     width: float,
@@ -40,12 +40,12 @@ def _draw(
     upper.plot(1e3 * deposit.profile_x, 1e3 * deposit.profile_y, label="deposit", **LAST)
     upper.plot(*_mm(surface), "x", color=EXPERIMENT_COLOUR, markersize=5, label="surface, digitised")
     if failure:
-        ours, digitised = failure
-        upper.plot(*_mm(ours), color="0.4", linestyle="--", label="failure line")
+        computed, digitised = failure
+        upper.plot(*_mm(computed), color="0.4", linestyle="--", label="failure line")
         upper.plot(*_mm(digitised), "+", color=EXPERIMENT_COLOUR, label="failure line, digitised")
     station, apart = measures.difference(deposit, *surface)
     lower.axhspan(-width, width, color=EXPERIMENT_COLOUR, alpha=0.15, linewidth=0, label="band of the RMS")
-    lower.plot(1e3 * station, 1e3 * apart, color="black", label="deposit above the digitised surface")
+    lower.plot(1e3 * station, 1e3 * apart, color="black", label="deposit minus digitised surface")
     shape = run.results.shape
     title = f"{run.row['case']}, $a$ = {shape.a:g}, $h$ = {1e3 * shape.spacing:.3g} mm"
     upper.set(ylabel="height (mm)", ylim=(0.0, None), title=title)

@@ -1,56 +1,59 @@
-"""A check: what is run, what number is measured, which band it must lie in, and what must lie outside of it."""
+"""A check: the column that is run, the quantity that is measured, its band, and negative controls."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Literal
+from typing import Literal, Protocol
 
 import numpy as np
+from scipy.stats import sem
 
-from mpmcol.studies.runs import Finished, Found, Member, with_settings
+from mpmcol.studies.runs import REPEATED_CFL, CompletedRun, CompletedRuns, StudyRun, study_run
 
-# Fronts are chaotic: runs that differ in the time step alone scatter by some per cent, so that each is repeated.
-TIME_STEPS = ("0.46", "0.48", "0.5", "0.52")
-ALONE = ("0.5",)
+SINGLE_CFL = ("0.5",)
 
-Verdict = Literal["passed", "failed", "proves nothing", "not run", "unverified"]
-Measure = Callable[[Finished], float | None]  # None: there is no such number, as of a front that never stops
+Verdict = Literal["passed", "failed", "inconclusive", "unverified", "not run"]
+Measure = Callable[[CompletedRun], float | None]  # None: no value, for example the stop time of a moving front
+
+
+class Draw(Protocol):
+    """A function that draws the chart of a check from one of its runs."""
+
+    def __call__(self, path: Path, run: CompletedRun, width: float) -> object:
+        """Draw to `path`; `width` is the upper end of the band."""
 
 
 @dataclass(frozen=True)
 class Column:
-    """A shipped case at an aspect ratio, some of its values replaced, and its two spacings."""
+    """A shipped case at an aspect ratio, with some of its values replaced, on a fine and on a coarse grid."""
 
     case: str
     a: float
     h: float  # node spacing, m
     quick_h: float
-    settings: tuple[tuple[str, str], ...] = ()
+    overrides: tuple[tuple[str, str], ...] = ()
 
-    def members(self, quick: bool, repeated: bool = True) -> list[Member]:
-        """Its runs: one, or one for each time step."""
-        steps = TIME_STEPS if repeated and not quick else ALONE
+    def runs(self, quick: bool, repeated: bool = True) -> list[StudyRun]:
+        """Return the runs of the column: repeated ones, or a single one if `quick` or not `repeated`."""
+        values = REPEATED_CFL if repeated and not quick else SINGLE_CFL
         h = self.quick_h if quick else self.h
-        return [with_settings(self.case, self.a, h, **dict(self.settings), time__cfl=step) for step in steps]
+        return [study_run(self.case, self.a, h, **dict(self.overrides), time__cfl=cfl) for cfl in values]
 
-    def but(self, **settings: str) -> Column:
-        """This column with other values; two underscores in a key stand for its dot."""
-        return replace(self, settings=(*self.settings, *settings.items()))
+    def with_values(self, **overrides: str) -> Column:
+        """Return this column with other values; a double underscore stands for the dot of a key."""
+        return replace(self, overrides=(*self.overrides, *overrides.items()))
 
 
 @dataclass(frozen=True)
 class Band:
-    """Where a number must lie, ends included, and who says so: never our own results.
-
-    A check neither passes nor fails by a band whose source is unverified.
-    """
+    """The closed interval in which a quantity is accepted, taken from experiments, never from our own results."""
 
     lo: float
     hi: float
     source: str
-    verified: bool = True
+    verified: bool = True  # whether its numbers were read in the publication
 
     def __contains__(self, value: float) -> bool:
         return self.lo <= value <= self.hi
@@ -58,37 +61,37 @@ class Band:
 
 @dataclass(frozen=True)
 class Check:
-    """One number of one experiment."""
+    """One quantity of one experiment."""
 
     name: str
     experiment: str  # name in mpmcol.experiments
-    number: str  # what is measured, in words
+    quantity: str  # description
     unit: str
     column: Column
     measure: Measure
     band: Band
-    controls: Mapping[str, Column]  # what is wrong with them -> columns whose number must lie outside the band
-    draw: Callable[[Path, Finished, float], object] | None = None  # of the first run, to a file, with the band's width
+    controls: Mapping[str, Column]  # description of the error -> column whose value must be outside the band
+    draw: Draw | None = None
 
-    def members(self, quick: bool) -> list[Member]:
-        """All runs; a control is run once, since it is to be far off."""
-        controls = [member for column in self.controls.values() for member in column.members(quick, repeated=False)]
-        return self.column.members(quick) + controls
+    def runs(self, quick: bool) -> list[StudyRun]:
+        """Return all runs; each negative control is run once, since its value is far outside."""
+        controls = [run for column in self.controls.values() for run in column.runs(quick, repeated=False)]
+        return self.column.runs(quick) + controls
 
 
 @dataclass(frozen=True)
-class Control:
-    """A run that is wrong on purpose."""
+class ControlResult:
+    """The value of a negative control."""
 
     label: str
-    ran: bool
+    was_run: bool
     value: float | None
-    accepted: bool  # by the band, which has then shown nothing
+    is_inside: bool  # the band, which then does not discriminate
 
 
 @dataclass(frozen=True)
-class Judgement:
-    """A check and what came of it: the mean of its runs, that mean's standard error, and its controls."""
+class CheckResult:
+    """The mean of the runs of a check, its standard error, the results of the controls, and the verdict."""
 
     check: Check
     verdict: Verdict
@@ -96,34 +99,37 @@ class Judgement:
     error: float | None
     runs: int
     at_rest: bool
-    controls: list[Control] = field(default_factory=list)
+    controls: list[ControlResult] = field(default_factory=list)
+    first_run: CompletedRun | None = None  # shown in the chart
 
 
-def judge(check: Check, found: Found, quick: bool) -> Judgement:
+def evaluate_check(check: Check, completed: CompletedRuns, quick: bool) -> CheckResult:
     """Measure the runs of a check and of its controls."""
-    runs = [found[member] for member in check.column.members(quick) if member in found]
+    planned = check.column.runs(quick)
+    runs = [completed[run] for run in planned if run in completed]
     values = [value for run in runs if (value := check.measure(run)) is not None]
-    complete = bool(values) and len(values) == len(runs)  # a mean without a front that never stopped would flatter
+    complete = bool(values) and len(values) == len(runs)  # the mean of the runs with a value would be biased
     value = float(np.mean(values)) if complete else None
-    error = float(np.std(values, ddof=1) / np.sqrt(len(values))) if complete and len(values) > 1 else None
-    controls = [_control(check, label, column, found, quick) for label, column in check.controls.items()]
+    error = float(sem(values)) if complete and len(values) > 1 else None
+    controls = [_control(check, label, column, completed, quick) for label, column in check.controls.items()]
     at_rest = all(run.row["at_rest"] for run in runs)
-    return Judgement(check, _verdict(check, len(runs), value, controls), value, error, len(runs), at_rest, controls)
+    verdict, first = _verdict(check, len(runs), value, controls), completed.get(planned[0])
+    return CheckResult(check, verdict, value, error, len(runs), at_rest, controls, first)
 
 
-def _control(check: Check, label: str, column: Column, found: Found, quick: bool) -> Control:
-    (member,) = column.members(quick, repeated=False)
-    if member not in found:
-        return Control(label, False, None, False)
-    value = check.measure(found[member])
-    return Control(label, True, value, value is not None and value in check.band)
+def _control(check: Check, label: str, column: Column, completed: CompletedRuns, quick: bool) -> ControlResult:
+    (run,) = column.runs(quick, repeated=False)
+    if run not in completed:
+        return ControlResult(label, False, None, False)
+    value = check.measure(completed[run])
+    return ControlResult(label, True, value, value is not None and value in check.band)
 
 
-def _verdict(check: Check, runs: int, value: float | None, controls: list[Control]) -> Verdict:
-    if not runs or not all(control.ran for control in controls):
+def _verdict(check: Check, runs: int, value: float | None, controls: list[ControlResult]) -> Verdict:
+    if not runs or not all(control.was_run for control in controls):
         return "not run"
     if not check.band.verified:
         return "unverified"
     if value is None or value not in check.band:
         return "failed"
-    return "proves nothing" if not controls or any(control.accepted for control in controls) else "passed"
+    return "inconclusive" if not controls or any(control.is_inside for control in controls) else "passed"

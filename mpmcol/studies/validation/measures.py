@@ -1,4 +1,4 @@
-"""The numbers that checks measure: functions of a finished run."""
+"""The quantities that checks measure: functions of a completed run."""
 
 from __future__ import annotations
 
@@ -6,81 +6,81 @@ import numpy as np
 
 from mpmcol.experiments import Profile, find_experiment, profile_score
 from mpmcol.measure import Array, Measurement, failure_line
-from mpmcol.studies.runs import Finished
+from mpmcol.studies.runs import CompletedRun
 from mpmcol.studies.validation.check import Measure
 
 RODS = find_experiment("bui-2008", "plane")
-ROD = 1.6e-3  # m: diameter of the thicker rods, 1.5 to 1.6 mm; general knowledge
+ROD = 1.6e-3  # m: assumed diameter of the thicker rods, not read in the publication
 SURFACE, FAILURE = RODS.profiles
 (SHAPE,) = find_experiment("lube-2005", "plane").profiles
 STATIONS = 1001
 
 
 def column_of(name: str) -> Measure:
-    """A measure that is a column of a sweep's table."""
+    """Return the measure that is a column of the table of a sweep."""
     return lambda run: run.row[name]
 
 
-def undisturbed_share(run: Finished) -> float:
-    """Radius of the top that has not moved, over r_i."""
+def undisturbed_ratio(run: CompletedRun) -> float:
+    """Return the radius of the undisturbed top over r_i."""
     return float(run.row["undisturbed_radius"] / run.row["r_i"])
 
 
-def rods_surface(run: Finished) -> float:
-    """RMS distance in height between the deposit and the rods' surface, mm."""
-    return rms_mm(run.results.measure(), *metres(SURFACE))
+def rods_surface(run: CompletedRun) -> float:
+    """Return the RMS difference in height between the deposit and the surface of the rods, mm."""
+    return rms_mm(run.results.measure(), *points_of(SURFACE))
 
 
-def rods_front(run: Finished) -> float | None:
-    """Front where the surface is as high as the outermost digitised point, mm."""
+def rods_front(run: CompletedRun) -> float | None:
+    """Return where the surface is as high as the outermost digitised point, mm."""
     deposit = run.results.measure()
     score = profile_score(deposit.profile_x, deposit.profile_y, RODS)
     return None if score is None or score.front is None else 1e3 * score.front
 
 
-def rods_failure(run: Finished) -> float:
-    """RMS of the shortest distances from the digitised points of the failure line to ours, mm."""
-    x, y = metres(FAILURE)
+def rods_failure(run: CompletedRun) -> float:
+    """Return the RMS of the shortest distances from the digitised failure line to the computed one, mm."""
+    x, y = points_of(FAILURE)
     return 1e3 * float(np.sqrt(np.mean(distance_to_line(x, y, *rods_failure_line(run)) ** 2)))
 
 
-def rods_failure_line(run: Finished) -> tuple[Array, Array]:
-    """Ours, m: beyond it points have moved by a rod's diameter and more."""
+def rods_failure_line(run: CompletedRun) -> tuple[Array, Array]:
+    """Return the computed failure line, m: points beyond it have moved by the diameter of a rod or more."""
     state = run.results.snapshot()
     position, moved = (state.arrays[name][state.column][:, :2].astype(float) for name in ("position", "displacement"))
     return failure_line(position, moved, run.results.shape, ROD)
 
 
-def shape_rms(run: Finished) -> float:
-    """RMS distance in height to the universal shape, which is scaled to the deposit's front and height; over height."""
+def shape_rms(run: CompletedRun) -> float:
+    """Return the RMS difference in height from the universal shape, scaled to the deposit, over the height."""
     deposit = run.results.measure()
     return rms_mm(deposit, *scaled_shape(deposit)) / (1e3 * deposit.height)
 
 
 def scaled_shape(deposit: Measurement) -> tuple[Array, Array]:
-    """The universal shape with the front and height of a deposit, m."""
+    """Return the universal shape with the front and height of a deposit, m."""
     return deposit.front["front_height"] * np.array(SHAPE.x), deposit.height * np.array(SHAPE.y)
 
 
-def metres(profile: Profile) -> tuple[Array, Array]:
-    """Digitised points as arrays."""
+def points_of(profile: Profile) -> tuple[Array, Array]:
+    """Return the digitised points of a profile as arrays."""
     return np.array(profile.x), np.array(profile.y)
 
 
 def rms_mm(deposit: Measurement, x: Array, y: Array) -> float:
-    """Root mean square of `difference`, mm."""
+    """Return the root mean square of `difference`, mm."""
     return 1e3 * float(np.sqrt(np.mean(difference(deposit, x, y)[1] ** 2)))
 
 
 def difference(deposit: Measurement, x: Array, y: Array) -> tuple[Array, Array]:
-    """Deposit minus surface (x, y), m, at even stations along the surface: how its points are spaced has no weight."""
+    """Return deposit minus surface (x, y), m, at equally spaced stations along the surface (STATIONS,)."""
     station = np.linspace(x[0], x[-1], STATIONS)
-    ours = np.interp(station, deposit.profile_x, deposit.profile_y)  # which ends at zero
-    return station, ours - np.interp(station, x, y)
+    height = np.interp(station, deposit.profile_x, deposit.profile_y)  # the profile ends at zero
+    return station, height - np.interp(station, x, y)
 
 
 def distance_to_line(x: Array, y: Array, line_x: Array, line_y: Array) -> Array:
-    """Shortest distance of points (n,) to the line through points that rise in y, m."""
+    """Return the shortest distances of points (n,) to the line through points in order of increasing y, m."""
     height = np.linspace(line_y[0], line_y[-1], STATIONS)
     along = np.interp(height, line_y, line_x)
     return np.hypot(x[:, None] - along, y[:, None] - height).min(axis=1)

@@ -10,8 +10,7 @@ from pathlib import Path
 
 from mpmcol.case import flattened_text, key_names, shipped_cases
 from mpmcol.errors import CaseError, UsageError
-from mpmcol.studies.pareto.configurations import settings_of
-from mpmcol.studies.pareto.study import load_study, shipped_studies
+from mpmcol.studies.pareto.study import configurations_of, load_study, shipped_studies
 from tests.support.bad_input import failure_in_reading, failure_in_refusal, find_failure
 
 COUNT = 100_000
@@ -56,8 +55,8 @@ def _texts() -> dict[str, bytes]:
 
 def _failure_in_study(path: Path) -> str | None:
     try:
-        for setting in islice(settings_of(load_study(str(path))), 3):
-            setting.members[0].plan(path.parent)
+        for configuration in islice(configurations_of(load_study(str(path))), 3):
+            configuration.runs[0].plan(path.parent)
     except CaseError as error:
         return failure_in_refusal(error)
     except UsageError as error:

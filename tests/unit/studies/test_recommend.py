@@ -1,4 +1,4 @@
-"""Runs asked for by their accuracy: what is chosen from a table of errors, error bars, and plans."""
+"""Runs with a requested accuracy: selection from a table of errors, error bars, and plans."""
 
 from __future__ import annotations
 
@@ -16,84 +16,95 @@ from mpmcol.cli import main
 from mpmcol.errors import UsageError
 from mpmcol.studies.pareto import recommend, savings
 from mpmcol.studies.pareto.certify import error_bar
-from mpmcol.studies.pareto.recommend import advise
 from mpmcol.studies.pareto.savings import propose
 from mpmcol.studies.pareto.score import BETA, ZETA
-from mpmcol.studies.pareto.shipped import Place, Row, scenes_around, shipped_study
+from mpmcol.studies.pareto.shipped import (
+    ColumnParameters,
+    ShippedConfiguration,
+    neighbouring_cases,
+    shipped_study,
+)
 
 ELASTIC = "density = 2650.0\nyoungs_modulus = 10e6\npoissons_ratio = 0.2\n"
 ERRORS = {10.0: 0.2, 20.0: 0.08, 40.0: 0.0382}
-BIASES = {"as asked": -0.1, "rigid floor": -0.05, "k0": -0.1, "E / 10": -0.1, "quarter in 3D": -0.1}
+BIASES = {"as specified": -0.1, "rigid floor": -0.05, "k0": -0.1, "E / 10": -0.1, "quarter in 3D": -0.1}
 
 
-def rows() -> Iterator[Row]:
-    """A table in which errors fall with the grid, twice as small for "light", which is offered like "as asked"."""
-    for scene in shipped_study().scenes:
-        for family in ("as asked", "light", "rigid floor", "k0", "E / 10", "quarter in 3D"):
+def configurations() -> Iterator[ShippedConfiguration]:
+    """A table in which errors decrease with the spacing, and are half as large for "light"."""
+    for case in shipped_study().cases:
+        for variant in ("as specified", "light", "rigid floor", "k0", "E / 10", "quarter in 3D"):
             for cells, error in ERRORS.items():
-                within = error / 2.0 if family == "light" else error
-                pace = 6e-8 if family == "quarter in 3D" else 3e-8
-                bias = dict.fromkeys((ZETA, BETA), BIASES.get(family, 0.0))
-                yield Row(scene, family, cells, pace, bias, dict.fromkeys((ZETA, BETA), within))
+                bounds = dict.fromkeys((ZETA, BETA), error / 2.0 if variant == "light" else error)
+                pace = 6e-8 if variant == "quarter in 3D" else 3e-8
+                bias = dict.fromkeys((ZETA, BETA), BIASES.get(variant, 0.0))
+                yield ShippedConfiguration(case, variant, cells, pace, bias, bounds)
 
 
 @pytest.fixture(autouse=True)
 def table(monkeypatch: pytest.MonkeyPatch) -> None:
-    made = tuple(rows())
+    made = tuple(configurations())
     for module in (recommend, savings):
-        monkeypatch.setattr(module, "shipped_rows", lambda: made)
+        monkeypatch.setattr(module, "shipped_configurations", lambda: made)
 
 
 def invoke(*words: str) -> Result:
     return CliRunner().invoke(main, list(words))
 
 
-def test_the_cheapest_that_keeps_to_it_is_chosen() -> None:
-    """At twice the error, "light" reaches 5 % at half the cells, and costs less a step besides."""
-    found = advise("lube-cylinder", (), 0.05)
-    assert (found.family, found.cells, found.error) == ("light", 20.0, 0.04)
+def test_the_cheapest_accurate_configuration_is_recommended() -> None:
+    """With half the error, "light" reaches 5 % with half the cells, and it costs less per step."""
+    found = recommend.recommend("lube-cylinder", (), 0.05)
+    assert (found.variant, found.cells, found.error) == ("light", 20.0, 0.04)
     case = load_case("lube-cylinder", found.overrides)
     assert case.geometry.base == "rigid" and case.stages.initial_stress == "k0"
     assert case.grid.spacing == pytest.approx(case.geometry.r_i / 20.0)
     assert case.material.youngs_modulus < 2e6
-    assert advise("lube-cylinder", (), 0.02).cells == 40.0
-    assert advise("lube-cylinder", (), 0.5).cells == 10.0
+    assert recommend.recommend("lube-cylinder", (), 0.02).cells == 40.0
+    assert recommend.recommend("lube-cylinder", (), 0.5).cells == 10.0
 
 
-def test_what_the_study_has_otherwise_is_told(tmp_path: Path) -> None:
-    assert advise("lube-cylinder", ("material.density=1600", "material.youngs_modulus=5e6"), 0.1).unlike == []
-    assert advise("lube-quarter", (), 0.1).unlike == []
+def test_differences_from_the_study_are_reported(tmp_path: Path) -> None:
+    assert (
+        recommend.recommend("lube-cylinder", ("material.density=1600", "material.youngs_modulus=5e6"), 0.1).differences
+        == []
+    )
+    assert recommend.recommend("lube-quarter", (), 0.1).differences == []
     values = ("geometry.aspect=10", "material.friction_deg=15", "method.transfer=pic", "stages.collapse.damping=0.1")
-    told = advise("lube-channel", values, 0.1)
-    assert list(told.unlike) == [
-        "a = 10 here, 1 to 3 in the study",
-        "friction = 15 here, 22 to 42 in the study",
-        'method.transfer = "pic" here, "taylor-flip" in the study',
-        "stages.collapse.damping = 0.1 here, 0.05 in the study",
+    found = recommend.recommend("lube-channel", values, 0.1)
+    assert list(found.differences) == [
+        "a = 10, in the study 1 to 3",
+        "friction = 15, in the study 22 to 42",
+        'method.transfer = "pic", in the study "taylor-flip"',
+        "stages.collapse.damping = 0.1, in the study 0.05",
     ]
-    assert "note: they may not hold here: a = 10 here" in str(told)
-    assert 'material.law = "mohr-coulomb-softening" here' in str(advise("lube-channel-dense", (), 0.1))
+    assert "note: these errors may not apply: a = 10" in str(found)
+    assert 'material.law = "mohr-coulomb-softening", in the study' in str(
+        recommend.recommend("lube-channel-dense", (), 0.1)
+    )
 
 
 def test_a_quarter_becomes_axisymmetric_and_a_box_is_refused() -> None:
-    found = advise("lube-quarter", (), 0.05)
+    found = recommend.recommend("lube-quarter", (), 0.05)
     case = load_case("lube-quarter", found.overrides)
     assert (case.geometry.model, case.grid.points_per_cell) == ("axisymmetric", 4)
-    with pytest.raises(UsageError, match="no box columns; give grid.spacing yourself"):
-        advise("lube-quarter", ("geometry.section=box",), 0.05)
+    with pytest.raises(UsageError, match="no box columns; set grid.spacing instead"):
+        recommend.recommend("lube-quarter", ("geometry.section=box",), 0.05)
 
 
-def test_what_cannot_be_kept_is_refused_with_the_best(tmp_path: Path) -> None:
-    with pytest.raises(UsageError, match=r"keeps to 1% around this case(.|\n)*r_i/h = 40(.|\n)*accuracy 2% or more"):
-        advise("lube-cylinder", (), 0.01)
+def test_an_accuracy_out_of_reach_is_refused_with_the_best(tmp_path: Path) -> None:
+    with pytest.raises(
+        UsageError, match=r"at most 1% for cases like this one(.|\n)*r_i/h = 40(.|\n)*accuracy 2% or more"
+    ):
+        recommend.recommend("lube-cylinder", (), 0.01)
     path = tmp_path / "block.toml"
     path.write_text('extends = "lube-cylinder"\n[material]\nlaw = "elastic"\n' + ELASTIC)
-    with pytest.raises(UsageError, match=r"law = elastic: the study of errors is of material with friction"):
-        advise(path, (), 0.05)
+    with pytest.raises(UsageError, match=r"law = elastic: the errors were studied for materials with friction only"):
+        recommend.recommend(path, (), 0.05)
 
 
 @pytest.mark.parametrize(
-    ("a", "friction", "scenes"),
+    ("a", "friction", "cases"),
     [
         (0.9, 33.0, ["cylinder, a = 0.9"]),
         (0.5, 34.0, ["cylinder, a = 0.9"]),
@@ -104,19 +115,20 @@ def test_what_cannot_be_kept_is_refused_with_the_best(tmp_path: Path) -> None:
         (2.75, 41.0, ["cylinder, a = 0.9, 42 degrees", "cylinder, a = 2.75"]),
     ],
 )
-def test_a_case_lies_between_scenes(a: float, friction: float, scenes: list[str]) -> None:
-    assert sorted(scenes_around(Place("axisymmetric", a, friction))) == sorted(scenes)
+def test_a_column_has_neighbouring_cases(a: float, friction: float, cases: list[str]) -> None:
+    assert sorted(neighbouring_cases(ColumnParameters("axisymmetric", a, friction))) == sorted(cases)
 
 
-def test_a_plan_tells_what_each_change_saves_and_does() -> None:
+def test_a_plan_lists_saving_and_effect_of_each_change() -> None:
     found = {one.name: one for one in propose("lube-quarter", ("geometry.domain_length=1",), 0.1)}
     assert set(found) == {
-        "axisymmetric instead of 3D", "rigid floor instead of the elastic layer", "initial stress assigned, not loaded",
-        "softer column and base", "domain from the expected runout",
+        "axisymmetric instead of 3D", "rigid floor instead of the elastic layer",
+        "initial stress assigned instead of loaded",
+        "softer column and base", "domain sized by the expected runout",
     }  # fmt: skip
     assert found["axisymmetric instead of 3D"].cost_ratio < 0.05
     assert all(one.cost_ratio < 0.98 for one in found.values())
-    assert found["domain from the expected runout"].effect == {ZETA: 0.0, BETA: 0.0}
+    assert found["domain sized by the expected runout"].effect == {ZETA: 0.0, BETA: 0.0}
     effect = found["rigid floor instead of the elastic layer"].effect
     assert effect is not None and effect[ZETA] == pytest.approx(0.95 / 0.9 - 1.0)
     finer = {one.name: one for one in propose("lube-cylinder", ("grid.spacing=0.002",), 0.1)}
@@ -124,7 +136,7 @@ def test_a_plan_tells_what_each_change_saves_and_does() -> None:
     light = ("geometry.base=rigid", "stages.initial_stress=k0", "material.youngs_modulus=1e5")
     assert [one.name for one in propose("lube-cylinder", (*light, "geometry.domain_length=1"), 0.1)] == []
     whole = propose("lube-quarter", ("geometry.model=full",), 0.1)
-    assert "a quarter instead of the whole" in {one.name for one in whole}
+    assert "a quarter instead of the full column" in {one.name for one in whole}
 
 
 def test_a_plan_can_be_applied(tmp_path: Path) -> None:
@@ -137,27 +149,27 @@ def test_a_plan_can_be_applied(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("text", ["5", "nan", "-1%", "0", "five", "5 mm"])
-def test_an_accuracy_is_a_share(text: str) -> None:
+def test_an_accuracy_is_a_relative_error(text: str) -> None:
     done = invoke("run", "quickstart", "--accuracy", text)
     assert done.exit_code == 2 and "expected an error such as 5% or 0.05" in done.output
 
 
-def test_certify_goes_with_accuracy() -> None:
+def test_certify_needs_accuracy() -> None:
     done = invoke("run", "quickstart", "--certify")
     assert done.exit_code == 2 and "--certify goes with --accuracy" in done.output
     done = invoke("run", "quickstart", "--accuracy", "10%", "--certify", "--dry-run")
     assert done.exit_code == 2 and "--dry-run is of one run" in done.output
 
 
-def test_a_dry_run_tells_the_row(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_dry_run_shows_the_recommendation(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     done = invoke("run", "lube-cylinder", "--accuracy", "20%", "--dry-run")
     assert done.exit_code == 0, done.output
     assert '"light" at r_i/h = 10' in done.output and "nothing was run" in done.output
 
 
-def test_the_error_bar_holds_the_limit() -> None:
-    """Of means that approach it at first order, with scatter, in nine of ten draws."""
+def test_the_error_bar_contains_the_converged_value() -> None:
+    """In at least 90 % of draws, for first-order convergence with scatter."""
     rng = np.random.default_rng(3)
     inside = 0
     for _ in range(300):
@@ -168,10 +180,10 @@ def test_the_error_bar_holds_the_limit() -> None:
     few = error_bar(ZETA, [0.9, 1.1], [0.9, 1.1], 2.0)
     more = error_bar(ZETA, [0.9, 1.1, 0.9, 1.1], [0.9, 1.1], 2.0)
     assert few.error > more.error > 0.0
-    sure = error_bar(ZETA, [0.9, 0.9], [0.95, 0.95], 2.0)
-    assert sure.error == pytest.approx(1.25 * 0.05)
-    lucky = error_bar(ZETA, [0.9, 0.9], [0.9, 0.9], 2.0, within=0.1)
-    assert lucky.error == lucky.known == pytest.approx(0.09)
+    exact = error_bar(ZETA, [0.9, 0.9], [0.95, 0.95], 2.0)
+    assert exact.error == pytest.approx(1.25 * 0.05)
+    coincidence = error_bar(ZETA, [0.9, 0.9], [0.9, 0.9], 2.0, study_error=0.1)
+    assert coincidence.error == coincidence.study_error == pytest.approx(0.09)
 
 
 def test_a_certified_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
