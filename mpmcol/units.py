@@ -54,11 +54,15 @@ class Number:
     allow_inf: bool = False
 
     @cached_property
+    def interval(self) -> str:
+        """Bounds of the accepted values, for example "> 0 and < 0.5"; empty without bounds."""
+        limits = " and ".join(f"{_COMPARISONS[name][0]} {bound:g}" for name, bound in self.bounds.items())
+        return limits + (", or inf" if self.allow_inf else "")
+
+    @cached_property
     def expected(self) -> str:
         """Description of the accepted values, for example "a number > 0 and < 0.5, in Pa"."""
-        limits = " and ".join(f"{_COMPARISONS[name][0]} {bound:g}" for name, bound in self.bounds.items())
-        parts = ["a number", f" {limits}" if limits else "", ", or inf" if self.allow_inf else ""]
-        return "".join(parts) + (f", in {self.unit}" if self.unit else "")
+        return f"a number {self.interval}".rstrip() + (f", in {self.unit}" if self.unit else "")
 
     def __call__(self, value: Any) -> float | None:
         """Convert and check a value; None stays None. Raises PydanticCustomError with the reason."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from mpmcol.case.load import flattened_text, load_case, resolved_toml
+from mpmcol.case.markdown import markdown_reference
 from mpmcol.case.problem import Problem
 from mpmcol.case.reference import explain, json_schema, key_names
 from mpmcol.case.schema import Case, case_hash
@@ -17,6 +18,7 @@ __all__ = [
     "json_schema",
     "key_names",
     "load_case",
+    "markdown_reference",
     "resolved_toml",
     "shipped_cases",
 ]

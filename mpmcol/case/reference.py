@@ -27,7 +27,7 @@ def fields_at(table: tuple[str, ...], law: str) -> dict[str, FieldInfo]:
     if not table:
         return {"extends": _EXTENDS, **fields.fields(Case)}
     if table == ("material",):
-        return fields.fields(LAWS[law].Material) | {"law": _LAW} if law in LAWS else {}
+        return {"law": _LAW} | fields.fields(LAWS[law].Material) | {"law": _LAW} if law in LAWS else {}
     *parent, name = table
     field = fields_at(tuple(parent), law).get(name)
     keys = fields.subtable(field) if field else None
@@ -85,15 +85,26 @@ def _indented(name: str) -> list[str]:
 def _details(path: tuple[str, ...]) -> list[str]:
     field = field_at(path, "")
     lines = [f"    {field.description}", f"    {fields.expected(field)}{_default(field)}"]
-    laws = [law for law in LAWS if path[-1] in fields_at(path[:-1], law)]
+    laws = laws_with(path)
     return lines + ([f"    laws: {', '.join(laws)}"] if len(laws) < len(LAWS) else [])
+
+
+def laws_with(key: tuple[str, ...]) -> list[str]:
+    """Laws for which a key exists: all, except for some keys of material."""
+    return [law for law in LAWS if key[-1] in fields_at(key[:-1], law)]
+
+
+def default_value(field: FieldInfo) -> Any:
+    """Default of a key; None if there is none, or if it depends on other keys."""
+    is_value = field.default not in (None, PydanticUndefined, "") and not isinstance(field.default, Table)
+    return field.default if is_value else None
 
 
 def _default(field: FieldInfo) -> str:
     if field.is_required():
         return "; required"
-    plain = field.default not in (None, PydanticUndefined, "") and not isinstance(field.default, Table)
-    return f"; default {fields.shown(field.default)}" if plain else "; optional"
+    value = default_value(field)
+    return "; optional" if value is None else f"; default {fields.shown(value)}"
 
 
 def json_schema() -> dict[str, Any]:

@@ -28,7 +28,7 @@ class Material(Elasticity):
     friction_residual_deg: float = quantity("residual friction angle", "deg", gt=0.0, le=MOST_DEGREES)
     dilatancy_peak_deg: float = quantity("peak dilatancy angle", "deg", 0.0, ge=0.0, le=MOST_DEGREES)
     dilatancy_residual_deg: float = quantity("residual dilatancy angle", "deg", 0.0, ge=0.0, le=MOST_DEGREES)
-    softening_rate: float = quantity("softening rate beta of the exponential decay (Table 1)", gt=0.0)
+    softening_rate: float = quantity("softening rate beta of the exponential decay, Table 1 of the paper", gt=0.0)
     strain_factor: float = quantity(
         "factor of the plastic shear strain increment, deps = factor * sqrt(de:de)",
         default=math.sqrt(2.0 / 3.0),
