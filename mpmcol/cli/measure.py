@@ -143,7 +143,7 @@ def _deposit_lines(measured: Measurement, shape: ColumnShape, stop: float | None
     kind = shape.release if shape.dimension == 2 else shape.section
     return [
         f"{shape.model}, {kind}, a = {shape.a:.3g}, r_i = {1e3 * shape.r_i:.4g} mm",
-        *(_front_line(name, measured, shape.ranged) for name in measured.front),
+        *(_front_line(name, measured, shape.range_label) for name in measured.front),
         f"{'spread of zeta':<20} {measured.spread:9.3f}",
         f"{'height':<20} {1e3 * measured.height:9.1f} mm   beta {measured.beta:7.3f}",
         f"{'area factor':<20} {measured.area_factor:9.3f}",
@@ -152,12 +152,12 @@ def _deposit_lines(measured: Measurement, shape: ColumnShape, stop: float | None
     ]
 
 
-def _front_line(name: str, measured: Measurement, ranged: str) -> str:
+def _front_line(name: str, measured: Measurement, range_label: str) -> str:
     line = f"{name:<20} {1e3 * measured.front[name]:9.1f} mm   zeta {measured.zeta[name]:7.3f}"
     if measured.zeta_range is None:
         return line
     low, high = measured.zeta_range[name]
-    return f"{line}   {low:.3f} to {high:.3f} {ranged}"
+    return f"{line}   {low:.3f} to {high:.3f} {range_label}"
 
 
 def _score_heading(state: State) -> str:

@@ -32,7 +32,7 @@ def _measured(results: Results) -> Iterator[str]:
         zeta, label = summary["zeta"][name], f"zeta, {name} ({FRONT_TEXT[name]})"
         if isinstance(zeta, dict):
             yield _line(label, f"{front['mean']:.4f}", zeta["mean"], against)
-            yield f"{'':64s}   {zeta['min']:.3f} to {zeta['max']:.3f} {shape.ranged}"
+            yield f"{'':64s}   {zeta['min']:.3f} to {zeta['max']:.3f} {shape.range_label}"
         else:
             yield _line(label, f"{front:.4f}", zeta, against)
     yield _line("spread of zeta, the uncertainty of the front", "", summary["spread"], "")

@@ -1,20 +1,19 @@
-"""Runout, height and shape of a deposit, from its material points.
+"""Runout, height and shape of a deposit, measured on its material points.
 
-Three definitions of the front are always given; their spread is the uncertainty of the front:
+The front has three definitions, all of which are always measured; their spread is the uncertainty of the front:
 
-* `front_max`: the farthest material point, grains in flight included;
-* `front_connected`: the farthest point reached from the pile without a gap wider than one cell;
-* `front_height`: where the deposit's height, mass per bin of width h over density, falls below
-  max(s, r_i / 100), contiguous from the pile; s: a point's size as released, at most h / 2.
+* `front_max`: the farthest material point, including points in flight;
+* `front_connected`: the farthest point that is connected with the pile without a gap wider than one cell;
+* `front_height`: where the height of the deposit (mass per bin of width h over density), contiguous from the pile,
+  falls below max(s, r_i / 100), with s the initial size of a point, at most h / 2.
 
-A two-sided release is measured on its half model: r_i is then the half-width of the column. In axisymmetry
-masses are per radian. Points have the size `point_size`, so a point's edge lies half of it beyond its
-position.
+Points have the size `point_size`: the edge of a point lies half of it beyond its position. A two-sided release is
+measured on its half model, where r_i is the half-width of the column. In axisymmetry masses are per radian.
 
-In 3D the same is done in each section of the deposit, and given are the mean over the sections, the least and the
-largest. A cylinder's sections are sectors of azimuth, 10 degrees wide, with the distance from the axis and the mass per
-radian. A box is measured along x, in the strip |z| < depth / 2 and with masses per metre; its sections are the sides
-of x = 0 that are modelled.
+In 3D every section of the deposit is measured, and the results are the mean, minimum and maximum over the sections.
+The sections of a cylinder are sectors of azimuth of 10 degrees, with the distance from the axis and the mass per
+radian. A box is measured along x in the strip |z| < depth / 2, with masses per metre; its sections are the modelled
+sides of x = 0.
 """
 
 from __future__ import annotations
@@ -25,7 +24,7 @@ from typing import Any
 import numpy as np
 
 from mpmcol.measure.front import FRONTS, fronts, pile_height, profiles
-from mpmcol.measure.sections import Array, Section, cut
+from mpmcol.measure.sections import Array, Section, split
 from mpmcol.measure.shape import ColumnShape
 from mpmcol.measure.surface import UNDISTURBED, failure_line, undisturbed_radius
 
@@ -49,25 +48,25 @@ Range = tuple[float, float]
 class Measurement:
     """A measured deposit: lengths in m; dictionaries have the three front definitions as keys."""
 
-    front: dict[str, float]  # mean over the sections: in 3D around the axis
+    front: dict[str, float]  # mean over the sections
     zeta: dict[str, float]  # (front - r_i) / r_i
     spread: float  # max - min of zeta
     height: float  # top of the contiguous pile at the wall or axis, above the base
     beta: float  # height / h_i
-    area_factor: float  # plane, box: V / (r_f h_f) = integral of y* dx*; cylinder: V / (pi r_f^2 h_f)
+    area_factor: float  # plane, box: V / (r_f h_f); cylinder: V / (pi r_f^2 h_f)
     undisturbed_radius: float | None  # None if no displacement was given
-    profile_x: Array  # bin centres
-    profile_y: Array  # height of each bin: mass over density and bin area; mean over the sections
-    front_range: dict[str, Range] | None = None  # least and largest; None in 2D
+    profile_x: Array  # bin centres, (bins,)
+    profile_y: Array  # height of each bin, (bins,): mean over the sections
+    front_range: dict[str, Range] | None = None  # minimum and maximum over the sections; None in 2D
     zeta_range: dict[str, Range] | None = None
 
     @property
-    def reach(self) -> float:
-        """Distance of the farthest point, m."""
+    def max_distance(self) -> float:
+        """Distance of the farthest point of all sections from the wall or axis, m."""
         return self.front_range["front_max"][1] if self.front_range else self.front["front_max"]
 
     def scalars(self) -> dict[str, Any]:
-        """All but the profile, as plain numbers, for JSON; where there are ranges, fronts have a mean, min and max."""
+        """All values but the profile, for JSON; in 3D each front is a mapping of mean, min and max."""
         values = {name: value for name, value in vars(self).items() if not name.startswith("profile")}
         for name in ("front", "zeta"):
             if (ranges := values.pop(f"{name}_range")) is not None:
@@ -79,18 +78,18 @@ class Measurement:
 
 
 def measure(x: Array, mass: Array, displacement: Array | None, shape: ColumnShape) -> Measurement:
-    """Measure the deposit that the column's points make.
+    """Measure the deposit of the material points of the column.
 
     Args:
-        x: positions, (n, 2) or (n, 3), m; points that are not finite are left out. In 3D y is up, and the axis is
-            x = z = 0.
-        mass: (n,), kg; per metre of width in plane strain, per radian in axisymmetry.
-        displacement: since release, of the shape of x, m, or None.
+        x: positions, (n, 2) or (n, 3), m; points with non-finite positions are omitted. y points upward; the axis of
+            a 3D column is x = z = 0.
+        mass: masses, (n,), kg; per metre of width in plane strain, per radian in axisymmetry.
+        displacement: displacements since release, as x, m; None if unknown.
         shape: the column as released.
     """
     finite = np.isfinite(x).all(axis=1)
     x, mass = x[finite], mass[finite]
-    sections = cut(x, mass, shape)
+    sections = split(x, mass, shape)
     profile_x, heights = profiles(sections, shape)
     found = np.array([fronts(own, profile_x, height, shape) for own, height in zip(sections, heights, strict=True)])
     front = dict(zip(FRONTS, found.mean(axis=0).tolist(), strict=True))
@@ -113,21 +112,30 @@ def measure(x: Array, mass: Array, displacement: Array | None, shape: ColumnShap
 
 
 def deposit_profile(x: Array, mass: Array, shape: ColumnShape) -> tuple[Array, Array]:
-    """Bin centres and depth-integrated height (m) in bins of one cell from the wall or axis outward.
+    """Height profile of a deposit in bins of one cell from the wall or axis outward.
 
-    The height is mass over density and bin area, so that it does not count loosening as material; in 3D it is the
-    mean over azimuth. Each point shares its mass linearly between the two nearest bin centres, mirrored at the
-    wall: in sharp bins, points that have been drawn apart by a quarter would fall one or two a bin and make the
-    height of a level deposit jump by 40 %. The last bin is empty: the profile ends at zero.
+    The height of a bin is its mass over density and area, so that dilation does not count as material; in 3D it is
+    the mean over the sections. The mass of a point is distributed linearly over the two nearest bin centres, with
+    reflection at the wall: with sharp bins, a spacing of points stretched by a quarter would change the height of a
+    level deposit by 40 % from bin to bin.
+
+    Returns:
+        bin centres and heights, (bins,), m; the last bin is empty, so that the profile ends at zero.
     """
-    profile_x, heights = profiles(cut(x, mass, shape), shape)
+    profile_x, heights = profiles(split(x, mass, shape), shape)
     return profile_x, heights.mean(axis=0)
 
 
 def stop_time(time: Array, front: Array, tolerance: float) -> float | None:
-    """First of the given times (s) from which on the front stays within `tolerance` (m) of its last position.
+    """Time after which the front stays within `tolerance` (m) of its last position.
 
-    None if that is only the last time, when nothing shows that the front has stopped.
+    Args:
+        time: times, (n,), s.
+        front: position of the front, (n,), m.
+        tolerance: m.
+
+    Returns:
+        the first such time, s; None if it is the last one, since the front may still move.
     """
     away = np.flatnonzero(np.abs(front - front[-1:]) > tolerance)
     first = away[-1] + 1 if away.size else 0
@@ -135,7 +143,7 @@ def stop_time(time: Array, front: Array, tolerance: float) -> float | None:
 
 
 def _ranges(found: Array, shape: ColumnShape) -> dict[str, Range] | None:
-    """Least and largest of the (sections, 3) values, by front definition; None in two dimensions."""
+    """Minimum and maximum over the sections of values (sections, 3), by front definition; None in 2D."""
     if shape.dimension == 2:
         return None
     ends = zip(found.min(axis=0).tolist(), found.max(axis=0).tolist(), strict=True)
@@ -143,7 +151,7 @@ def _ranges(found: Array, shape: ColumnShape) -> dict[str, Range] | None:
 
 
 def _area_factor(sections: list[Section], front: float, height: float, shape: ColumnShape) -> float:
-    """Of the mean section."""
+    """Area factor of the mean section."""
     volume = sum(float(own.mass.sum()) for own in sections) / len(sections) / shape.density
     box = front**2 * height / 2.0 if shape.is_round else front * height
     return volume / box if box > 0.0 else 0.0

@@ -1,4 +1,4 @@
-"""Profile and front of each section of a deposit, and the height of its pile."""
+"""Height profiles and fronts of the sections of a deposit, and the height of the pile."""
 
 from __future__ import annotations
 
@@ -6,22 +6,22 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from mpmcol.measure.sections import SECTOR, Array, Section, columns, grounded
+from mpmcol.measure.sections import SECTOR, Array, Section, column_index, connected_to_base
 from mpmcol.measure.shape import ColumnShape
 
 FRONTS = ("front_max", "front_connected", "front_height")
-WALL_CELLS = 4  # width of the strip in which the height at the wall or axis is taken
-RINGS_PER_CELL = 32  # enough for the area of a bin: in 3D a lattice has points at many radii
+WALL_CELLS = 4  # width of the strip at the wall or axis in which the height is measured
+SAMPLES_PER_CELL = 32  # for the area of a bin in 3D, where the points of a lattice have many different radii
 
 
 def profiles(sections: Sequence[Section], shape: ColumnShape) -> tuple[Array, Array]:
-    """Bin centres (bins,) and height (sections, bins), m; see `mpmcol.measure.deposit_profile`.
+    """Bin centres (bins,) and heights (sections, bins), m; see `mpmcol.measure.deposit_profile`.
 
-    Where a sector of azimuth is narrower than a cell, it has only a point now and then, and the mean over all
-    azimuths stands for it.
+    Where a sector of azimuth is narrower than a cell, the mean over all sectors is used, since a sector holds too few
+    points.
     """
     bins = int(max(section.distance.max(initial=0.0) for section in sections) / shape.spacing) + 3
-    volume = [_share(np.abs(own.distance), own.mass / shape.density, shape.spacing, bins) for own in sections]
+    volume = [_distribute(np.abs(own.distance), own.mass / shape.density, shape.spacing, bins) for own in sections]
     centre = shape.spacing * (np.arange(bins, dtype=np.float64) + 0.5)
     height = np.array(volume) / _bin_area(bins, shape)
     if shape.has_sectors:
@@ -31,30 +31,31 @@ def profiles(sections: Sequence[Section], shape: ColumnShape) -> tuple[Array, Ar
 
 
 def fronts(section: Section, profile_x: Array, profile_y: Array, shape: ColumnShape) -> tuple[float, float, float]:
-    """The three fronts of a section, in the order of FRONTS, m; 0 where it has no points."""
+    """The fronts of a section in the order of FRONTS, m; 0 for a section without points."""
     half = shape.point_size / 2.0
     farthest = float(section.distance.max() + half) if len(section.distance) else 0.0
-    ring = np.maximum(np.floor(section.distance / shape.spacing), 0.0).astype(np.intp)
-    pile = grounded(section.x[:, 1], ring, shape)
-    layer = min(shape.point_size, 0.5 * shape.spacing)  # of single points, which nothing thinner is resolved by
+    column = np.maximum(np.floor(section.distance / shape.spacing), 0.0).astype(np.intp)
+    pile = connected_to_base(section.x[:, 1], column, shape)
+    layer = min(shape.point_size, 0.5 * shape.spacing)  # one layer of points, the resolution limit
     by_height = _front_by_height(profile_x, profile_y, max(layer, 0.01 * shape.r_i))
     return farthest, _connected_front(section.distance[pile], shape), min(by_height, farthest)
 
 
 def pile_height(sections: Sequence[Section], shape: ColumnShape) -> float:
-    """Top of the contiguous pile in the first WALL_CELLS cells: in one cell alone, a crack would cut it short.
+    """Top of the contiguous pile within WALL_CELLS cells of the wall or axis, m.
 
-    In 3D the pile is contiguous within vertical columns of as many cells, 2 by 2: taken together all around the
-    axis, grains in flight on different sides would bridge each other's gaps.
+    The strip is several cells wide, since a crack could interrupt the pile in a single cell. In 3D the pile must be
+    contiguous within vertical columns of 2 by 2 cells; otherwise points in flight at different azimuths would close
+    each other's gaps.
     """
     near = np.concatenate([section.x[section.distance < WALL_CELLS * shape.spacing] for section in sections])
     width = shape.spacing * WALL_CELLS ** (1.0 / (shape.dimension - 1))
-    pile = near[grounded(near[:, 1], columns(near, width, shape), shape), 1]
+    pile = near[connected_to_base(near[:, 1], column_index(near, width, shape), shape), 1]
     return float(pile.max() + shape.point_size / 2.0) if pile.size else 0.0
 
 
-def _share(distance: Array, volume: Array, spacing: float, bins: int) -> Array:
-    """Volume in each bin, every point sharing its own between the two nearest centres, mirrored at zero."""
+def _distribute(distance: Array, volume: Array, spacing: float, bins: int) -> Array:
+    """Volume of each bin: that of a point is distributed over the two nearest centres, with reflection at zero."""
     position = distance / spacing + 0.5  # the centre of bin i is at i + 1; 0 is the mirror of bin 0
     left = position.astype(np.intp)
     outer = position - left
@@ -66,18 +67,18 @@ def _share(distance: Array, volume: Array, spacing: float, bins: int) -> Array:
 
 
 def _bin_area(bins: int, shape: ColumnShape) -> Array:
-    """Area of each bin, m or m2 per radian: what the points as released, of unit height, share with it.
+    """Area of each bin, m or m2 per radian: that of the initial lattice of points, distributed as their volume.
 
-    That is h, or r h, but for the first bin of a cylinder.
+    It equals h, or r h, except for the first bin of a cylinder.
     """
-    size = shape.point_size if shape.dimension == 2 else shape.spacing / RINGS_PER_CELL
+    size = shape.point_size if shape.dimension == 2 else shape.spacing / SAMPLES_PER_CELL
     lattice = size * (np.arange((bins + 1) * round(shape.spacing / size), dtype=np.float64) + 0.5)
     area = size * lattice if shape.is_round else np.full_like(lattice, size)
-    return _share(lattice, area, shape.spacing, bins + 2)[:bins]
+    return _distribute(lattice, area, shape.spacing, bins + 2)[:bins]
 
 
 def _connected_front(distance: Array, shape: ColumnShape) -> float:
-    """Edge of the last point before the first gap wider than one cell, outward from the median point."""
+    """Edge of the last point before the first gap wider than one cell, outward from the median point, m."""
     if not distance.size:
         return 0.0
     ordered = np.sort(distance)[(distance.size - 1) // 2 :]
@@ -86,7 +87,7 @@ def _connected_front(distance: Array, shape: ColumnShape) -> float:
 
 
 def _front_by_height(profile_x: Array, profile_y: Array, threshold: float) -> float:
-    """Where the profile first falls below the threshold outward of its peak, linear between bin centres."""
+    """Position outward of the peak where the profile first falls below the threshold, linear between bins, m."""
     peak = int(np.argmax(profile_y))
     if profile_y[peak] < threshold:
         return 0.0

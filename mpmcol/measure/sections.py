@@ -1,4 +1,4 @@
-"""A deposit cut into vertical sections and columns: 3D is measured by what measures two dimensions."""
+"""Vertical sections and columns of a deposit, by which 3D deposits are measured in the same way as 2D ones."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ from mpmcol.measure.shape import AZIMUTHS, ColumnShape
 
 Array = NDArray[np.float64]
 
-SECTOR = pi / 18.0  # rad: a cylinder's deposit in 3D is measured in each sector of azimuth
+SECTOR = pi / 18.0  # width of the sectors of azimuth of a cylinder in 3D, rad
 
 
 class Section(NamedTuple):
-    """Points that are measured together, as those of a plane or an axisymmetric model are."""
+    """Points that are measured together, such as those of a plane or an axisymmetric model."""
 
     x: Array  # positions, (n, 2) or (n, 3), m
     distance: Array  # (n,) from the wall or axis, m
     mass: Array  # (n,) kg per metre of width, or per radian
 
 
-def cut(x: Array, mass: Array, shape: ColumnShape) -> list[Section]:
-    """The sections of a deposit, empty ones too.
+def split(x: Array, mass: Array, shape: ColumnShape) -> list[Section]:
+    """Split a deposit into its sections, including empty ones.
 
-    In 2D there is one, the model. A cylinder in 3D has one for each sector of azimuth. A box has its strip
-    |z| < depth / 2, one on either side of x = 0 that is modelled: there the flow is the nearest to plane.
+    A 2D model is one section. A cylinder in 3D has one section for each sector of azimuth. A box has one section for
+    each modelled side of x = 0, in the strip |z| < depth / 2, where the flow is closest to plane strain.
     """
     distance, number = locate(x, shape)
     count, width = _sections(shape)
@@ -38,28 +38,28 @@ def cut(x: Array, mass: Array, shape: ColumnShape) -> list[Section]:
 
 
 def locate(x: Array, shape: ColumnShape) -> tuple[Array, NDArray[np.int8]]:
-    """Distance (n,) of points from the wall or axis, m, and the number (n,) of their section; -1 for none."""
+    """Distance of points from the wall or axis, (n,), m, and index of their section, (n,); -1 outside all sections."""
     if shape.dimension == 2:
         return x[:, 0], np.zeros(len(x), np.int8)
     if shape.has_sectors:
         turned = np.arctan2(x[:, 2], x[:, 0]) - AZIMUTHS[shape.model][0]
-        sector = np.clip(turned / SECTOR, 0, _sections(shape)[0] - 1)  # a hair behind a wall is in front of it
+        sector = np.clip(turned / SECTOR, 0, _sections(shape)[0] - 1)  # points beyond a wall by round-off
         return np.hypot(x[:, 0], x[:, 2]), sector.astype(np.int8)
     side = (x[:, 0] < 0.0) & (shape.sides == 2)
     return np.abs(x[:, 0]), np.where(np.abs(x[:, 2]) < shape.half_depth / 2.0, side, -1).astype(np.int8)
 
 
 def _sections(shape: ColumnShape) -> tuple[int, float]:
-    """Number of sections, and the width that each takes of the model's mass: m, or rad; 1 in 2D."""
+    """Number of sections and the width of each, by which masses are divided: m or rad; 1 in 2D."""
     if shape.dimension == 2:
         return 1, 1.0
     if shape.has_sectors:
         return round(shape.angle / SECTOR), SECTOR
-    return shape.sides, shape.sides * shape.half_depth / 2.0  # as deep as it has sides: z > 0, or both signs
+    return shape.sides, shape.sides * shape.half_depth / 2.0  # the strip has z > 0 only if one side is modelled
 
 
-def columns(x: Array, width: float, shape: ColumnShape) -> NDArray[np.intp]:
-    """Index of the vertical column that each point is in: `width` wide, and in 3D as deep."""
+def column_index(x: Array, width: float, shape: ColumnShape) -> NDArray[np.intp]:
+    """Index (n,) of the vertical column of each point; columns are `width` (m) wide, and in 3D as deep."""
     along = np.floor(x[:, 0] / width).astype(np.intp)
     if shape.dimension == 2:
         return np.maximum(along, 0)
@@ -69,12 +69,12 @@ def columns(x: Array, width: float, shape: ColumnShape) -> NDArray[np.intp]:
     return along * (across.max(initial=0) + 1) + across
 
 
-def grounded(y: Array, column: NDArray[np.intp], shape: ColumnShape) -> NDArray[np.bool_]:
-    """Points reached from the base upward, within their column, without a gap over one cell.
+def connected_to_base(y: Array, column: NDArray[np.intp], shape: ColumnShape) -> NDArray[np.bool_]:
+    """Mask (n,) of the points that are connected with the base, within their column, without a gap over one cell.
 
-    What is left out is in flight: it is neither the top of the pile nor its front. The gap to the base itself
-    may be two cells: the kernels of points that flow over the base meet its own, and hold them 1.2 to 1.6 h
-    above it.
+    The other points are in flight, and belong neither to the top of the pile nor to its front. The gap to the base
+    may be two cells, since material flowing over the base rests 1.2 to 1.6 h above it: the supports of the shape
+    functions of both overlap there.
     """
     order = np.lexsort((y, column))
     first = np.diff(column[order], prepend=-1) != 0

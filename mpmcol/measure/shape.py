@@ -1,20 +1,20 @@
-"""The column as released, and what part of it each model holds."""
+"""The column as released, and the part of it that each model represents."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from math import pi
 
-AZIMUTHS = {"quarter": (0.0, pi / 2.0), "full": (-pi, pi)}  # rad: from where to where a 3D model goes round the axis
+AZIMUTHS = {"quarter": (0.0, pi / 2.0), "full": (-pi, pi)}  # range of azimuth of the 3D models, rad
 
 
 @dataclass(frozen=True)
 class ColumnShape:
-    """The column as released: what a deposit is measured against (m, kg/m3)."""
+    """The column as released, the reference of all measurements (m, kg/m3)."""
 
     model: str  # "plane" | "axisymmetric" | "quarter" | "full"
     release: str  # "one-sided" | "two-sided"
-    r_i: float  # width, radius, or half-width of a box in x
+    r_i: float  # width, radius, or half-width in x of a box
     h_i: float
     spacing: float  # grid node spacing h
     density: float  # at release
@@ -34,44 +34,46 @@ class ColumnShape:
 
     @property
     def has_sectors(self) -> bool:
-        """Whether there are sectors of azimuth to measure in: a cylinder in 3D."""
+        """Whether the model has sectors of azimuth: a cylinder in 3D."""
         return self.dimension == 3 and self.section == "cylinder"
 
     @property
     def is_round(self) -> bool:
-        """Whether distances are radii: a cylinder, in axisymmetry or in 3D."""
+        """Whether distances are radii: a cylinder, axisymmetric or in 3D."""
         return self.model == "axisymmetric" or self.has_sectors
 
     @property
-    def ranged(self) -> str:
-        """What the sections lie along, in words."""
+    def range_label(self) -> str:
+        """Direction in which the sections differ, for tables and charts."""
         return "around the axis" if self.is_round else "along x"
 
     @property
     def angle(self) -> float:
-        """Azimuth that the model covers, rad; in 2D, where masses are per radian or per metre, 1."""
+        """Range of azimuth of the model, rad; 1 in 2D, where masses are per radian or per metre."""
         start, end = AZIMUTHS.get(self.model, (0.0, 1.0))
         return end - start
 
     @property
     def sides(self) -> int:
-        """Sides of x = 0 that the model holds."""
+        """Number of modelled sides of x = 0."""
         return 2 if self.angle > pi else 1
 
     @property
     def half_depth(self) -> float:
-        """Of a box, in z."""
+        """Half-depth of a box in z, m."""
         return self.r_i if self.depth is None else self.depth
 
     @property
     def footprint(self) -> float:
-        """Area of the column's base in the model: m2, or m2 per radian, or m2 per metre of width."""
+        """Area of the base of the modelled column: m2, or m2 per radian, or m2 per metre of width."""
         if self.is_round:
             return self.angle * self.r_i**2 / 2.0
         quarters = self.angle / (pi / 2.0)
         return quarters * self.r_i * self.half_depth if self.dimension == 3 else self.r_i
 
     def potential_energy(self, gravity: float) -> float:
-        """Of the column as released, above the base: J of what is modelled, per metre in plane strain, per radian in
-        axisymmetry."""
+        """Potential energy of the modelled column as released, relative to the base.
+
+        J; per metre of width in plane strain, per radian in axisymmetry.
+        """
         return self.density * gravity * self.footprint * self.h_i**2 / 2.0

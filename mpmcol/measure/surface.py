@@ -1,21 +1,21 @@
-"""The top surface of a column, and what of it has not moved since the release."""
+"""Undisturbed part of the top surface of a column, and the failure line."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mpmcol.measure.sections import Array, columns, locate
+from mpmcol.measure.sections import Array, column_index, locate
 from mpmcol.measure.shape import ColumnShape
 
-UNDISTURBED = 1e-3  # m: a point that moved less since release is undisturbed (the paper's Figure 9)
+UNDISTURBED = 1e-3  # limit of the displacement of undisturbed points, m (Figure 9 of the paper)
 
 
 def undisturbed_radius(x: Array, displacement: Array, shape: ColumnShape) -> float:
-    """Radius (m) within which no point of the top surface has moved by 1 mm since release; 0 if none.
+    """Radius within which no point of the top surface has moved by 1 mm or more since release, m; 0 if there is none.
 
-    It ends half-way between the last point at rest and the first that moved. The surface is the top points of
-    the columns as released; of a box, those of its section.
+    It lies half-way between the last undisturbed point and the first that moved. The top surface consists of the
+    topmost points of the vertical columns as released; for a box, those of its section.
     """
     released = x - displacement
     top = _top(released, shape)
@@ -30,17 +30,17 @@ def undisturbed_radius(x: Array, displacement: Array, shape: ColumnShape) -> flo
 
 
 def _top(x: Array, shape: ColumnShape) -> NDArray[np.intp]:
-    """Rows of the topmost points of all vertical columns that are one point wide."""
-    column = columns(x, shape.point_size, shape)
+    """Indices of the topmost points of all vertical columns, which are one point wide."""
+    column = column_index(x, shape.point_size, shape)
     order = np.lexsort((x[:, 1], column))
     return order[np.diff(column[order], append=-1) != 0]
 
 
 def failure_line(x: Array, displacement: Array, shape: ColumnShape, threshold: float) -> tuple[Array, Array]:
-    """Where what has stayed ends and what has moved begins: distances (rows,) and heights (rows,) m, upward.
+    """Boundary between undisturbed and displaced material in 2D: distances (rows,) and heights (rows,), m, upward.
 
-    One for each row of points as released, in two dimensions: the inner edge of its first point that has moved by
-    `threshold` (m) since, or the end of a row of which none has.
+    For each row of points as released, the inner edge of the first point that has moved by `threshold` (m) or more
+    since; the end of the row if no point has.
     """
     released = x - displacement
     row = np.floor(released[:, 1] / shape.point_size).astype(np.intp)

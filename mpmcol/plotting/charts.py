@@ -63,7 +63,7 @@ def profile_chart(
         label = rf"$t$ = {time:.3g} s = {time / tau:.2g} $\sqrt{{h_i/g}}${name}"
         axes.plot(*_outline(deposit), label=label, **({"color": "0.4"} | style))
     _draw_experiment(axes, shape, experiment)
-    _draw_fronts(axes, deposits[-1][1], shape.ranged)
+    _draw_fronts(axes, deposits[-1][1], shape.range_label)
     figure.legend(loc="outside lower center", ncols=3, frameon=False, fontsize="small")
     return save_figure(figure, path, svg)
 
@@ -145,7 +145,7 @@ def energy_chart(
 def _frame(axes: Axes, shape: ColumnShape, deposits: list[Measurement], experiment: Experiment) -> float:
     """Fit the axes to all that will be drawn and draw the column; returns height over length."""
     front = shape.r_i * (1.0 + sum(experiment.expected("zeta", shape.a) or (0.0, 0.0)))
-    length = 1e3 * max([front] + [deposit.reach for deposit in deposits])
+    length = 1e3 * max([front] + [deposit.max_distance for deposit in deposits])
     top = 1e3 * max([shape.h_i] + [deposit.profile_y.max() for deposit in deposits])
     axes.set(
         xlim=(-0.03 * length, 1.03 * length),
@@ -177,7 +177,7 @@ def _outline(deposit: Measurement) -> tuple[Array, Array]:
     return 1e3 * np.append(0.0, deposit.profile_x), np.where(drawn, 1e3 * height, np.nan)
 
 
-def _draw_fronts(axes: Axes, deposit: Measurement, ranged: str) -> None:
+def _draw_fronts(axes: Axes, deposit: Measurement, range_label: str) -> None:
     """Marks on the lower edge of the axes, clear of the profiles; in 3D a band over what front_height takes."""
     ranges = deposit.front_range or {}
     for name, front in deposit.front.items():
@@ -188,7 +188,7 @@ def _draw_fronts(axes: Axes, deposit: Measurement, ranged: str) -> None:
         axes.plot(1e3 * front, 0.0, marker, label=label, transform=lower_edge, **HOLLOW)
     if ranges:
         low, high = ranges["front_height"]
-        axes.axvspan(1e3 * low, 1e3 * high, color="0.9", zorder=-1, label=f"front_height {ranged}")
+        axes.axvspan(1e3 * low, 1e3 * high, color="0.9", zorder=-1, label=f"front_height {range_label}")
 
 
 def _draw_experiment(axes: Axes, shape: ColumnShape, experiment: Experiment) -> None:

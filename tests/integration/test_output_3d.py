@@ -114,7 +114,7 @@ def test_profile_chart_shows_where_the_front_is_around_the_axis(tmp_path: Path, 
     assert final.front_range is not None
     low, high = (1e3 * end for end in final.front_range["front_height"])
     assert (band.get_x(), band.get_x() + band.get_width()) == pytest.approx((low, high))
-    assert axes.get_xlim()[1] > 1e3 * final.reach > 1.05e3 * final.front["front_max"]
+    assert axes.get_xlim()[1] > 1e3 * final.max_distance > 1.05e3 * final.front["front_max"]
     column = next(line for line in axes.lines if line.get_label() == "column at release")
     assert np.asarray(column.get_xydata()).tolist() == [[0.0, 90.0], [100.0, 90.0], [100.0, 0.0]]
     marks = [str(line.get_label()) for line in axes.lines if str(line.get_label()).startswith("front_height")]

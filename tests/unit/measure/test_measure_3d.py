@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from mpmcol.measure import FRONTS, ColumnShape, deposit_profile, measure
-from mpmcol.measure.sections import columns
+from mpmcol.measure.sections import column_index
 from tests.support.deposits_3d import (
     BOX,
     CONE_HEIGHT,
@@ -122,7 +122,7 @@ def test_a_grain_ahead_counts_in_its_own_sector_and_only_for_front_max() -> None
     alone, both = measured(cone()), measured(np.vstack([cone(), at(0.25, 0.001, 33.0)]))
     sector = np.hypot(*cone()[:, [0, 2]].T)[(np.degrees(np.arctan2(*cone()[:, [2, 0]].T)) // 10) == 3].max()
     assert 9 * (both.front["front_max"] - alone.front["front_max"]) == pytest.approx(0.25 - sector)
-    assert both.front_range is not None and both.front_range["front_max"][1] == both.reach == pytest.approx(
+    assert both.front_range is not None and both.front_range["front_max"][1] == both.max_distance == pytest.approx(
         0.25 + S / 2
     )
     assert both.front["front_connected"] == alone.front["front_connected"]
@@ -171,7 +171,9 @@ def test_empty_sectors_and_no_points_are_measured(shape: ColumnShape) -> None:
     assert (nothing.height, nothing.area_factor, nothing.undisturbed_radius) == (0.0, 0.0, 0.0)
     points = np.vstack([at(0.1, S / 2, 4.0), at(0.1, S / 2, 6.0), [[np.nan, 0.0, 0.0]]])
     few = measured(points, shape)
-    assert few.front["front_max"] == pytest.approx(few.reach / (1 if shape is BOX else round(shape.angle * 18 / np.pi)))
+    assert few.front["front_max"] == pytest.approx(
+        few.max_distance / (1 if shape is BOX else round(shape.angle * 18 / np.pi))
+    )
     assert "NaN" not in json.dumps(few.scalars())
 
 
@@ -183,7 +185,7 @@ def test_a_hair_of_points_behind_a_wall_is_in_the_sector_beside_it(hair: list[fl
 
 def test_columns_are_told_apart_by_numbers_from_zero() -> None:
     x, _, z = np.meshgrid([-2.5, -0.5, 0.5, 1.5], [0.0, 1.0], [-1.5, 0.5], indexing="ij")
-    numbers = columns(np.column_stack([x.ravel(), 0.0 * x.ravel(), z.ravel()]), 1.0, FULL)
+    numbers = column_index(np.column_stack([x.ravel(), 0.0 * x.ravel(), z.ravel()]), 1.0, FULL)
     assert numbers.min() == 0 and len(np.unique(numbers)) == 8
 
 
