@@ -16,7 +16,7 @@ import pytest
 from mpmcol.io.lock import is_locked
 from mpmcol.io.results import Results
 from mpmcol.io.run_status import read_status
-from tests.support.cli import invoke, set_options, start
+from tests.support.cli import invoke, set_options, started
 from tests.support.processes import child_processes, wait_until
 from tests.support.sweeps import final_positions, measured_table
 
@@ -71,7 +71,7 @@ def test_a_sweep_its_files_and_its_rerun() -> None:
 def test_killed_with_all_its_runs_it_completes_with_equal_results() -> None:
     words = ("sweep", "--aspect", "2,3", *TINY[:-1], "output.snapshots=40", "--jobs", "2")
     killed, whole = Path("killed"), Path("whole")
-    with start(*words, "--out", str(killed)) as sweep:
+    with started(*words, "--out", str(killed)) as sweep:
         wait_until(lambda: list(killed.glob("*/run.vtkhdf")))
         runs = child_processes(sweep.pid)
         os.kill(sweep.pid, signal.SIGKILL)
@@ -93,7 +93,7 @@ def test_killed_with_all_its_runs_it_completes_with_equal_results() -> None:
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGUSR1])
 def test_interrupted_it_ends_its_runs(number: signal.Signals) -> None:
     out = Path("out")
-    with start("sweep", "--aspect", "3,4", *ENDLESS, "--jobs", "2", "--out", str(out)) as sweep:
+    with started("sweep", "--aspect", "3,4", *ENDLESS, "--jobs", "2", "--out", str(out)) as sweep:
         wait_until(lambda: len(list(out.glob("*/run.vtkhdf"))) == 2)
         state = json.loads(invoke("status", out, "--json").stdout)
         assert state["counts"] == {"running": 2} and all(point["share"] < 0.5 for point in state["points"])
@@ -108,9 +108,10 @@ def test_interrupted_it_ends_its_runs(number: signal.Signals) -> None:
 
 
 def test_two_sweeps_in_one_folder_at_once() -> None:
-    sweeps = [start(*SWEEP, "--out", "out", "--jobs", "2") for _ in range(2)]
-    outputs = [sweep.communicate(timeout=300) for sweep in sweeps]
-    assert [sweep.returncode for sweep in sweeps] == [0, 0], outputs
+    command = (*SWEEP, "--out", "out", "--jobs", "2")
+    with started(*command) as first, started(*command) as second:
+        outputs = [sweep.communicate(timeout=300) for sweep in (first, second)]
+    assert (first.returncode, second.returncode) == (0, 0), outputs
     assert len(measured_table(Path("out"))) == 2
 
 

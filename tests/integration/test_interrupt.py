@@ -10,17 +10,14 @@ import time
 from pathlib import Path
 
 from mpmcol.io.results import Results
+from tests.support.cli import started
+from tests.support.processes import wait_until
 
 
 def test_an_interrupt_saves_the_state(tmp_path: Path) -> None:
     folder = tmp_path / "run"
-    command = [sys.executable, "-m", "mpmcol", "run", "lube-channel", "--out", str(folder), "--threads", "1"]
-    with subprocess.Popen(
-        command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=dict(os.environ), cwd=Path.cwd()
-    ) as run:
-        deadline = time.monotonic() + 60.0
-        while not (folder / "case.resolved.toml").exists() and time.monotonic() < deadline:
-            time.sleep(0.1)
+    with started("run", "lube-channel", "--out", folder, "--threads", "1") as run:
+        wait_until(lambda: (folder / "case.resolved.toml").exists())
         time.sleep(2.0)
         run.send_signal(signal.SIGINT)
         sent = time.monotonic()

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
 
 from click.testing import CliRunner, Result
 
@@ -21,7 +22,18 @@ def set_options(overrides: Iterable[str]) -> list[str]:
     return [argument for override in overrides for argument in ("--set", override)]
 
 
-def start(*arguments: object) -> subprocess.Popen[str]:
-    """Start `mpmcol` with these arguments in a process of its own, with pipes for its output."""
+@contextmanager
+def started(*arguments: object) -> Iterator[subprocess.Popen[str]]:
+    """Start `mpmcol` with these arguments in a process of its own, with pipes for its output; stop it at the end.
+
+    At first by SIGTERM, at which a sweep ends its runs.
+    """
     command = [sys.executable, "-m", "mpmcol", *(str(argument) for argument in arguments)]
-    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        try:
+            yield process
+        finally:
+            process.terminate()
+            with suppress(subprocess.TimeoutExpired):
+                process.communicate(timeout=30.0)
+            process.kill()
