@@ -4,8 +4,9 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 JOBS ?= 1
+PARALLEL ?= --numprocesses 2 --dist loadfile
 
-help:            ## this list
+help:            ## list the targets
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## +/\t/' | expand -t 14
 
 $(READY): pyproject.toml
@@ -13,30 +14,31 @@ $(READY): pyproject.toml
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
 	touch $(READY)
 
-install: $(READY) ## make .venv and install mpmcol with its tools into it
+install: $(READY) ## create .venv and install mpmcol with its development tools
 
-demo: $(READY)   ## install, run cases/quickstart.toml, draw its charts
+demo: $(READY)   ## run cases/quickstart.toml and draw its charts in runs/demo
 	$(BIN)/mpmcol run cases/quickstart.toml --out runs/demo --fresh
 	$(BIN)/mpmcol plot runs/demo
 
-test: $(READY)   ## the tests: five minutes on two cores, kernels compiled anew
-	$(BIN)/python -m pytest
+test: $(READY)   ## run the tests except the slow ones, in two processes: five minutes on two cores
+	$(BIN)/python -m pytest $(PARALLEL)
 
-test-all: $(READY) ## all tests, the slow ones too
-	$(BIN)/python -m pytest -m 'slow or not slow'
+test-all: $(READY) ## run all tests, also the slow ones
+	$(BIN)/python -m pytest $(PARALLEL) -m 'slow or not slow'
 
-soak: $(READY)   ## every promise of tests/soak put to the test for hours, into tests/soak/record.md; make soak HOURS=2 JOBS=4
+soak: $(READY)   ## run the trials of tests/soak for hours and write tests/soak/record.md; make soak HOURS=2 JOBS=4
 	$(BIN)/python -m tests.soak --table tests/soak/record.md --jobs $(JOBS) $(if $(HOURS),--hours $(HOURS))
 
-check: $(READY)  ## ruff, mypy, import layers
+check: $(READY)  ## check style, format, types and import layers
 	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-bench: $(READY)  ## time per point and step of every kernel
+bench: $(READY)  ## measure the time per point and step of every kernel
 	$(BIN)/mpmcol bench
 
-clean:           ## remove what was made here
+clean:           ## remove .venv, caches and built files
 	rm -rf $(VENV) runs/demo build dist .pytest_cache .mypy_cache .ruff_cache .import_linter_cache
 
 .PHONY: help install demo test test-all soak check bench clean
