@@ -83,7 +83,7 @@ def markdown(
         _criteria(),
         _cases(definition, references),
         _limits(references),
-        ["## All points"],
+        ["## All grid points"],
         [f"Degraded by {legend()}."],
         *(_panel(panel) for panel in panels_of(assessed)),
         ["## Failures"],
@@ -96,7 +96,7 @@ def markdown(
 def counts(assessed: Sequence[AssessedPoint]) -> str:
     """Count how many points pass, degrade and fail."""
     number = Counter(one.rating for one in assessed)
-    text = f"{len(assessed)} points: {number['passes']} pass, {number['degrades']} degrade, {number['fails']} fail"
+    text = f"{len(assessed)} grid points: {number['passes']} pass, {number['degrades']} degrade, {number['fails']} fail"
     return text + (f", {number['not run']} not run" if number["not run"] else "")
 
 
@@ -126,7 +126,7 @@ def _gaps(assessed: Sequence[AssessedPoint]) -> Iterator[str]:
     """Yield the points at which the default method of a case does not pass."""
     defaults = [one for one in assessed if one.point.is_default and one.rating != "not run"]
     gaps = [one for one in defaults if one.is_gap]
-    text = f"The default method passes at {len(defaults) - len(gaps)} of {len(defaults)} points"
+    text = f"The default method passes at {len(defaults) - len(gaps)} of {len(defaults)} grid points"
     yield f"{text}. It does not pass at:" if gaps else f"{text}."
     yield from ["", *(f"* {one.point.label}: {reason(one)}" for one in gaps)] if gaps else []
 
@@ -218,4 +218,4 @@ def _examples(group: str, points: Mapping[str, Sequence[AssessedPoint]]) -> Iter
         by_panel = "; ".join(f"{panel}: {count}" for panel, count in panels.most_common())
         examples = "; ".join(one.point.label for one in members[:MAX_EXAMPLES])
         rows.append((name, f"{len(members)}", by_panel, examples))
-    yield from table((group, "points", "by panel", "examples"), rows)
+    yield from table((group, "grid points", "by panel", "examples"), rows)

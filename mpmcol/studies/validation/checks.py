@@ -1,6 +1,6 @@
 """The checks. To add one, add an entry; write down its band, with the source, before anything is run.
 
-Runouts are measured by `front_height`, which like the experiments leaves out single grains ahead of the deposit.
+Runouts are measured by `front_height`, which like the experiments leaves out single grains detached from the deposit.
 """
 
 from __future__ import annotations

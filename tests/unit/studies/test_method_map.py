@@ -243,8 +243,8 @@ def test_the_report_lists_gaps_causes_and_metrics(tmp_path: Path) -> None:
     ]
     text = markdown(load_map(str(write(tmp_path))), {"low": REFERENCE}, points, [], "mpmcol 1; a cpu")
     for part in (
-        "5 points: 1 pass, 1 degrade, 2 fail, 1 not run.",
-        "The default method passes at 1 of 2 points. It does not pass at:",
+        "5 grid points: 1 pass, 1 degrade, 2 fail, 1 not run.",
+        "The default method passes at 1 of 2 grid points. It does not pass at:",
         "* plain, transfer pic, cfl 0.5: height 0.3",
         "| pic | passes | β 0.3 | fails | fails | not run | 0.3 |",
         "| it diverged | 2 | plain: 2 | plain, transfer pic, cfl 0.9; plain, transfer pic, cfl 1.1 |",
@@ -252,8 +252,8 @@ def test_the_report_lists_gaps_causes_and_metrics(tmp_path: Path) -> None:
         "| ζ runout (front_height) | 0.1 | 0.263 (0.15 +- 0.008) |",
     ):
         assert part in text
-    assert "plain  5 points" in next(closing_lines(points))
-    assert "passes at 1 of 1 points." in "\n".join(closing_lines(points[:1]))
+    assert "plain  5 grid points" in next(closing_lines(points))
+    assert "passes at 1 of 1 grid points." in "\n".join(closing_lines(points[:1]))
 
 
 def test_a_small_map_from_end_to_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -265,8 +265,8 @@ def test_a_small_map_from_end_to_end(tmp_path: Path, monkeypatch: pytest.MonkeyP
 
     done = invoke("--jobs", "1")
     assert done.exit_code == 0, done.output
-    assert "5 points: 2 pass, 2 degrade, 1 fail" in done.output
-    assert "The default method passes at 2 of 2 points." in done.output
+    assert "5 grid points: 2 pass, 2 degrade, 1 fail" in done.output
+    assert "The default method passes at 2 of 2 grid points." in done.output
     rows = list(csv.DictReader((out / "map.csv").read_text().splitlines()))
     assert [row["rating"] for row in rows] == ["passes", "passes", "fails", "degrades", "degrades"]
     assert rows[2]["cause"] and rows[2]["zeta.metric"] == "" and float(rows[4]["zeta.metric"]) > 0.5
