@@ -1,0 +1,136 @@
+"""Constraints between keys."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from pydantic import ValidationError
+
+from mpmcol.case import Case, Problem, case_hash, load_case
+from mpmcol.case.toml_lines import locate
+from mpmcol.errors import CaseError
+from tests.support.case_files import GOOD, Write, error_of, only_problem, problems_of
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "keys", "message"),
+    [
+        ("0.002", "0.09", {"grid.spacing", "geometry.radius"}, "[grid] spacing = 0.09: must be smaller than"),
+        ("3.0", "0.02", {"grid.spacing", "geometry.aspect"}, "must be smaller than the column's height"),
+        (
+            "33.0",
+            "33.0\ndilatancy_deg = 34",
+            {"material.dilatancy_deg", "material.friction_deg"},
+            "must not exceed",
+        ),
+        (
+            "0.09",
+            "0.09\ndomain_length = 0.05",
+            {"geometry.domain_length", "geometry.radius"},
+            "must be larger than",
+        ),
+        (
+            "0.09",
+            "0.09\ndomain_height = 0.2",
+            {"geometry.domain_height", "geometry.aspect"},
+            "must be larger than",
+        ),
+        (
+            "0.09",
+            "0.09\nbase_thickness = 1e-3",
+            {"geometry.base_thickness", "grid.spacing"},
+            "at least one cell",
+        ),
+        (
+            '"plane"',
+            '"axisymmetric"\nrelease = "two-sided"',
+            {"geometry.release", "geometry.model"},
+            'must be "one-sided"',
+        ),
+        ("3.0", "3.0\nheight = 0.2", {"geometry.height", "geometry.aspect"}, "remove one of them"),
+    ],
+)
+def test_a_violation_names_both_keys_with_their_lines(
+    write: Write, old: str, new: str, keys: set[str], message: str
+) -> None:
+    text = GOOD.replace(old, new, 1)
+    problems = [p for p in problems_of(write(text)) if message in p.message and keys <= named(p)]
+    assert problems, error_of("my.toml")
+    lines = {".".join(path): line for path, line in locate(text)}
+    other = (keys - {problems[0].key}).pop()
+    assert problems[0].line == lines[problems[0].key]
+    assert f"{other}: my.toml:{lines[other]}" in problems[0].hint
+
+
+def named(problem: Problem) -> set[str]:
+    return {problem.key} | {part.partition(":")[0].strip() for part in problem.hint.split(";")}
+
+
+def test_keys_of_3d_models(write: Write) -> None:
+    quarter = GOOD.replace('"plane"', '"quarter"')
+    case = load_case(write(quarter))
+    assert (case.grid.points_per_cell, case.geometry.shape, case.geometry.dimension) == (8, "cylinder", 3)
+    box = load_case(write(quarter), ["geometry.section=box", "geometry.depth=0.2"])
+    assert (box.geometry.shape, box.geometry.depth) == ("box", 0.2)
+    assert case_hash(box) != case_hash(case) != case_hash(load_case(write(GOOD)))
+    for overrides, message in (
+        (["grid.points_per_cell=4"], "must be 1, 8 or 27 with geometry.model"),
+        (["geometry.depth=0.2"], "has no meaning with geometry.section"),
+        (["geometry.model=plane", "geometry.section=box"], 'must be "cylinder" with geometry.model'),
+    ):
+        with pytest.raises(CaseError, match=re.escape(message)):
+            load_case(write(quarter), overrides)
+
+
+@pytest.mark.parametrize(
+    ("overrides", "message"),
+    [
+        (["transfer=tpic", "flip_fraction=0.9"], 'has no meaning with method.transfer = "tpic"'),
+        (["basis=linear", "kernel_correction=false"], 'has no meaning with method.basis = "linear"'),
+        (["basis=linear", "transfer=apic"], 'must not be "apic" with method.basis = "linear"'),
+        (["transfer=apic", "kernel_correction=false"], 'must not be "apic" with method.kernel_correction = false'),
+    ],
+)
+def test_options_of_the_method_that_exclude_each_other(overrides: list[str], message: str) -> None:
+    assert message in only_problem("quickstart", *(f"method.{each}" for each in overrides)).message
+
+
+def test_violations_are_reported_together_with_other_problems(write: Write) -> None:
+    text = GOOD.replace("10e6", "-1e7").replace("33.0", "33.0\ndilatancy_deg = 34")
+    assert [problem.line for problem in problems_of(write(text))] == [15, 18]
+
+
+def test_residual_angles_must_not_exceed_peak_angles() -> None:
+    problem = only_problem("lube-channel-dense", "material.friction_residual_deg=51")
+    assert "must not exceed material.friction_peak_deg = 50" in problem.message
+    problem = only_problem("lube-channel-dense", "material.dilatancy_residual_deg=26")
+    assert "must not exceed material.dilatancy_peak_deg = 25" in problem.message
+
+
+def test_height_or_aspect_is_required(write: Write) -> None:
+    problem = only_problem(write(GOOD.replace("aspect = 3.0\n", "")))
+    assert (problem.line, problem.message) == (
+        4,
+        "[geometry] aspect is missing: give geometry.aspect or geometry.height",
+    )
+
+
+def test_the_experiment_must_be_for_this_kind_of_column() -> None:
+    problem = only_problem("bui-rods", "geometry.model=axisymmetric")
+    assert problem.message == (
+        '[score] experiment = "bui-2008": is for another kind of column than geometry.model = "axisymmetric" '
+        'and geometry.section = "cylinder"'
+    )
+
+
+def test_the_law_of_the_first_stage_is_elastic_or_that_of_the_column() -> None:
+    problem = only_problem("quickstart", "stages.equilibrate.law=mohr-coulomb-softening")
+    assert 'must be "elastic" or that of the column, material.law = "mohr-coulomb"' in problem.message
+
+
+def test_constraints_apply_to_a_case_built_in_python() -> None:
+    tables = load_case("quickstart").model_dump(by_alias=True)
+    tables["grid"]["spacing"] = 1.0
+    with pytest.raises(ValidationError, match=r"grid.spacing must be smaller than geometry.radius = 0.09"):
+        Case.model_validate(tables)

@@ -1,0 +1,57 @@
+"""Overrides by --set."""
+
+from __future__ import annotations
+
+import pytest
+
+from mpmcol.case import load_case
+from tests.support.case_files import GOOD, Write, only_problem, problems_of
+
+
+def test_overrides_replace_values_of_the_file(write: Write) -> None:
+    case = load_case(write(GOOD), ["geometry.aspect=5", "title=a b", "stages.collapse.damping=0", "grid.spacing=1 mm"])
+    assert (case.geometry.a, case.title, case.stages.collapse.damping, case.grid.spacing) == (
+        5.0,
+        "a b",
+        0.0,
+        0.001,
+    )
+
+
+def test_an_override_of_the_height_removes_the_aspect_ratio(write: Write) -> None:
+    assert load_case(write(GOOD), ["geometry.height=0.18"]).geometry.a == pytest.approx(2.0)
+    assert load_case("bui-rods", ["geometry.aspect=1"]).geometry.h_i == pytest.approx(0.2)
+    both = only_problem("bui-rods", "geometry.aspect=1", "geometry.height=0.2")
+    assert "remove one of them" in both.message
+
+
+@pytest.mark.parametrize(
+    ("override", "message"),
+    [
+        ("grid.spacing=-1", "[grid] spacing = -1: expected a number > 0, in m"),
+        ("grid.spacng=1", '[grid] unknown key "spacng"'),
+        ("geometry=3", "geometry = 3: expected a table"),
+        ("stages.collapse={ damping = 2 }", "[stages.collapse] damping = 2: expected"),
+        ("grid.spacing=1", "must be smaller than geometry.radius"),
+        ("title.x=1", "title = a table: expected a string in quotes"),
+        ("grid={}", "[grid] spacing is missing"),
+    ],
+)
+def test_a_problem_of_an_override_is_reported_there(write: Write, override: str, message: str) -> None:
+    problem = problems_of(write(GOOD), override)[0]
+    assert (problem.file, problem.line) == (f"--set {override}", None)
+    assert message in problem.message
+
+
+@pytest.mark.parametrize(
+    "override",
+    ["", "x", "=1", "grid.=1", "grid.spacing=", 'title="a', "title=[", "title=1\na=2"],
+)
+def test_all_malformed_overrides_are_reported(write: Write, override: str) -> None:
+    problems = problems_of(write(GOOD), override, "grid.spacing=-1", "y")
+    assert len(problems) == 3
+    assert all(problem.file.startswith("--set") for problem in problems)
+
+
+def test_an_override_cannot_set_extends(write: Write) -> None:
+    assert "extends can only be set in a case file" in only_problem(write(GOOD), "extends=quickstart").message

@@ -1,0 +1,60 @@
+"""Values, defaults and units of a case."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from mpmcol.case import load_case
+from tests.support.case_files import GOOD, Write
+
+
+def test_default_values(write: Write) -> None:
+    case = load_case(write(GOOD))
+    method = case.method
+    assert (method.basis, method.transfer, method.stress_order) == ("quadratic", "taylor-flip", "usl")
+    assert (method.position_update, method.flip_fraction) == ("trapezoid", 1.0)
+    assert method.kernel_correction and method.wall_impulse and method.opening_strain
+    assert (case.geometry.base, case.geometry.base_thickness, case.geometry.gravity) == (
+        "elastic",
+        0.02,
+        9.81,
+    )
+    assert (case.grid.points_per_cell, case.time.cfl, case.output.snapshots) == (4, 0.5, 20)
+    assert (case.stages.equilibrate.damping, case.stages.collapse.damping) == (0.5, 0.05)
+    assert (case.stages.collapse.end, case.stages.collapse.max_time_factor) == ("rest", 6.0)
+    assert case.stages.gate_speed == math.inf
+    assert case.score.experiment == "paper"
+
+
+def test_defaults_that_depend_on_the_material(write: Write) -> None:
+    case = load_case(write(GOOD), ["material.youngs_modulus=2 MPa"])
+    assert case.stages.equilibrate.law == "mohr-coulomb"
+    assert case.stages.k0 == pytest.approx((1 - math.sin(math.radians(33))) / (1 + math.sin(math.radians(33))))
+    base = case.base_material
+    assert (base.law, base.density, base.youngs_modulus, base.poissons_ratio) == ("elastic", 2650.0, 2e6, 0.2)
+
+
+def test_given_values_replace_defaults_that_depend_on_the_material(write: Write) -> None:
+    stages = '[stages]\nk0 = 0.5\nequilibrate = { law = "elastic" }\n'
+    base = "[base_material]\ndensity = 1\nyoungs_modulus = 2\npoissons_ratio = 0\nlaw = 'elastic'\n"
+    case = load_case(write(GOOD + stages + base))
+    assert (case.stages.k0, case.stages.equilibrate.law, case.base_material.density) == (0.5, "elastic", 1.0)
+
+
+def test_height_and_aspect_ratio_follow_from_each_other() -> None:
+    by_aspect = load_case("lube-channel", ["geometry.aspect=5"]).geometry
+    assert (by_aspect.r_i, by_aspect.a) == (0.09, 5.0)
+    assert by_aspect.h_i == pytest.approx(0.45)
+    by_height = load_case("bui-rods").geometry
+    assert (by_height.h_i, by_height.a) == (0.1, 0.5)
+
+
+def test_strings_with_units_are_converted(write: Write) -> None:
+    text = GOOD.replace("0.002", '"2 mm"').replace("10e6", '"10 MPa"').replace("2650.0", '"2.65 g/cm3"')
+    assert load_case(write(text)) == load_case(write(GOOD))
+
+
+def test_times_of_snapshots_are_converted_to_seconds(write: Write) -> None:
+    assert load_case(write(GOOD), ['output.times=[0, "100 ms", 0.2]']).output.times == (0.0, 0.1, 0.2)
