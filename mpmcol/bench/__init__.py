@@ -1,1 +1,1 @@
-"""Speed of the kernels: scenes, plain loops to compare with, timing, and the report of `mpmcol bench`."""
+"""Benchmark of the kernels (`mpmcol bench`): cases, plain loops for comparison, timing, report."""

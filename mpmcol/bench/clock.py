@@ -1,4 +1,4 @@
-"""The system's monotonic clock, read from inside compiled code, where a call from Python would cost microseconds."""
+"""Monotonic clock of the system, readable from compiled code; a call of Python would take microseconds."""
 
 from __future__ import annotations
 

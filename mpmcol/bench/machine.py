@@ -1,4 +1,4 @@
-"""What this machine can do at best: memory bandwidth and the rate of fused multiply-adds, measured by itself."""
+"""Peak performance of this machine, measured: memory bandwidth and rate of fused multiply-adds."""
 
 # Compiled functions take what Numba infers.
 # mypy: allow-untyped-defs
@@ -20,25 +20,25 @@ from mpmcol.mpm.simd import LANES, fma, load, reduce_sum, splat, store
 BYTES = 8
 CHAINS, BLOCKS, ROUNDS = 8, 64, 20_000
 REPEATS = 9
-# Multiplications and additions of eight lanes, counted by hand in the kernels' source. P2G and G2P of a point: those at
-# the nodes of the stencil, then the rest; an eighth of those of eight points' stress with Mohr-Coulomb. The weights,
-# some 20 operations for all axes of a point, are not counted.
+# Multiplications and additions of eight lanes per point, counted by hand in the kernels: P2G and G2P (at the nodes of
+# the stencil, then the rest), and one eighth of the stress update of eight points with Mohr-Coulomb. The weights, some
+# 20 operations per point, are not counted.
 POINT_OPERATIONS = {2: (9 * 2 + 23) + (9 * 2 + 26) + 148 // 8, 3: (27 * 2 + 49) + (27 * 2 + 60) + 379 // 8}
 NODE_OPERATIONS = 25
-# Lines of a node that each phase reads or writes: clear, P2G (both), grid update (both), G2P.
+# Cache lines read or written per node: clear, P2G (both), grid update (both), G2P.
 NODE_LINES = 1 + 2 + 2 + 1
 
 
 class Machine(NamedTuple):
-    """Measured with some number of threads."""
+    """Peak performance with some number of threads."""
 
     bandwidth: float  # bytes per ns (GB/s), reading and writing
     vector_rate: float  # multiply-adds of eight lanes per ns
 
     def bound(self, dimension: int, nodes_per_point: float) -> float:
-        """Least time of a step, ns per point: no faster than its traffic, nor than its arithmetic.
+        """Lower bound of the time of a step, ns per point: that of its memory traffic or of its arithmetic.
 
-        Traffic: the record is read by P2G, and read and written by G2P and the stress update.
+        The record of a point is read by P2G, and read and written by G2P and the stress update.
         """
         traffic = 3 * RECORD_SIZE[dimension] * BYTES + NODE_LINES * NODE * BYTES * nodes_per_point
         operations = POINT_OPERATIONS[dimension] + NODE_OPERATIONS * nodes_per_point
@@ -46,7 +46,7 @@ class Machine(NamedTuple):
 
 
 def measure_machine(threads: int, working_set: int) -> Machine:
-    """The best of a few attempts with so many threads, on as many bytes as a scene's points and nodes take."""
+    """Best of several measurements, on as many bytes as the points and nodes of a case take."""
     set_threads(threads)
     n = max(working_set // (2 * BYTES * LANES), 1) * LANES
     source, target = aligned_zeros(n), aligned_zeros(n)
@@ -57,7 +57,7 @@ def measure_machine(threads: int, working_set: int) -> Machine:
 
 
 def _best(action: Any) -> float:
-    """Least seconds of an action, which is compiled before."""
+    """Shortest time of several calls of an action after a first one that compiles it, s."""
     action()
     times = []
     for _ in range(REPEATS):

@@ -1,4 +1,4 @@
-"""Timing of one scene: vector kernels and plain loops in turn, so that both see the same load on the machine."""
+"""Timing of one benchmark case: vector kernels and plain loops alternate, so that both see the same machine load."""
 
 from __future__ import annotations
 
@@ -11,21 +11,21 @@ from typing import NamedTuple
 import numpy as np
 
 from mpmcol.bench import timed
+from mpmcol.bench.cases import make_solver
 from mpmcol.bench.machine import measure_machine
-from mpmcol.bench.plain_loops.common import PlainGrid, PlainPoints, plain_grid, plain_points
-from mpmcol.bench.report import Row, Scene, Spread
-from mpmcol.bench.scenes import make_solver
-from mpmcol.mpm.grid import NODE, Tiles
+from mpmcol.bench.plain_loops.common import PlainState, plain_state
+from mpmcol.bench.report import BenchmarkCase, Row, Spread
+from mpmcol.mpm.grid import NODE
 from mpmcol.mpm.jit import set_threads
-from mpmcol.mpm.kernels.grid_update import NODE_REPORT
-from mpmcol.mpm.particles import Points
+from mpmcol.mpm.lanes import LANES, RECORD_SIZE
+from mpmcol.mpm.particles import aligned_zeros
 from mpmcol.mpm.solver import Solver
 
-SORT_INTERVAL = 50  # steps; a fast collapse sorts every 50 to 100 steps
+SORT_INTERVAL = 50  # steps between sorts; 50 to 100 in a fast collapse
 
 
 class Effort(NamedTuple):
-    """How long to look: steps before the clock starts, then rounds of steps of each kind in turn."""
+    """How long to measure: steps before the timing, then rounds of steps of each kind in turn."""
 
     warm_up: int
     rounds: int
@@ -40,73 +40,60 @@ FULL = Effort(120, 9, 400_000)
 QUICK = Effort(5, 3, 10_000)
 
 
-class Twin(NamedTuple):
-    """The plain loops' copy of a solver's state."""
-
-    points: PlainPoints
-    grid: PlainGrid
-    tiles: Tiles
-    reports: tuple[np.ndarray, np.ndarray]
-    clock: np.ndarray
-
-
-def make_twin(solver: Solver) -> Twin:
-    """Copy a solver that has just been sorted."""
-    tiles = _tiles(solver)
-    reports = np.zeros((len(tiles.active), NODE_REPORT)), np.zeros((len(tiles.split), 2))
-    return Twin(plain_points(solver.points), plain_grid(solver.grid, tiles), tiles, reports, solver.clock.copy())
-
-
 def vector_steps(solver: Solver, steps: int) -> np.ndarray:
     """Step a sorted solver without sorting it again; seconds per phase of VECTOR_PHASES (steps, 5)."""
     column, base = solver.bodies
     times = np.zeros((steps, len(timed.VECTOR_PHASES) + 1))
-    timed.make_vector_steps(solver.points.dimension, column.law, base.law)(
-        solver.points.rows.reshape(-1), solver.grid, _tiles(solver), solver.settings, column.params, base.params,
-        column.wave_speed2, base.wave_speed2, solver.smallest_mass, solver._reports, solver.clock, solver.ledger, times,
-    )  # fmt: skip
+    timed.make_vector_steps(solver.points.dimension, column.law, base.law)(solver.state(), times)
     return np.diff(times, axis=1)
 
 
-def plain_steps(solver: Solver, twin: Twin, steps: int) -> np.ndarray:
-    """Step the plain copy of `solver`; seconds per phase of PLAIN_PHASES (steps, 5)."""
+def plain_steps(solver: Solver, state: PlainState, steps: int) -> np.ndarray:
+    """Step the plain copy `state` of a solver; seconds per phase of PLAIN_PHASES (steps, 5)."""
     column, base = solver.bodies
     times = np.zeros((steps, len(timed.PLAIN_PHASES) + 1))
-    timed.make_plain_steps(solver.points.dimension, column.law, base.law)(
-        twin.points, twin.grid, twin.tiles, solver.settings, column.params, base.params,
-        column.wave_speed2, base.wave_speed2, solver.smallest_mass, twin.reports, twin.clock, times,
-    )  # fmt: skip
+    timed.make_plain_steps(solver.points.dimension, column.law, base.law)(state, times)
     return np.diff(times, axis=1)
 
 
-def measure_scene(model: str, points: int, threads: int, effort: Effort) -> Scene:
-    """Time every phase and the whole step of one scene with so many threads."""
+def measure_case(model: str, points: int, threads: int, effort: Effort) -> BenchmarkCase:
+    """Time every phase and the whole step of one case with this many threads."""
     threads = set_threads(threads)
     solver = make_solver(model, points)
     _advance(solver, effort.warm_up)
     solver.sort()
-    twin, steps = make_twin(solver), effort.steps(len(solver.points))
-    vector_steps(solver, 1), plain_steps(solver, twin, 1), _gather(solver, 1)
+    plain_copy, steps = plain_state(solver), effort.steps(len(solver.points))
+    vector_steps(solver, 1), plain_steps(solver, plain_copy, 1), _g2p_seconds(solver, 1)
     vector, plain = [], []
     for _ in range(effort.rounds):
-        vector.append(_vector_phases(vector_steps(solver, steps), _gather(solver, 5)))
-        plain.append(_plain_phases(plain_steps(solver, twin, steps)))
+        vector.append(_vector_phases(vector_steps(solver, steps), _g2p_seconds(solver, 5)))
+        plain.append(_plain_phases(plain_steps(solver, plain_copy, steps)))
     memory, python = bytes_per_point(solver), _python_seconds(solver, steps, effort.rounds)
     sort = [_seconds(solver.sort) / SORT_INTERVAL for _ in range(effort.rounds)]
     scale = 1e9 / len(solver.points)
     rows = [_paired(name, vector, plain, scale) for name in vector[0]]
     rows.append(Row("sort", Spread.of([scale * value for value in sort]), None, None))
-    nodes = _active_nodes(solver) / len(solver.points)
-    machine = measure_machine(threads, solver.points.rows.nbytes + _active_nodes(solver) * NODE * 8)
-    bound = machine.bound(solver.points.dimension, nodes)
-    return Scene(model, points, len(solver.points), threads, tuple(rows), memory, 1e6 * python, *machine, bound)
+    nodes = _active_nodes(solver)
+    machine = measure_machine(threads, solver.points.rows.nbytes + nodes * NODE * 8)
+    return BenchmarkCase(
+        model=model,
+        points=points,
+        n_points=len(solver.points),
+        threads=threads,
+        rows=tuple(rows),
+        bytes_per_point=memory,
+        python_us=1e6 * python,
+        bandwidth=machine.bandwidth,
+        vector_rate=machine.vector_rate,
+        bound=machine.bound(solver.points.dimension, nodes / len(solver.points)),
+    )
 
 
-def _vector_phases(times: np.ndarray, gather: float) -> dict[str, float]:
-    """Median seconds of each phase; the stress is what G2P leaves of `update_points`."""
+def _vector_phases(times: np.ndarray, g2p: float) -> dict[str, float]:
+    """Median seconds of each phase; the stress update is the difference of `update_points` and G2P alone."""
     phases = dict(zip(timed.VECTOR_PHASES, np.median(times, axis=0).tolist(), strict=True))
     phases.pop("sums")
-    return {**phases, "g2p": gather, "stress": phases["update_points"] - gather, "step": _step(times)}
+    return {**phases, "g2p": g2p, "stress": phases["update_points"] - g2p, "step": _step(times)}
 
 
 def _plain_phases(times: np.ndarray) -> dict[str, float]:
@@ -124,31 +111,33 @@ def _paired(name: str, vector: list[dict[str, float]], plain: list[dict[str, flo
     return Row(name, Spread.of(v), Spread.of(p), statistics.median(np.divide(p, v).tolist()))
 
 
-def _gather(solver: Solver, repeats: int) -> float:
+def _g2p_seconds(solver: Solver, repeats: int) -> float:
     """Median seconds of G2P alone, on a copy of the points."""
-    spare, tiles, times = Points(len(solver.points), solver.points.dimension), _tiles(solver), np.zeros((repeats, 2))
-    spare.rows[:] = solver.points.rows
-    report = solver._reports[1]
-    gather_alone = timed.make_gather_alone(spare.dimension)
-    gather_alone(spare.rows.reshape(-1), solver.grid, tiles, solver.settings, solver.dt, report, times)
+    d, rows, times = solver.points.dimension, solver.points.rows, np.zeros((repeats, 2))
+    copy = aligned_zeros(rows.size + LANES * RECORD_SIZE[d])[: rows.size]
+    copy[:] = rows.reshape(-1)
+    timed.make_g2p_steps(d)(solver.state(), copy, times)
     return float(np.median(np.diff(times, axis=1)))
 
 
 def bytes_per_point(solver: Solver) -> float:
-    """Bytes of all arrays that a run holds and touches, over its points; the sort's own arrays included."""
-    tiles, n = _tiles(solver), len(solver.points)
+    """Bytes of all arrays that a run allocates and touches, over its points; those of the sort included."""
+    if solver.tiles is None:
+        solver.sort()
+    state, n = solver.state(), len(solver.points)
     sort = n * (2 * 4 + 1)  # tile (then final order), order by tile, bucket
     nodes = _active_nodes(solver) * NODE * 8
-    arrays = (solver.points.rows, *tiles, *solver._scratch, *solver._reports, solver.grid.fixed)
+    reports = (state.node_report, state.tile_report)
+    arrays = (state.rows, *state.tiles, *solver.buffers, *reports, state.grid.fixed)
     return (sum(array.nbytes for array in arrays) + nodes + sort) / n
 
 
 def _active_nodes(solver: Solver) -> int:
-    return len(_tiles(solver).active) * solver.grid.tile_doubles // NODE
+    return len(solver.state().tiles.active) * solver.grid.tile_doubles // NODE
 
 
 def _python_seconds(solver: Solver, steps: int, rounds: int) -> float:
-    """What a step costs more if Python is asked for every single one, s."""
+    """Additional time of a step if every step is a call from Python, s."""
     extra = []
     for _ in range(rounds):
         many = _seconds(lambda: _advance(solver, steps))
@@ -167,10 +156,3 @@ def _seconds(action: Callable[[], object]) -> float:
     started = time.perf_counter()
     action()
     return time.perf_counter() - started
-
-
-def _tiles(solver: Solver) -> Tiles:
-    if solver.tiles is None:
-        solver.sort()
-    assert solver.tiles is not None
-    return solver.tiles

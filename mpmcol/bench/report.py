@@ -1,4 +1,4 @@
-"""What `mpmcol bench` found: as a table, as JSON, and beside an earlier report."""
+"""Report of `mpmcol bench`: table, JSON, comparison with an earlier report."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from typing import Any
 
 from mpmcol.errors import UsageError
 
-SCHEMA = 2
+SCHEMA = 3
 SLOWDOWN = 1.5
 
 
 @dataclass(frozen=True)
 class Spread:
-    """Median, least and greatest of repeated timings, ns per point and step."""
+    """Median, minimum and maximum of repeated timings, ns per point and step."""
 
     median: float
     min: float
@@ -36,7 +36,7 @@ class Spread:
 
 @dataclass(frozen=True)
 class Row:
-    """One phase of the step; `ratio` is plain over vector, the median of paired rounds."""
+    """One phase of the step; `ratio`: plain loops over vector kernels, median of paired rounds."""
 
     phase: str
     vector: Spread
@@ -45,8 +45,8 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Scene:
-    """One model, size and number of threads; `points` were asked for, `n_points` it has."""
+class BenchmarkCase:
+    """Timings of one model, size and number of threads; `points` were requested, `n_points` is the actual number."""
 
     model: str
     points: int
@@ -54,14 +54,14 @@ class Scene:
     threads: int
     rows: tuple[Row, ...]
     bytes_per_point: float
-    python_us: float  # what a step costs more if Python is asked for every single one
-    bandwidth: float  # of this machine on as many bytes, GB/s
+    python_us: float  # additional time of a step if every step is a call from Python
+    bandwidth: float  # of this machine for as many bytes, GB/s
     vector_rate: float  # of this machine, multiply-adds of eight lanes per ns
-    bound: float  # least time of a step that these two allow, ns per point
+    bound: float  # lower bound of the time of a step that follows from these two, ns per point
 
     @property
     def key(self) -> tuple[str, int, int]:
-        """What makes scenes of two reports comparable."""
+        """Identifies the case in another report."""
         return self.model, self.points, self.threads
 
     @property
@@ -71,49 +71,49 @@ class Scene:
 
     @property
     def python_share(self) -> float:
-        """Cost of Python for every step over the cost of the step."""
+        """Time of a call from Python over that of a step."""
         return 1e3 * self.python_us / (self.step * self.n_points)
 
 
 @dataclass(frozen=True)
 class Report:
-    """All scenes, with the machine and the date."""
+    """All cases, with machine and date."""
 
     date: str
     machine: dict[str, Any]
-    scenes: tuple[Scene, ...]
+    cases: tuple[BenchmarkCase, ...]
 
     def to_json(self) -> str:
         """One JSON object."""
         return json.dumps({"schema": SCHEMA, **asdict(self)}, indent=1) + "\n"
 
 
-def make_report(scenes: list[Scene]) -> Report:
-    """Scenes with this machine and now."""
-    return Report(datetime.now(UTC).isoformat(timespec="seconds"), describe_machine(), tuple(scenes))
+def make_report(cases: list[BenchmarkCase]) -> Report:
+    """Report of these cases on this machine, now."""
+    return Report(datetime.now(UTC).isoformat(timespec="seconds"), describe_machine(), tuple(cases))
 
 
 def load_report(path: Path) -> Report:
-    """Read what `--json` wrote; raises UsageError if the file is none of ours."""
+    """Read a report written by `--json`; raises UsageError if the file is not one."""
     try:
         data = json.loads(path.read_text())
         if data["schema"] != SCHEMA:
             raise ValueError(f"schema {data['schema']}, expected {SCHEMA}")
-        return Report(data["date"], data["machine"], tuple(_scene(scene) for scene in data["scenes"]))
+        return Report(data["date"], data["machine"], tuple(_read_case(case) for case in data["cases"]))
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise UsageError(f"{path}: expected a report that `mpmcol bench --json` wrote: {error!r}") from error
 
 
-def _scene(data: dict[str, Any]) -> Scene:
+def _read_case(data: dict[str, Any]) -> BenchmarkCase:
     rows = tuple(
         Row(row["phase"], Spread(**row["vector"]), row["plain"] and Spread(**row["plain"]), row["ratio"])
         for row in data["rows"]
     )
-    return Scene(**{**data, "rows": rows})
+    return BenchmarkCase(**{**data, "rows": rows})
 
 
 def describe_machine() -> dict[str, Any]:
-    """Processor, cores and the versions of everything that makes machine code."""
+    """Processor, cores and versions of the software that generates machine code."""
     import llvmlite
     import numba
     import numpy as np
@@ -140,18 +140,18 @@ def _cpu_model() -> str:
         return platform.processor() or platform.machine()
 
 
-def scene_lines(scene: Scene) -> list[str]:
-    """The table of one scene."""
-    head = f"{scene.model}, {scene.n_points} points, {scene.threads} thread{'s' if scene.threads > 1 else ''}"
+def table_lines(case: BenchmarkCase) -> list[str]:
+    """The table of one case."""
+    head = f"{case.model}, {case.n_points} points, {case.threads} thread{'s' if case.threads > 1 else ''}"
     columns = f"{'phase':<16}{'vector kernels':<26}{'plain loops':<26}plain/vector"
     return [
         f"{head}: ns per point and step, median (min-max)",
         columns,
-        *(_row_line(row) for row in scene.rows),
-        f"{'memory':<16}{scene.bytes_per_point:7.0f} bytes a point",
-        f"{'bound':<16}{scene.bound:7.1f} ns: {100.0 * scene.bound / scene.step:.0f} % of the step, from "
-        f"{scene.bandwidth:.0f} GB/s and {scene.vector_rate:.1f} vector multiply-adds per ns",
-        f"{'Python':<16}{scene.python_us:7.1f} us per call of one step, {100.0 * scene.python_share:.1f} % of the step",
+        *(_row_line(row) for row in case.rows),
+        f"{'memory':<16}{case.bytes_per_point:7.0f} bytes per point",
+        f"{'bound':<16}{case.bound:7.1f} ns: {100.0 * case.bound / case.step:.0f} % of the step, from "
+        f"{case.bandwidth:.0f} GB/s and {case.vector_rate:.1f} vector multiply-adds per ns",
+        f"{'Python':<16}{case.python_us:7.1f} us per call of one step, {100.0 * case.python_share:.1f} % of the step",
         "",
     ]
 
@@ -164,28 +164,28 @@ def _row_line(row: Row) -> str:
 
 @dataclass(frozen=True)
 class Slowdown:
-    """A phase that became slower beyond the noise of both reports."""
+    """A phase that is slower than before, beyond the noise of both reports."""
 
-    scene: Scene
+    case: BenchmarkCase
     phase: str
     ratio: float
     plain_ratio: float | None
 
     def __str__(self) -> str:
-        """The plain loops beside it tell a slower machine from slower code."""
-        where = f"{self.scene.model}, {self.scene.points} points, {self.scene.threads} threads, {self.phase}"
+        """The ratio of the plain loops shows whether the machine or the code is slower."""
+        where = f"{self.case.model}, {self.case.points} points, {self.case.threads} threads, {self.phase}"
         plain = "" if self.plain_ratio is None else f" (plain loops: {self.plain_ratio:.2f} times)"
         return f"{where}: {self.ratio:.2f} times as slow as before{plain}"
 
 
 def compare(old: Report, new: Report) -> list[Slowdown]:
-    """Phases at least SLOWDOWN times slower than in `old`, whose fastest round is slower than the slowest then."""
-    before = {(scene.key, row.phase): row for scene in old.scenes for row in scene.rows}
+    """Phases at least SLOWDOWN times slower than in `old` whose fastest round is slower than the slowest one there."""
+    before = {(case.key, row.phase): row for case in old.cases for row in case.rows}
     found = []
-    for scene in new.scenes:
-        for row in scene.rows:
-            was = before.get((scene.key, row.phase))
+    for case in new.cases:
+        for row in case.rows:
+            was = before.get((case.key, row.phase))
             if was and row.vector.median >= SLOWDOWN * was.vector.median and row.vector.min > was.vector.max:
                 plain = row.plain.median / was.plain.median if row.plain and was.plain else None
-                found.append(Slowdown(scene, row.phase, row.vector.median / was.vector.median, plain))
+                found.append(Slowdown(case, row.phase, row.vector.median / was.vector.median, plain))
     return found

@@ -1,4 +1,4 @@
-"""Loops over steps that note the time after every phase: the compiled step itself, and its plain twin."""
+"""Loops over steps that read the clock after every phase: the step of the solver, and that of the plain loops."""
 
 # Compiled functions take what Numba infers.
 # mypy: allow-untyped-defs
@@ -18,8 +18,8 @@ from mpmcol.mpm.jit import driver, phase, prange, variant
 from mpmcol.mpm.kernels.grid_update import clear, update_grid
 from mpmcol.mpm.kernels.loop import DT, sum_nodes, sum_points
 from mpmcol.mpm.kernels.particle_update import make_update_points
-from mpmcol.mpm.kernels.transfer import TRANSFERS
-from mpmcol.mpm.kernels.transfer_common import make_p2g
+from mpmcol.mpm.kernels.transfer import make_p2g, make_transfer
+from mpmcol.mpm.lanes import RECORD_SIZE, X
 from mpmcol.mpm.simd import extract
 
 VECTOR_PHASES = ("clear", "p2g", "update_grid", "update_points", "sums")
@@ -29,19 +29,18 @@ PLAIN_TRANSFERS = {2: transfer_2d, 3: transfer_3d}
 
 @cache
 def make_vector_steps(dimension: int, column_law: ConstitutiveLaw, base_law: ConstitutiveLaw) -> Callable[..., Any]:
-    """The step of `kernels.cycle` with a clock reading before and after each of VECTOR_PHASES."""
-    p2g, update_points = make_p2g(TRANSFERS[dimension]), make_update_points(dimension, column_law, base_law)
+    """The step of `kernels.loop` with a clock reading before and after each of VECTOR_PHASES."""
+    p2g, update_points = make_p2g(dimension, "quadratic"), make_update_points(dimension, column_law, base_law)
 
     @driver
     @variant(dimension, column_law, base_law)
-    def vector_steps(
-        rows, grid, tiles, settings, column, base, c2_column, c2_base, smallest_mass, reports, clock, ledger, times
-    ):
+    def vector_steps(state, times):
         """As many steps as `times` (n, 6) has rows.
 
-        Reads: settings, params. Writes: rows, nodes, reports, clock, ledger, times. Eq. (13)-(36).
+        Reads: settings, bodies. Writes: rows, nodes, reports, clock, ledger, times. Eq. (13)-(36).
         """
-        node_report, tile_report = reports
+        rows, grid, tiles, settings, bodies, smallest_mass, node_report, tile_report, clock, ledger = state
+        column, base, c2_column, c2_base = bodies
         for k in range(len(times)):
             dt = clock[DT]
             times[k, 0] = seconds()
@@ -68,14 +67,13 @@ def make_plain_steps(dimension: int, column_law: ConstitutiveLaw, base_law: Cons
 
     @driver
     @variant(dimension, column_law, base_law)
-    def plain_steps(
-        points, grid, tiles, settings, column, base, c2_column, c2_base, smallest_mass, reports, clock, times
-    ):
+    def plain_steps(state, times):
         """As many steps as `times` (n, 6) has rows.
 
-        Reads: settings, params. Writes: points, grid, reports, clock, times. Eq. (13)-(36).
+        Reads: settings, bodies. Writes: points, grid, reports, clock, times. Eq. (13)-(36).
         """
-        node_report, tile_report = reports
+        points, grid, tiles, settings, bodies, smallest_mass, node_report, tile_report, clock = state
+        column, base, c2_column, c2_base = bodies
         for k in range(len(times)):
             dt = clock[DT]
             times[k, 0] = seconds()
@@ -95,33 +93,34 @@ def make_plain_steps(dimension: int, column_law: ConstitutiveLaw, base_law: Cons
 
 
 @cache
-def make_gather_alone(dimension: int) -> Callable[..., Any]:
-    """G2P of all points without their stress."""
-    transfer = TRANSFERS[dimension]
-    gather, row = transfer.gather, transfer.RECORD_SIZE
+def make_g2p_steps(dimension: int) -> Callable[..., Any]:
+    """G2P of all points without the stress update."""
+    transfer, size = make_transfer(dimension, "quadratic"), RECORD_SIZE[dimension]
+    gather = transfer.gather
 
     @phase
     @variant(dimension)
-    def gather_all(rows, grid, tiles, settings, dt, report):
+    def g2p(rows, grid, tiles, settings, dt, report):
         """Reads: nodes. Writes: rows, report. Eq. (26)-(28)."""
-        nodes, start, bounds = grid.nodes, tiles.start, particle_limits(grid, settings)
+        nodes, start, limits = grid.nodes, tiles.start, particle_limits(grid, settings)
         for t in prange(len(start) - 1):
             total = 0.0
             for p in range(start[t], start[t + 1]):
-                step, work = gather(rows, p * row, nodes, grid, settings, bounds, dt)
-                total += extract(step, 4) + extract(work, 4)
+                displacement, work = gather(rows, p * size, nodes, grid, settings, limits, dt)
+                total += extract(displacement, X) + extract(work, X)
             report[t, 0] = total
 
     @driver
     @variant(dimension)
-    def gather_alone(rows, grid, tiles, settings, dt, report, times):
-        """G2P as often as `times` (n, 2) has rows, on records that nobody needs any more.
+    def g2p_steps(state, rows, times):
+        """G2P as many times as `times` (n, 2) has rows, on records `rows` that are not used afterwards.
 
         Reads: nodes. Writes: rows, report, times. Eq. (26)-(28).
         """
+        dt = state.clock[DT]
         for k in range(len(times)):
             times[k, 0] = seconds()
-            gather_all(rows, grid, tiles, settings, dt, report)
+            g2p(rows, state.grid, state.tiles, state.settings, dt, state.tile_report)
             times[k, 1] = seconds()
 
-    return gather_alone
+    return g2p_steps

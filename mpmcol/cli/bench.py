@@ -46,9 +46,9 @@ def bench(
 
     With --against, the exit code is 1 if a kernel became 1.5 times slower beyond the noise.
     """
-    from mpmcol.bench.measure import FULL, QUICK, measure_scene
-    from mpmcol.bench.report import load_report, make_report, scene_lines
-    from mpmcol.bench.scenes import MODELS
+    from mpmcol.bench.cases import MODELS
+    from mpmcol.bench.measure import FULL, QUICK, measure_case
+    from mpmcol.bench.report import load_report, make_report, table_lines
     from mpmcol.io.atomic import atomic_write
     from mpmcol.mpm.jit import set_threads
     from mpmcol.setup.memory import BYTES_PER_POINT, require_memory
@@ -56,13 +56,13 @@ def bench(
     most = max(points or (0,))
     require_memory(2 * most * BYTES_PER_POINT[3], f"{most:,} points, twice,", "give fewer --points")
     old = load_report(against) if against else None
-    scenes = []
+    cases = []
     for chosen in (model,) if model else MODELS:
         for size in points or (QUICK_SIZES if quick else SIZES):
             for count in threads or sorted({1, set_threads(None)}):
-                scenes.append(measure_scene(chosen, size, count, QUICK if quick else FULL))
-                click.echo("\n".join(scene_lines(scenes[-1])))
-    report = make_report(scenes)
+                cases.append(measure_case(chosen, size, count, QUICK if quick else FULL))
+                click.echo("\n".join(table_lines(cases[-1])))
+    report = make_report(cases)
     click.echo(", ".join(f"{name} {value}" for name, value in report.machine.items()))
     if json_file:
         atomic_write(json_file, report.to_json().encode())

@@ -1,4 +1,4 @@
-"""The background grid: a virtual dense array of nodes in tile-major order, and the points' order on it."""
+"""The background grid: a dense array of nodes in tile-major order, and the order of the points on it."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ TILE = 4  # nodes along an edge of a tile: 16 or 64 nodes
 
 
 class Grid(NamedTuple):
-    """Nodes of two or three axes (n_z = 1 in two); only tiles near material are ever touched.
+    """Nodes of two or three axes (n_z = 1 in two dimensions); only tiles near material are ever accessed.
 
-    The first and the last node of an axis stand on the faces of the domain. Address of node (i, j, k):
+    The first and the last node of an axis are on the faces of the domain. Address of node (i, j, k):
     ax[i] + ay[j] + az[k].
     """
 
@@ -36,7 +36,7 @@ class Grid(NamedTuple):
 
 
 class Tiles(NamedTuple):
-    """Points in order: tile t holds points start[t] to start[t + 1], the column's before split[t].
+    """Order of sorted points: tile t holds points start[t] to start[t + 1], those of the base from split[t] on.
 
     Points from start[n_tiles] are inactive.
     """
@@ -45,8 +45,8 @@ class Tiles(NamedTuple):
     split: np.ndarray  # (n_tiles,)
     grouped: np.ndarray  # (n_tiles,) grouped[group_start[g] : group_start[g + 1]] are tiles that share no node
     group_start: np.ndarray  # (n_groups + 1,)
-    active: np.ndarray  # (n_active,) address in `nodes` of each tile that can be touched
-    cells: np.ndarray  # (n_points,) uint8, equal for points of one cell and kind, which stand in one row
+    active: np.ndarray  # (n_active,) address in `nodes` of each tile that points can reach
+    cells: np.ndarray  # (n_points,) uint8, equal for points of one cell and kind, which are contiguous
 
 
 @device
@@ -57,7 +57,7 @@ def tile_count(n_nodes: int) -> int:
 
 @device
 def tile_coordinates(tile: int, tiles: tuple[int, int, int]) -> tuple[int, int, int]:
-    """Position of a tile among the tiles, from its number."""
+    """Indices of a tile along the axes, from its number."""
     return tile // (tiles[1] * tiles[2]), tile // tiles[2] % tiles[1], tile % tiles[2]
 
 
@@ -65,8 +65,8 @@ def allocate_grid(origin: tuple[float, ...], h: float, cells: tuple[int, ...]) -
     """A grid of `cells` cells of size `h` along two or three axes, its first node at `origin`; no node is held."""
     n = [count + 1 for count in cells] + [1] * (3 - len(cells))
     tiles, tile_doubles = [tile_count(count) for count in n], TILE ** len(cells) * NODE
-    across = (tiles[1] * tiles[2], tiles[2], 1)  # tiles from one tile to the next along each axis
-    within = (TILE * TILE, TILE, 1) if len(cells) == 3 else (TILE, 1, 0)  # likewise nodes inside a tile
+    across = (tiles[1] * tiles[2], tiles[2], 1)  # stride between tiles along each axis, in tiles
+    within = (TILE * TILE, TILE, 1) if len(cells) == 3 else (TILE, 1, 0)  # stride inside a tile, in nodes
     ax, ay, az = (
         (np.arange(n[k]) // TILE) * (across[k] * tile_doubles) + (np.arange(n[k]) % TILE) * (within[k] * NODE)
         for k in range(3)
@@ -78,14 +78,14 @@ def allocate_grid(origin: tuple[float, ...], h: float, cells: tuple[int, ...]) -
 
 
 def node_coordinates(grid: Grid) -> tuple[np.ndarray, ...]:
-    """Coordinates of the nodes along each axis, m, shaped so that they broadcast to (n_x, n_y[, n_z])."""
+    """Coordinates of the nodes along each axis, m; the arrays broadcast to (n_x, n_y[, n_z])."""
     first = (grid.origin_x, grid.origin_y, grid.origin_z)
     axes = [x + grid.h * np.arange(n) for x, n in zip(first, grid_shape(grid), strict=False)]
     return tuple(np.meshgrid(*axes, indexing="ij", sparse=True))
 
 
 def node_records(grid: Grid) -> np.ndarray:
-    """The records of all nodes as a copy (n_x, n_y[, n_z], 8)."""
+    """Copy of the records of all nodes (n_x, n_y[, n_z], 8)."""
     blocks = node_blocks(grid, grid.nodes.reshape(-1, NODE))
     return blocks.reshape(*padded_shape(grid), NODE)[tuple(slice(n) for n in grid_shape(grid))]
 
@@ -96,7 +96,7 @@ def grid_shape(grid: Grid) -> tuple[int, ...]:
 
 
 def padded_shape(grid: Grid) -> tuple[int, ...]:
-    """Nodes along each axis, with those that fill the last tiles."""
+    """Nodes along each axis, including those that fill up the last tiles."""
     return tuple(tile_count(n) * TILE for n in grid_shape(grid))
 
 

@@ -1,7 +1,7 @@
-"""The only place that decides how code is compiled: decorators, threads, and where compiled code is kept.
+"""How code is compiled: decorators and compiler flags, threads, and the folder of the disk cache.
 
-Numba's disk cache does not see edits of helpers in other files, so the cache folder carries a hash of every
-file that holds compiled code; it is chosen here, before any kernel is declared.
+Numba's disk cache does not detect edits of helpers in other files, so the name of the cache folder is a hash of all
+sources of compiled code. It is set here, before any kernel is declared.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 os.environ.setdefault("NUMBA_THREADING_LAYER_PRIORITY", "omp tbb workqueue")
-# Threads that wait for one another soon give up their core: by default they spin for milliseconds, and where another
-# program wants a core a step then takes a hundred times longer.
+# Waiting threads soon yield their core. By default they spin for milliseconds; with other programs on the same cores a
+# step then takes a hundred times longer.
 os.environ.setdefault("GOMP_SPINCOUNT", "1000")
 
 import numba
@@ -30,13 +30,13 @@ from numba.extending import register_jitable
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-COMPILED_SOURCES = ("mpm", "bench")  # folders that hold compiled code
+COMPILED_SOURCES = ("mpm", "bench")  # folders of the package with compiled code
 _STALE_AFTER_S = 7 * 24 * 3600.0
 _FLAGS: dict[str, Any] = {"error_model": "numpy", "nogil": True}
 
 
 def source_digest() -> str:
-    """Hash of everything compiled code depends on: our sources, Numba, its LLVM binding, NumPy, Python."""
+    """Hash of all that compiled code depends on: its sources, and the versions of Numba, llvmlite, NumPy and Python."""
     digest = hashlib.sha256()
     versions = [metadata.version(package) for package in ("numba", "llvmlite", "numpy")] + [platform.python_version()]
     digest.update(repr(versions).encode())
@@ -48,7 +48,7 @@ def source_digest() -> str:
 
 
 def _cache_root() -> Path:
-    """The user's cache folder, or a private temporary one where that is missing, read-only or full."""
+    """Cache folder of the user, or a temporary one where that cannot be created or written."""
     chosen = Path(os.environ.get("MPMCOL_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME") or "~/.cache")
     with contextlib.suppress(OSError, RuntimeError):
         folder = chosen.expanduser() / "mpmcol"
@@ -60,9 +60,9 @@ def _cache_root() -> Path:
 
 
 def _remove_stale(root: Path, keep: Path) -> None:
-    """Delete cache folders of other versions that nobody used for a week."""
+    """Delete cache folders of other versions that have not been used for a week."""
     for folder in root.iterdir():
-        with contextlib.suppress(OSError):  # another process may just have done it
+        with contextlib.suppress(OSError):  # another process may have deleted it
             if folder != keep and folder.is_dir() and time.time() - folder.stat().st_mtime > _STALE_AFTER_S:
                 shutil.rmtree(folder, ignore_errors=True)
 
@@ -77,7 +77,7 @@ def _choose_cache_folder() -> Path:
     return folder
 
 
-# Both are needed: Numba reads its environment anew whenever that changes, and may have been imported before us.
+# Both are needed: Numba reads its environment again whenever it changes, and may already be imported.
 CACHE_FOLDER = _choose_cache_folder()
 os.environ["NUMBA_CACHE_DIR"] = str(CACHE_FOLDER)
 _config: Any = numba.config
@@ -85,13 +85,13 @@ _config.CACHE_DIR = str(CACHE_FOLDER)
 JIT_DISABLED = bool(_config.DISABLE_JIT)
 
 
-class _Kept(FunctionCache):
-    """Numba's own, but where files are damaged, or cannot be written, it costs no more than to compile anew."""
+class _TolerantCache(FunctionCache):
+    """Numba's disk cache; where files are damaged or cannot be written, functions are compiled again."""
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         try:
             return super().load_overload(sig, target_context)
-        except Exception:  # whatever unpickling stumbles over
+        except Exception:  # damaged pickles raise many kinds
             with contextlib.suppress(OSError):
                 self.flush()
             return None
@@ -101,19 +101,19 @@ class _Kept(FunctionCache):
             super().save_overload(sig, data)
 
 
-def _kept(compiled: Any) -> Any:
-    """Keep what a function is compiled to on the disk."""
+def _cached(compiled: Any) -> Any:
+    """Store the machine code of a function on disk."""
     if not JIT_DISABLED:
-        compiled._cache = _Kept(compiled.py_func)
+        compiled._cache = _TolerantCache(compiled.py_func)
     return compiled
 
 
 def variant(*frozen: Any) -> Callable[[F], F]:
-    """Give a function that a factory makes a name of its own, from the modules, functions or numbers frozen into it.
+    """Give a function made by a factory a unique name, from the modules, functions or numbers frozen into it.
 
-    Machine code knows its parts by name, argument types and a number that counts compilations within one process.
-    Code from the disk was numbered by other processes: of two functions of one factory that were both the first
-    compiled in theirs, a third process would call one for the other, without a word.
+    Numba identifies machine code by name, argument types and a counter of compilations in the process. Code in the disk
+    cache was counted by other processes: if two functions of one factory were each the first compiled in their
+    process, a third process would silently call one instead of the other.
     """
     labels = [str(getattr(part, "__name__", part)).rpartition(".")[2] for part in frozen]
 
@@ -126,29 +126,29 @@ def variant(*frozen: Any) -> Callable[[F], F]:
 
 
 def device(function: F) -> F:
-    """A formula: plain Python when called from Python, compiled into its caller when called from a kernel."""
+    """A formula: plain Python when called from Python, inlined when called from a kernel."""
     return register_jitable(forceinline=True, **_FLAGS)(function)
 
 
 def phase(function: F) -> F:
-    """A parallel loop that is part of a kernel; `kernel(function)` makes it callable on its own."""
+    """A parallel loop that is part of a kernel; use `kernel(function)` to call it from Python."""
     return register_jitable(parallel=True, **_FLAGS)(function)
 
 
 def kernel(function: F) -> F:
-    """An entry point from Python: compiled, parallel, kept on disk. No fastmath: NaN checks and equal bits."""
-    compiled: F = _kept(numba.njit(parallel=True, **_FLAGS)(function))
+    """An entry point from Python: parallel, cached on disk. Without fastmath, for NaN checks and reproducible bits."""
+    compiled: F = _cached(numba.njit(parallel=True, **_FLAGS)(function))
     return compiled
 
 
 def driver(function: F) -> F:
-    """An entry point from Python that runs phases one after the other: compiled and kept on disk."""
-    compiled: F = _kept(numba.njit(**_FLAGS)(function))
+    """An entry point from Python that runs phases one after another; cached on disk."""
+    compiled: F = _cached(numba.njit(**_FLAGS)(function))
     return compiled
 
 
 def set_threads(threads: int | None) -> int:
-    """Use `threads` threads (all cores that Numba was given if None); returns the number in use."""
+    """Use `threads` threads (None: all that Numba may use); returns the number in use."""
     limit: int = _config.NUMBA_NUM_THREADS
     chosen = limit if threads is None else max(1, min(threads, limit))
     numba.set_num_threads(chosen)

@@ -1,4 +1,4 @@
-"""Time stepping: owns the arrays of one simulation and advances them, sorting points when they have travelled."""
+"""Time integration: owns the arrays of a simulation and advances them; sorts points after they have travelled."""
 
 from __future__ import annotations
 
@@ -11,19 +11,20 @@ from mpmcol.mpm.constitutive import ConstitutiveLaw
 from mpmcol.mpm.grid import Grid, Tiles
 from mpmcol.mpm.kernels import loop
 from mpmcol.mpm.kernels.grid_update import NODE_REPORT
-from mpmcol.mpm.kernels.particle_update import TILE_REPORT
-from mpmcol.mpm.kernels.sort import scratch, sort_points
+from mpmcol.mpm.kernels.particle_update import TILE_REPORT, Bodies
+from mpmcol.mpm.kernels.sort import sort_buffers, sort_points
+from mpmcol.mpm.kernels.step import State
 from mpmcol.mpm.lanes import RECORD_SIZE
 from mpmcol.mpm.particles import BASE, COLUMN, Points
 from mpmcol.mpm.settings import PAPER, Scheme, Settings
 from mpmcol.mpm.shape_functions import SHAPE_FUNCTIONS
 
-CALL_SECONDS = 0.2  # Python handles signals only between calls
+CALL_SECONDS = 0.2  # duration of a call of the compiled loop; Python handles signals between calls
 _FIRST_CALL_STEPS = 4
 
 
 class Body(NamedTuple):
-    """A law with its parameters and the square of its wave speed at the initial density (m2/s2), Eq. 36."""
+    """A constitutive law, its parameters, and the square of the wave speed at the initial density (m2/s2), Eq. 36."""
 
     law: ConstitutiveLaw
     params: Any
@@ -46,13 +47,13 @@ class Solver:
         self.tiles: Tiles | None = None
         self.margin = 0  # tiles around the column beyond which the base is inactive; 0: all of it is active
         self.smallest_mass = float(points.m.min())
-        self._scratch = scratch(grid)
+        self.buffers = sort_buffers(grid)
         self._steps_per_call = _FIRST_CALL_STEPS
         self.reset_time_step()
 
     @property
     def time(self) -> float:
-        """Time on the clock, s."""
+        """Simulated time, s."""
         return float(self.clock[loop.TIME])
 
     @property
@@ -62,65 +63,74 @@ class Solver:
 
     @property
     def steps(self) -> int:
-        """Steps since the start."""
+        """Steps since the start of the run."""
         return int(self.clock[loop.STEPS])
 
     def reset_time_step(self) -> None:
-        """Time step of Eq. 35-36 from the present state."""
+        """Set the time step of Eq. 35-36 from the present state."""
         c2 = np.where(self.points.kind == BASE, self.bodies[BASE].wave_speed2, self.bodies[COLUMN].wave_speed2)
         speed = np.sqrt(c2 * self.points.J) + np.linalg.norm(self.points.v, axis=1)
         self.clock[loop.DT] = self.settings.cfl * self.grid.h / speed.max()
 
     def prepare(self) -> None:
-        """Compile or load the kernels of the present laws, and sort the points unless they are, without a step."""
+        """Compile or load the kernels of the present laws, and sort the points if needed; takes no step."""
         if self.tiles is None:
             self.sort()
         self._call(self.time, 0)
 
     def sort(self) -> None:
         """Put the points in order of tiles, inactive ones last, and list the tiles that active points can reach."""
-        row = RECORD_SIZE[self.points.dimension]
-        self.list_tiles(Tiles(*sort_points(self.points.rows.reshape(-1), row, self.grid, *self._scratch, self.margin)))
+        size = RECORD_SIZE[self.points.dimension]
+        self.set_tiles(Tiles(*sort_points(self.points.rows.reshape(-1), size, self.grid, *self.buffers, self.margin)))
         self.clock[loop.TRAVELLED] = 0.0
 
-    def list_tiles(self, tiles: Tiles) -> None:
-        """Take the points to be in the order that `tiles` lists."""
+    def set_tiles(self, tiles: Tiles) -> None:
+        """State that the points are in the order of `tiles`, as after a sort."""
         self.tiles = tiles
-        self._reports = (
-            np.zeros((len(tiles.active), NODE_REPORT)),
-            np.zeros((len(tiles.split), TILE_REPORT)),
-        )
+        self.node_report = np.zeros((len(tiles.active), NODE_REPORT))
+        self.tile_report = np.zeros((len(tiles.split), TILE_REPORT))
 
     def advance(self, end: float, max_steps: int = 2**62) -> int:
-        """Step until the clock reaches `end` or `max_steps` are done, for at most about CALL_SECONDS.
+        """Step until the time reaches `end` or `max_steps` are done, for at most about CALL_SECONDS.
 
-        Returns the row of the first point that went wrong, or -1.
+        Returns the row of the first invalid point, or -1.
         """
         started, first = time.perf_counter(), self.steps
         fault = -1
         while fault < 0 and self.time < end and self.steps - first < max_steps:
-            if self.tiles is None or not loop.is_ordered(self.clock, SHAPE_FUNCTIONS[self.scheme.basis].TRAVEL_LIMIT):
+            if self.tiles is None or not loop.is_sorted(self.clock, SHAPE_FUNCTIONS[self.scheme.basis].TRAVEL_LIMIT):
                 self.sort()
             fault = self._call(end, min(self._steps_per_call, max_steps - (self.steps - first)))
             if time.perf_counter() - started > CALL_SECONDS:
                 break
-        self._learn_pace(self.steps - first, time.perf_counter() - started)
+        self._adapt_call(self.steps - first, time.perf_counter() - started)
         return fault
 
-    def _call(self, end: float, steps: int) -> int:
-        """One call of the compiled loop."""
+    def state(self) -> State:
+        """What the compiled loop reads and writes; the points must be sorted."""
+        assert self.tiles is not None
         column, base = self.bodies
-        run = loop.make_cycle(self.points.dimension, column.law, base.law, self.scheme)
-        return int(
-            run(
-                self.points.rows.reshape(-1), self.grid, self.tiles, self.settings, column.params, base.params,
-                column.wave_speed2, base.wave_speed2, self.smallest_mass, self._reports, self.clock, self.ledger,
-                end, steps,
-            )
-        )  # fmt: skip
+        return State(
+            rows=self.points.rows.reshape(-1),
+            grid=self.grid,
+            tiles=self.tiles,
+            settings=self.settings,
+            bodies=Bodies(column.params, base.params, column.wave_speed2, base.wave_speed2),
+            smallest_mass=self.smallest_mass,
+            node_report=self.node_report,
+            tile_report=self.tile_report,
+            clock=self.clock,
+            ledger=self.ledger,
+        )
 
-    def _learn_pace(self, steps: int, seconds: float) -> None:
-        """Choose how many steps one call may take, from the pace of the last."""
+    def _call(self, end: float, steps: int) -> int:
+        """Call the compiled loop once."""
+        column, base = self.bodies
+        time_loop = loop.make_time_loop(self.points.dimension, column.law, base.law, self.scheme)
+        return int(time_loop(self.state(), end, steps))
+
+    def _adapt_call(self, steps: int, seconds: float) -> None:
+        """Choose the number of steps of the next call from the speed of the last."""
         if steps and seconds > 0.0:
-            wanted = int(steps * CALL_SECONDS / seconds)
-            self._steps_per_call = min(max(wanted, 1), 4 * self._steps_per_call)
+            in_time = int(steps * CALL_SECONDS / seconds)
+            self._steps_per_call = min(max(in_time, 1), 4 * self._steps_per_call)

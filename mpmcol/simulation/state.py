@@ -110,7 +110,7 @@ class Simulation:
         solver.clock[:], solver.ledger[:] = state.clock, state.ledger
         set_boundaries(solver.grid, self.model.discretization, self.progress.gate_opening)
         set_inactive_nodes(solver.grid, state.inactive)
-        solver.list_tiles(state.tiles)
+        solver.set_tiles(state.tiles)
         self.recorder.set_memory(state.recorder, state.initial_positions)
 
     def keep_valid_state(self) -> None:

@@ -1,1 +1,1 @@
-"""The scheme of mpmcol written in Taichi, timed beside mpmcol: `python -m scripts.peers.compare`."""
+"""The scheme of mpmcol implemented in Taichi and timed with it: `python -m scripts.peers.compare`."""

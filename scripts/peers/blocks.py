@@ -1,29 +1,29 @@
-"""Order of the points by blocks of cells, in Taichi: what `best` scatters side by side, and which nodes matter."""
+"""Sort of points by blocks of cells, in Taichi, and lists of the occupied blocks and of those within reach."""
 
 from math import prod
 
 import taichi as ti
 
-from scripts.peers.scene import Scene
+from scripts.peers.problem import Problem
 
 
 @ti.data_oriented
 class Blocks:
-    """Points in order of blocks of `shape` cells, and of the cells in them; blocks in 2^d colours, like a chessboard.
+    """Points sorted by blocks of `shape` cells and by cell; blocks have 2^d colours, like a chessboard.
 
-    The first node of a point's stencil decides its cell. A point may travel up to one cell before the next sort: blocks
-    of at least four cells a side keep its stencil clear of all other blocks of the same colour.
+    The first node of a point's stencil determines its cell. A point may travel up to one cell before the next sort:
+    with blocks of at least four cells a side its stencil overlaps no other block of the same colour.
     """
 
-    def __init__(self, point, scene: Scene, shape: tuple[int, ...]) -> None:
-        self.n, self.h, self.n_nodes, self.shape = len(scene.x), scene.h, scene.n_nodes, shape
-        self.origin = tuple(scene.origin.tolist())
+    def __init__(self, point, problem: Problem, shape: tuple[int, ...]) -> None:
+        self.n, self.h, self.n_nodes, self.shape = len(problem.x), problem.h, problem.n_nodes, shape
+        self.origin = tuple(problem.origin.tolist())
         self.dim, self.colours, self.cells = len(shape), 2 ** len(shape), prod(shape)
         self.counts = tuple(-(-nodes // cells) for nodes, cells in zip(self.n_nodes, shape, strict=True))
         self.total = prod(self.counts)
         self.points, self.spare = (point.field(shape=self.n) for _ in range(2))
         self.start = ti.field(int, self.total * self.cells + 1)  # first point of each cell
-        self.place = ti.field(int, self.total * self.cells)
+        self.position = ti.field(int, self.total * self.cells)
         self.occupied = ti.field(int, (self.colours, self.total))  # blocks with points, by colour
         self.n_occupied = ti.field(int, self.colours)
         self.reached = ti.field(int, self.total)  # blocks with points or beside one
@@ -32,7 +32,7 @@ class Blocks:
 
     @property
     def nodes(self) -> tuple[int, ...]:
-        """Nodes per axis of a grid that holds whole blocks."""
+        """Nodes per axis of a grid of whole blocks."""
         return tuple(count * cells for count, cells in zip(self.counts, self.shape, strict=True))
 
     @ti.func
@@ -47,7 +47,7 @@ class Blocks:
 
     @ti.func
     def index(self, block):
-        """Place of a block among the blocks."""
+        """Indices of a block along the axes."""
         index, rest = ti.Vector.zero(int, self.dim), block
         for a in ti.static(range(self.dim - 1, -1, -1)):
             index[a], rest = rest % self.counts[a], rest // self.counts[a]
@@ -66,18 +66,18 @@ class Blocks:
     @ti.kernel
     def sort(self):
         """Counting sort of the points, and lists of the blocks."""
-        self.place.fill(0)
+        self.position.fill(0)
         for p in range(self.n):
-            self.place[self.cell_of(p)] += 1
+            self.position[self.cell_of(p)] += 1
         ti.loop_config(serialize=True)
         for c in range(self.total * self.cells):
-            self.start[c + 1] = self.start[c] + self.place[c]
-            self.place[c] = self.start[c]
+            self.start[c + 1] = self.start[c] + self.position[c]
+            self.position[c] = self.start[c]
         ti.loop_config(serialize=True)
         for p in range(self.n):
             c = self.cell_of(p)
-            self.spare[self.place[c]] = self.points[p]
-            self.place[c] += 1
+            self.spare[self.position[c]] = self.points[p]
+            self.position[c] += 1
         for p in range(self.n):
             self.points[p] = self.spare[p]
         self.n_occupied.fill(0)
@@ -86,10 +86,10 @@ class Blocks:
         ti.loop_config(serialize=True)
         for block in range(self.total):
             if self.first(block + 1) > self.first(block):
-                self.enlist(block)
+                self.register(block)
 
     @ti.func
-    def enlist(self, block):
+    def register(self, block):
         index, colour = self.index(block), 0
         for a in ti.static(range(self.dim)):
             colour += (index[a] % 2) << a

@@ -1,8 +1,8 @@
-"""Steps of the Taichi versions against the literal NumPy step of the tests, in double precision.
+"""Compare steps of the Taichi codes with the NumPy reference of the tests, in double precision.
 
     python -m scripts.peers.check [--steps N]
 
-Prints the largest difference of each quantity over the largest value of that quantity; fails above 1e-9.
+Prints the largest difference of each quantity relative to its largest value; fails above 1e-9.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ from math import radians
 import numpy as np
 import taichi as ti
 
-from scripts.peers.best import Best
 from scripts.peers.example import Example
-from scripts.peers.scene import MASS_FLOOR, WALL_GAP, Scene, make_material
+from scripts.peers.optimized import Optimized
+from scripts.peers.problem import MASS_FLOOR, WALL_GAP, Problem, make_material
 from tests.support import reference
 
 YOUNG, NU, PHI, PSI, COHESION, DENSITY = 1e6, 0.25, 33.0, 5.0, 20.0, 2000.0
@@ -24,10 +24,10 @@ H, NODES = 0.1, {2: (14, 11), 3: (8, 7, 6)}
 TOLERANCE = 1e-9
 
 
-def random_scene(dim: int, n: int = 600) -> Scene:
-    """Points all over the grid, some next to walls, moving, stressed, deformed, some of them open.
+def random_problem(dim: int, n: int = 600) -> Problem:
+    """Random points in the whole grid, some of them beside walls and some opened.
 
-    Of each three points one has two equal principal stresses.
+    Every third point has two equal principal stresses.
     """
     rng = np.random.default_rng(1)
     origin, shape = np.array([0.0, -0.2, 0.0][:dim]), NODES[dim]
@@ -40,7 +40,7 @@ def random_scene(dim: int, n: int = 600) -> Scene:
     sigma[::3, 2], sigma[::3, 3:] = sigma[::3, 0], 0.0
     sigma[opening > 0.0] = 0.0
     m = rng.uniform(1.0, 3.0, n)
-    return Scene(
+    return Problem(
         x=x, v=rng.normal(0.0, 0.3, (n, dim)), grad_v=rng.normal(0.0, 1.0, (n, dim, dim)), sigma=sigma, m=m,
         V0=m / DENSITY, J=rng.uniform(0.9, 1.1, n), opening=opening, kind=kind, origin=origin, h=H,
         fixed=_walls(shape), material=make_material(YOUNG, NU, PHI, DENSITY, PSI, COHESION), alpha_d=0.1, cfl=0.3,
@@ -56,56 +56,57 @@ def _walls(shape: tuple[int, ...]) -> np.ndarray:
     return fixed
 
 
-def reference_points(scene: Scene) -> reference.ReferencePoints:
-    """The points of a scene as the reference wants them."""
-    n, d = scene.x.shape
+def reference_points(problem: Problem) -> reference.ReferencePoints:
+    """The points of a problem in the form of the reference."""
+    n, d = problem.x.shape
     grad_v = np.zeros((n, 3, 3))
-    grad_v[:, :d, :d] = scene.grad_v
+    grad_v[:, :d, :d] = problem.grad_v
     return reference.ReferencePoints(
-        scene.x, scene.v, grad_v, scene.sigma[:, [[0, 3, 5], [3, 1, 4], [5, 4, 2]]], scene.J, scene.opening, scene.m,
-        scene.V0, np.zeros((n, 1)), scene.kind,
+        x=problem.x, v=problem.v, grad_v=grad_v, sigma=problem.sigma[:, [[0, 3, 5], [3, 1, 4], [5, 4, 2]]],
+        J=problem.J, opening=problem.opening, m=problem.m, V0=problem.V0, history=np.zeros((n, 1)),
+        material=problem.kind,
     )  # fmt: skip
 
 
-def reference_step(points: reference.ReferencePoints, scene: Scene, dt: float) -> reference.ReferencePoints:
-    """One literal step; points are then held off the walls."""
+def reference_step(points: reference.ReferencePoints, problem: Problem, dt: float) -> reference.ReferencePoints:
+    """One step of the reference, with the positions then limited as in the codes."""
     materials = [
         reference.ReferenceMaterial(YOUNG, NU, radians(PHI), radians(PSI), COHESION),
         reference.ReferenceMaterial(YOUNG, NU),
     ]
-    grid = reference.ReferenceGrid(scene.origin, scene.h, scene.n_nodes)
-    gravity = np.zeros(scene.dim)
-    gravity[1] = -scene.gravity
-    scheme = reference.ReferenceScheme(dt, gravity, scene.alpha_d, m_min=MASS_FLOOR * scene.m.min())
-    points = reference.step(points, grid, scene.fixed, materials, scheme)
-    gap, size = WALL_GAP * scene.h, (np.array(scene.n_nodes) - 1) * scene.h
-    np.clip(points.x, scene.origin + gap, scene.origin + size - gap, out=points.x)
+    grid = reference.ReferenceGrid(problem.origin, problem.h, problem.n_nodes)
+    gravity = np.zeros(problem.dim)
+    gravity[1] = -problem.gravity
+    scheme = reference.ReferenceScheme(dt, gravity, problem.alpha_d, m_min=MASS_FLOOR * problem.m.min())
+    points = reference.step(points, grid, problem.fixed, materials, scheme)
+    gap, size = WALL_GAP * problem.h, (np.array(problem.n_nodes) - 1) * problem.h
+    np.clip(points.x, problem.origin + gap, problem.origin + size - gap, out=points.x)
     return points
 
 
-def differences(code: type, scene: Scene, steps: int) -> dict[str, float]:
+def differences(code: type, problem: Problem, steps: int) -> dict[str, float]:
     """Largest relative difference of each quantity after `steps` steps of `code`."""
-    peer, expected = code(scene), reference_points(scene)
+    peer, expected = code(problem), reference_points(problem)
     for _ in range(steps):
-        expected = reference_step(expected, scene, peer.dt)
+        expected = reference_step(expected, problem, peer.dt)
         peer.advance(1)
-    got, d = peer.state(), scene.dim
-    mine, theirs = np.argsort(got["V0"]), np.argsort(expected.V0)  # volumes tell sorted points apart
+    got, d = peer.state(), problem.dim
+    order, order_expected = np.argsort(got["V0"]), np.argsort(expected.V0)  # volumes identify points
     pairs = {name: (got[name], getattr(expected, name)) for name in ("x", "v", "J", "opening")}
     pairs["grad_v"] = got["grad_v"], expected.grad_v[:, :d, :d]
     pairs["sigma"] = got["sigma"], expected.sigma[:, [0, 1, 2, 0, 1, 0], [0, 1, 2, 1, 2, 2]][:, : got["sigma"].shape[1]]
-    return {name: float(np.abs(a[mine] - b[theirs]).max() / np.abs(b).max()) for name, (a, b) in pairs.items()}
+    return {name: float(np.abs(a[order] - b[order_expected]).max() / np.abs(b).max()) for name, (a, b) in pairs.items()}
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--steps", type=int, default=3)
-    asked = parser.parse_args()
+    options = parser.parse_args()
     worst = 0.0
-    for code in (Best, Example):
+    for code in (Optimized, Example):
         for dim in (2, 3):
             ti.init(arch=ti.cpu, cpu_max_num_threads=2, default_fp=ti.f64, log_level=ti.ERROR, **code.TAICHI)
-            found = differences(code, random_scene(dim), asked.steps)
+            found = differences(code, random_problem(dim), options.steps)
             print(f"{code.__name__:8s} {dim}D ", *(f"{name} {value:.1e}" for name, value in found.items()), flush=True)
             worst = max(worst, *found.values())
     print(f"largest difference {worst:.1e}")

@@ -1,9 +1,9 @@
-"""mpmcol beside the same scheme in Taichi, on the same scene in the same session.
+"""Compare the speed of mpmcol with that of the same scheme in Taichi, on the same problem in the same session.
 
-    python -m scripts.peers.compare [--scene MODEL:POINTS ...] [--threads N ...] [--json FILE]
+    python -m scripts.peers.compare [--problem MODEL:POINTS ...] [--threads N ...] [--json FILE]
 
-All codes of a scene are kept warm in processes of their own and step in turn, so that every round is a pair. `best` is
-Taichi with sorted points and coloured blocks, `example` Taichi as its own examples are written.
+All codes of a case run in separate processes and step in turn, so that every round is a paired measurement.
+`optimized` is Taichi with sorted points and coloured blocks, `example` Taichi as in its own examples.
 """
 
 from __future__ import annotations
@@ -22,16 +22,22 @@ from typing import Any
 
 from mpmcol.bench.report import Spread, describe_machine
 
-SCENES = ("plane:20000", "plane:200000", "quarter:126000")
+CASES = ("plane:20000", "plane:200000", "quarter:126000")
 Code = tuple[str, str]  # name and precision
-CODES: tuple[Code, ...] = (("mpmcol", "f64"), ("best", "f64"), ("best", "f32"), ("example", "f64"), ("example", "f32"))
-NAMES = ("mpmcol", "best", "example")
+CODES: tuple[Code, ...] = (
+    ("mpmcol", "f64"),
+    ("optimized", "f64"),
+    ("optimized", "f32"),
+    ("example", "f64"),
+    ("example", "f32"),
+)
+NAMES = ("mpmcol", "optimized", "example")
 POINT_STEPS = 2_000_000  # points times steps in a round
 
 
 @dataclass(frozen=True)
 class Row:
-    """One code on one scene: ns per point and step, and times as long as mpmcol in the same round."""
+    """One code on one problem: ns per point and step, and the ratio to mpmcol in the same round."""
 
     model: str
     points: int
@@ -40,11 +46,11 @@ class Row:
     precision: str
     ns: Spread
     ratio: Spread | None  # None if mpmcol was left out
-    kinetic_energy: float  # of all points at the end, J: all codes must have moved alike
+    kinetic_energy: float  # of all points at the end, J: equal for all codes
 
 
 class Worker:
-    """A process that steps one code on one scene."""
+    """A process that steps one code on one problem."""
 
     def __init__(self, code: str, precision: str, model: str, points: int, threads: int) -> None:
         command = [sys.executable, "-m", "scripts.peers.worker", code, precision, model, str(points), str(threads)]
@@ -63,7 +69,7 @@ class Worker:
         return json.loads(line)
 
     def step(self, steps: int) -> float:
-        """Seconds that so many steps take."""
+        """Do `steps` steps; returns the seconds."""
         assert self._process.stdin is not None
         print(steps, file=self._process.stdin, flush=True)
         answer = self._answer()
@@ -78,14 +84,14 @@ class Worker:
 
 
 def measure(model: str, points: int, threads: int, rounds: int, warm_up: int, codes: Sequence[Code]) -> list[Row]:
-    """Rows of all codes on one scene."""
+    """Rows of all codes on one problem."""
     workers = {code: Worker(*code, model, points, threads) for code in codes}
     steps = max(POINT_STEPS // points, 3)
     for worker in workers.values():
         worker.step(warm_up)
     ns: dict[Code, list[float]] = {code: [] for code in codes}
     for k in range(rounds):
-        for code in (*codes[k % len(codes) :], *codes[: k % len(codes)]):  # nobody is always the first
+        for code in (*codes[k % len(codes) :], *codes[: k % len(codes)]):  # the first code changes from round to round
             ns[code].append(1e9 * workers[code].step(steps) / (steps * workers[code].points))
     for worker in workers.values():
         worker.close()
@@ -93,19 +99,19 @@ def measure(model: str, points: int, threads: int, rounds: int, warm_up: int, co
 
 
 def _make_row(model: str, threads: int, code: Code, worker: Worker, ns: list[float], own: list[float] | None) -> Row:
-    """The timings of one code beside mpmcol's `own` of the same rounds."""
+    """The timings of one code; `own`: those of mpmcol in the same rounds."""
     ratio = Spread.of([a / b for a, b in zip(ns, own, strict=True)]) if own else None
     return Row(model, worker.points, threads, *code, Spread.of(ns), ratio, worker.kinetic_energy)
 
 
 HEADER = (
-    "| scene | points | threads | code | precision | ns per point and step | times as long as mpmcol |",
+    "| problem | points | threads | code | precision | ns per point and step | ratio to mpmcol |",
     "|---|---|---|---|---|---|---|",
 )
 
 
 def table_line(row: Row) -> str:
-    """One line of the Markdown table: medians, least and greatest of all rounds in brackets."""
+    """One line of the Markdown table: medians, and minimum to maximum of all rounds."""
     name = "mpmcol" if row.code == "mpmcol" else f"Taichi, {row.code}"
     ns = f"{row.ns.median:.1f} ({row.ns.min:.1f}-{row.ns.max:.1f})"
     ratio = "-" if row.ratio is None else f"{row.ratio.median:.2f} ({row.ratio.min:.2f}-{row.ratio.max:.2f})"
@@ -113,7 +119,7 @@ def table_line(row: Row) -> str:
 
 
 def disagreement(rows: list[Row]) -> float:
-    """Largest relative difference of the kinetic energies that the codes in double precision ended with on a scene."""
+    """Largest relative difference between the final kinetic energies of the codes in double precision."""
     energies: dict[tuple[str, int, int], list[float]] = {}
     for row in rows:
         if row.precision == "f64":
@@ -122,7 +128,7 @@ def disagreement(rows: list[Row]) -> float:
 
 
 def write_json(path: Path, rows: list[Row], rounds: int, warm_up: int) -> None:
-    """All numbers with the machine and the versions."""
+    """Write all numbers with machine and versions."""
     machine = {**describe_machine(), "taichi": metadata.version("taichi")}
     report = {
         "date": datetime.now(UTC).isoformat(timespec="seconds"), "machine": machine, "rounds": rounds,
@@ -133,24 +139,24 @@ def write_json(path: Path, rows: list[Row], rounds: int, warm_up: int) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--scene", nargs="+", default=SCENES, metavar="MODEL:POINTS", help="plane or quarter")
+    parser.add_argument("--problem", nargs="+", default=CASES, metavar="MODEL:POINTS", help="plane or quarter")
     parser.add_argument("--threads", nargs="+", type=int, default=[1, 2])
     parser.add_argument("--code", nargs="+", choices=NAMES, default=NAMES)
     parser.add_argument("--rounds", type=int, default=9)
-    parser.add_argument("--warm-up", type=int, default=120, help="steps before the clock starts")
+    parser.add_argument("--warm-up", type=int, default=120, help="steps before the timing")
     parser.add_argument("--json", type=Path)
-    asked = parser.parse_args()
-    codes = [code for code in CODES if code[0] in asked.code]
+    options = parser.parse_args()
+    codes = [code for code in CODES if code[0] in options.code]
     rows: list[Row] = []
     print(*HEADER, sep="\n", flush=True)
-    for scene in asked.scene:
-        model, points = scene.split(":")
-        for threads in asked.threads:
-            found = measure(model, int(points), threads, asked.rounds, asked.warm_up, codes)
+    for problem in options.problem:
+        model, points = problem.split(":")
+        for threads in options.threads:
+            found = measure(model, int(points), threads, options.rounds, options.warm_up, codes)
             print(*map(table_line, found), sep="\n", flush=True)
             rows += found
-            if asked.json:
-                write_json(asked.json, rows, asked.rounds, asked.warm_up)
+            if options.json:
+                write_json(options.json, rows, options.rounds, options.warm_up)
     print(f"\nKinetic energies at the end differ by {disagreement(rows):.0e} at most (double precision).")
 
 

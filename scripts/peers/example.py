@@ -1,4 +1,4 @@
-"""MPM in Taichi as its examples (mpm128.py, mpm3d.py) are written: a field per quantity, atomic scatter, no order."""
+"""MPM in Taichi as in its examples (mpm128.py, mpm3d.py): a field per quantity, atomic scatter, unsorted points."""
 
 from typing import ClassVar
 
@@ -6,22 +6,22 @@ import numpy as np
 import taichi as ti
 
 from scripts.peers.physics import component, move_node, stencil, update_stress
-from scripts.peers.scene import MASS_FLOOR, WALL_GAP, Scene
+from scripts.peers.problem import MASS_FLOOR, WALL_GAP, Problem
 
 
 @ti.data_oriented
 class Example:
     """One simulation; call `ti.init` before."""
 
-    TAICHI: ClassVar = {}  # what `ti.init` needs besides threads and precision
+    TAICHI: ClassVar = {}  # options of `ti.init` besides threads and precision
 
     STATE = ("x", "v", "grad_v", "sigma", "m", "V0", "J", "opening")
 
-    def __init__(self, scene: Scene) -> None:
-        d = self.dim = scene.dim
-        self.n, self.n_nodes, self.h, self.gravity = len(scene.x), scene.n_nodes, scene.h, scene.gravity
-        self.material, self.alpha_d, self.cfl = scene.material, scene.alpha_d, scene.cfl
-        self.origin, self.floor = tuple(scene.origin.tolist()), MASS_FLOOR * float(scene.m.min())
+    def __init__(self, problem: Problem) -> None:
+        d = self.dim = problem.dim
+        self.n, self.n_nodes, self.h, self.gravity = len(problem.x), problem.n_nodes, problem.h, problem.gravity
+        self.material, self.alpha_d, self.cfl = problem.material, problem.alpha_d, problem.cfl
+        self.origin, self.floor = tuple(problem.origin.tolist()), MASS_FLOOR * float(problem.m.min())
         self.x, self.v = ti.Vector.field(d, float, self.n), ti.Vector.field(d, float, self.n)
         self.grad_v = ti.Matrix.field(d, d, float, self.n)
         self.sigma = ti.Vector.field(4 if d == 2 else 6, float, self.n)
@@ -31,12 +31,12 @@ class Example:
         self.grid_v = ti.Vector.field(d, float, self.n_nodes)  # momentum, then velocity
         self.grid_a = ti.Vector.field(d, float, self.n_nodes)  # force, then acceleration
         self.walls = ti.field(ti.u8, self.n_nodes)
-        self.walls.from_numpy(scene.wall_bits)
+        self.walls.from_numpy(problem.wall_bits)
         self.speed = ti.field(float, ())
-        self.speed[None] = scene.speed
+        self.speed[None] = problem.speed
         for name in ("x", "v", "grad_v", "m", "V0", "J", "opening", "kind"):
-            getattr(self, name).from_numpy(getattr(scene, name))
-        self.sigma.from_numpy(scene.sigma[:, : self.sigma.n])
+            getattr(self, name).from_numpy(getattr(problem, name))
+        self.sigma.from_numpy(problem.sigma[:, : self.sigma.n])
 
     @property
     def dt(self) -> float:
@@ -48,7 +48,7 @@ class Example:
         return {name: getattr(self, name).to_numpy() for name in self.STATE}
 
     def advance(self, steps: int) -> None:
-        """Step so many times, Eq. 13-36."""
+        """Do `steps` steps, Eq. 13-36."""
         for _ in range(steps):
             self.clear()
             self.p2g()
@@ -74,11 +74,11 @@ class Example:
             body = ti.Vector.zero(float, d)
             body[1] = -m * self.gravity
             for offset in ti.static(ti.grouped(ti.ndrange(*(3,) * d))):
-                weight, slope = self.weight_and_slope(offset, w, g)
+                weight, gradient = self.weight_and_gradient(offset, w, g)
                 arm = ti.Vector(self.origin) + (base + offset) * h - x
                 self.grid_m[base + offset] += weight * m
                 self.grid_v[base + offset] += weight * (m * v + affine @ arm)
-                self.grid_a[base + offset] += weight * body + stress @ slope
+                self.grid_a[base + offset] += weight * body + stress @ gradient
 
     @ti.kernel
     def update_grid(self):
@@ -101,11 +101,11 @@ class Example:
             base, w, g = stencil((x - ti.Vector(self.origin)) * (1.0 / h), self.n_nodes)
             v, a, grad_v = ti.zero(x), ti.zero(x), ti.Matrix.zero(float, d, d)
             for offset in ti.static(ti.grouped(ti.ndrange(*(3,) * d))):
-                weight, slope = self.weight_and_slope(offset, w, g)
+                weight, gradient = self.weight_and_gradient(offset, w, g)
                 node_v = self.grid_v[base + offset]
                 v += weight * node_v
                 a += weight * self.grid_a[base + offset]
-                grad_v += node_v.outer_product(slope)
+                grad_v += node_v.outer_product(gradient)
             self.v[p] += dt * a  # Eq. 26
             first, last = ti.Vector(self.origin), ti.Vector(self.origin) + (ti.Vector(self.n_nodes) - 1) * h
             x += dt * (v - 0.5 * dt * a)  # Eq. 27
@@ -117,11 +117,11 @@ class Example:
             ti.atomic_max(self.speed[None], ti.sqrt(self.material.wave_speed2 * self.J[p]) + self.v[p].norm())
 
     @ti.func
-    def weight_and_slope(self, offset: ti.template(), w: ti.template(), g: ti.template()):
-        """Weight of one node of the stencil and its gradient, 1/m."""
-        weight, slope = 1.0, ti.Vector.one(float, self.dim) * (1.0 / self.h)
+    def weight_and_gradient(self, offset: ti.template(), w: ti.template(), g: ti.template()):
+        """Weight of one node of the stencil, and its gradient (1/m)."""
+        weight, gradient = 1.0, ti.Vector.one(float, self.dim) * (1.0 / self.h)
         for a in ti.static(range(self.dim)):
             weight *= w[offset[a], a]
             for b in ti.static(range(self.dim)):
-                slope[b] *= g[offset[a], a] if ti.static(a == b) else w[offset[a], a]
-        return weight, slope
+                gradient[b] *= g[offset[a], a] if ti.static(a == b) else w[offset[a], a]
+        return weight, gradient

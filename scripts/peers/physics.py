@@ -1,22 +1,22 @@
-"""Formulas of one point and of one node in Taichi, for two and three dimensions.
+"""Formulas for one point and one node in Taichi, in two and three dimensions.
 
-Lengths of vectors are known when Taichi compiles, so the same text becomes the code of either dimension. A stress is a
-vector xx yy zz xy, in three dimensions followed by yz xz (Pa, tension > 0). `material` is a `scene.Material`, whose
+Lengths of vectors are known at compile time, so that one source serves both dimensions. A stress is a
+vector xx yy zz xy, in three dimensions followed by yz xz (Pa, tension > 0). `material` is a `problem.Material`, whose
 numbers become constants of the code. Equation numbers are those of Coetzee & Purvance 2026.
 """
 
 import taichi as ti
 
-TINY = 1e-30  # keeps 0 / 0 away, in single precision too
+TINY = 1e-30  # avoids 0 / 0, in single precision also
 THIRD = 1.0 / 3.0
 STRESS_INDEX = ((0, 3, 5), (3, 1, 4), (5, 4, 2))
 
 
 @ti.func
 def stencil(s: ti.template(), n_nodes: ti.template()):
-    """First node, weights and slopes, both [node, axis], at grid coordinates `s`. Eq. 17-18.
+    """First node, weights and gradients (times h), both [node, axis], at grid coordinates `s`. Eq. 17-18.
 
-    Beside walls the kernel correction makes the weights the linear hats of the two nodes next to the point.
+    Beside walls the kernel correction reduces to the linear shape functions of the two nodes next to the point.
     """
     base = ti.cast(s - 0.5, int)
     w, g = ti.Matrix.zero(float, 3, s.n), ti.Matrix.zero(float, 3, s.n)
@@ -44,7 +44,7 @@ def move_node(momentum: ti.template(), force: ti.template(), m, walls, alpha_d: 
         acceleration[a] = (force[a] - alpha_d * ti.abs(force[a]) * ti.math.sign(raw)) * inverse
         v[a] = raw + dt * acceleration[a]
         if (walls >> a) & 1:
-            v[a], acceleration[a] = 0.0, -raw / dt  # points move as if the node stopped in this step
+            v[a], acceleration[a] = 0.0, -raw / dt  # points see the node stop in this step
     return v, acceleration
 
 
@@ -103,7 +103,7 @@ def update_stress(grad_v: ti.template(), dt, sigma: ti.template(), J, opening, i
 
 @ti.func
 def return_plane(s: ti.template(), material: ti.template()):
-    """Return a stress whose third axis is principal; also the strain set free at the apex."""
+    """Return a stress whose third axis is principal; also gives the strain released at the apex."""
     centre, half = 0.5 * (s[0, 0] + s[1, 1]), 0.5 * (s[0, 0] - s[1, 1])
     radius = ti.sqrt(half * half + s[0, 1] * s[0, 1])
     a, b, z, yields, freed = return_principal(centre + radius, centre - radius, s[2, 2], material)
@@ -117,7 +117,7 @@ def return_plane(s: ti.template(), material: ti.template()):
 
 @ti.func
 def return_space(s: ti.template(), material: ti.template()):
-    """Return a full stress; also the strain set free at the apex.
+    """Return a full stress; also gives the strain released at the apex.
 
     The principal value farthest from the other two, and its projector, are exact to round-off even where the other two
     meet (Scherzinger & Dohrmann 2008, doi:10.1016/j.cma.2008.03.031); what is left is a plane problem about that axis.
@@ -147,7 +147,7 @@ def return_space(s: ti.template(), material: ti.template()):
 
 @ti.func
 def return_principal(a, b, z, material: ti.template()):
-    """Return principal stresses a >= b and any z; also whether they yield, and the strain set free at the apex."""
+    """Return principal stresses a >= b and any z; also gives whether they yield and the strain released at the apex."""
     apex = ti.static(material.apex)
     s1, s2, s3 = ti.max(a, z) - apex, ti.max(b, ti.min(a, z)) - apex, ti.min(b, z) - apex
     yields = material.n_phi * s1 > s3

@@ -1,8 +1,8 @@
-"""One code on one scene in a process of its own, stepping on demand: Taichi and Numba are set up once per process.
+"""Run one code on one problem in a separate process: Taichi and Numba are set up once per process.
 
     python -m scripts.peers.worker CODE PRECISION MODEL POINTS THREADS
 
-Answers every line on the standard input, a number of steps, with one line of JSON.
+Reads numbers of steps from standard input, one per line, and answers each with a line of JSON.
 """
 
 from __future__ import annotations
@@ -17,16 +17,16 @@ from typing import Any
 
 import numpy as np
 
-from mpmcol.bench.scenes import make_solver
+from mpmcol.bench.cases import make_solver
 from mpmcol.mpm.jit import set_threads
-from scripts.peers.scene import from_solver
+from scripts.peers.problem import from_solver
 
 Advance = Callable[[int], None]
 State = Callable[[], dict[str, np.ndarray]]
 
 
 def start_mpmcol(model: str, points: int, threads: int) -> tuple[int, Advance, State]:
-    """mpmcol's own step, many per call."""
+    """The solver of mpmcol."""
     set_threads(threads)
     solver = make_solver(model, points)
 
@@ -39,34 +39,34 @@ def start_mpmcol(model: str, points: int, threads: int) -> tuple[int, Advance, S
 
 
 def start_taichi(code: str, precision: str, model: str, points: int, threads: int) -> tuple[int, Advance, State]:
-    """One of the Taichi versions."""
+    """One of the Taichi codes."""
     import taichi as ti
 
-    from scripts.peers.best import Best
     from scripts.peers.example import Example
+    from scripts.peers.optimized import Optimized
 
-    scene, make = from_solver(make_solver(model, points)), {"best": Best, "example": Example}[code]
+    problem, make = from_solver(make_solver(model, points)), {"optimized": Optimized, "example": Example}[code]
     ti.init(
         arch=ti.cpu, cpu_max_num_threads=threads, default_fp=getattr(ti, precision), log_level=ti.ERROR, **make.TAICHI
     )
-    peer = make(scene)
+    peer = make(problem)
 
     def advance(steps: int) -> None:
         peer.advance(steps)
         ti.sync()
 
-    return len(scene.x), advance, peer.state
+    return len(problem.x), advance, peer.state
 
 
 def kinetic_energy(state: dict[str, np.ndarray]) -> float:
-    """Of all points, J (per metre in 2D): tells whether all codes simulate the same."""
+    """Kinetic energy of all points, J (per metre in 2D), to verify that all codes simulate the same."""
     return float(0.5 * np.sum(state["m"].astype(float) * np.sum(state["v"].astype(float) ** 2, axis=1)))
 
 
 def main() -> None:
     code, precision, model, points, threads = sys.argv[1:]
     answers = os.fdopen(os.dup(1), "w", buffering=1)
-    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # Taichi prints its name
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # Taichi prints a banner
 
     def answer(**what: Any) -> None:
         print(json.dumps(what), file=answers)

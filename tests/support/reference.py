@@ -1,9 +1,9 @@
-"""One step of the material point method, literally from the equations: slow, and the measure of every kernel.
+"""Reference implementation of one step of the material point method, literally from the equations, in NumPy.
 
-Equation numbers are those of Coetzee & Purvance 2026 (doi:10.20944/preprints202605.0398.v1).  Nothing here is shared
-with `mpmcol`.  d = 2 is plane strain or axisymmetric, d = 3 is three-dimensional; tensors are always 3 x 3.
-SI units, angles in radians, tension > 0.  In axisymmetry the axes are (r, y), the third is the hoop direction, and
-masses and volumes are per radian.
+Every kernel is compared with it. It shares nothing with `mpmcol`. Equation numbers are those of Coetzee & Purvance 2026
+(doi:10.20944/preprints202605.0398.v1). d = 2 is plane strain or axisymmetric, d = 3 is three-dimensional; tensors are
+always 3 x 3. SI units, angles in radians, tension > 0. In axisymmetry the axes are (r, y), the third is the hoop
+direction, and masses and volumes are per radian.
 """
 
 from __future__ import annotations
@@ -33,12 +33,12 @@ class ReferencePoints:
     history: Array  # (n, k); column 0 is the plastic deviatoric strain of the softening law
     material: Array  # (n,) index into the materials
     C: Array | None = None  # (n, d, d) affine matrix of APIC
-    cell: Array | None = None  # (n,) whose mean volumetric strain they have
+    cell: Array | None = None  # (n,) cells over which the volumetric strain is averaged
 
 
 @dataclass(frozen=True)
 class ReferenceGrid:
-    """Nodes at origin + h * index; walls stand on the first and the last node of each axis."""
+    """Nodes at origin + h * index; the first and the last node of each axis are on walls."""
 
     origin: Array  # (d,)
     h: float
@@ -70,14 +70,14 @@ class ReferenceMaterial:
     def angles(self, eps: float) -> tuple[float, float]:
         """Friction and dilatancy angle after the plastic deviatoric strain eps."""
         assert self.phi is not None
-        left = np.exp(-self.rate * eps)
-        phi = self.phi_residual + (self.phi - self.phi_residual) * left
-        return phi, self.psi_residual + (self.psi - self.psi_residual) * left
+        remaining = np.exp(-self.rate * eps)
+        phi = self.phi_residual + (self.phi - self.phi_residual) * remaining
+        return phi, self.psi_residual + (self.psi - self.psi_residual) * remaining
 
 
 @dataclass(frozen=True)
 class ReferenceScheme:
-    """The choices of the method; the defaults are those of mpmcol."""
+    """Options of the method; the defaults are those of mpmcol."""
 
     dt: float
     gravity: Array  # (d,)
@@ -96,24 +96,24 @@ class ReferenceScheme:
     apic: bool = False  # C in place of the velocity gradient in Eq. 20
 
 
-# ---------------------------------------------------------------------------------------------- basis
+# ------------------------------------------------------------------------------------ shape functions
 
 
 def spline(r: Array) -> tuple[Array, Array]:
-    """Quadratic B-spline and its derivative by r = (x - x_i) / h."""
+    """Quadratic B-spline and its derivative with respect to r = (x - x_i) / h."""
     a = np.abs(r)
     w = np.where(a < 0.5, 0.75 - a**2, np.where(a < 1.5, 0.5 * (1.5 - a) ** 2, 0.0))  # Eq. 17
     dw = np.where(a < 0.5, -2.0 * r, np.where(a < 1.5, (a - 1.5) * np.sign(r), 0.0))  # Eq. 18
     return w, dw
 
 
-def hat(r: Array) -> tuple[Array, Array]:
-    """Linear hat and its derivative by r."""
+def linear_function(r: Array) -> tuple[Array, Array]:
+    """Linear shape function and its derivative with respect to r."""
     return np.maximum(1.0 - np.abs(r), 0.0), np.where(np.abs(r) < 1.0, np.where(r < 0.0, 1.0, -1.0), 0.0)
 
 
 def cubic_spline(r: Array) -> tuple[Array, Array]:
-    """Cubic B-spline and its derivative by r."""
+    """Cubic B-spline and its derivative with respect to r."""
     a = np.abs(r)
     w = np.where(a < 1.0, 0.5 * a**3 - a**2 + 2.0 / 3.0, np.where(a < 2.0, (2.0 - a) ** 3 / 6.0, 0.0))
     dw = np.where(a < 1.0, 1.5 * a**2 - 2.0 * a, np.where(a < 2.0, -0.5 * (2.0 - a) ** 2, 0.0)) * np.sign(r)
@@ -121,16 +121,16 @@ def cubic_spline(r: Array) -> tuple[Array, Array]:
 
 
 def linear_axis_weights(r: Array, n_nodes: int) -> tuple[Array, Array, Array]:
-    """Nodes, weights and derivatives (n, 2) of the linear basis."""
+    """Nodes, weights and derivatives (n, 2) of the linear shape functions."""
     nodes = np.minimum(np.floor(r).astype(int), n_nodes - 2)[:, None] + np.array([0, 1])
-    return nodes, *hat(r[:, None] - nodes)
+    return nodes, *linear_function(r[:, None] - nodes)
 
 
 def cubic_axis_weights(r: Array, n_nodes: int, correct: bool) -> tuple[Array, Array, Array]:
-    """Nodes, weights and derivatives (n, 4) of the cubic basis.
+    """Nodes, weights and derivatives (n, 4) of the cubic shape functions.
 
-    A node outside the grid has weight zero and a clipped index. With the correction its value is the linear
-    continuation of the grid, v_-1 = 2 v_0 - v_1, so that its weight goes to these two.
+    A node outside the grid has weight zero and a clipped index. With the correction its value is extrapolated linearly,
+    v_-1 = 2 v_0 - v_1, so that its weight is distributed to these two nodes.
     """
     nodes = np.minimum(np.floor(r).astype(int), n_nodes - 2)[:, None] + np.array([-1, 0, 1, 2])
     w, dw = cubic_spline(r[:, None] - nodes)
@@ -145,7 +145,7 @@ def cubic_axis_weights(r: Array, n_nodes: int, correct: bool) -> tuple[Array, Ar
 
 
 def axis_weights(r: Array, n_nodes: int, correct: bool, basis: str = "quadratic") -> tuple[Array, Array, Array]:
-    """Nodes, weights and derivatives by r (n, 3) along one axis, or as many as the basis has; r (n,) is in cells.
+    """Nodes, weights and derivatives (n, width) along one axis at grid coordinates r (n,), in cells.
 
     A stencil node outside the grid has weight zero and a clipped index.
     """
@@ -160,7 +160,7 @@ def axis_weights(r: Array, n_nodes: int, correct: bool, basis: str = "quadratic"
     w, dw = spline(distance)
     first, last = nodes[:, 0] < 0, nodes[:, 2] > n_nodes - 1  # within half a cell of a wall
     for wall, slope in ((first, np.array([0.0, -1.0, 1.0])), (last, np.array([-1.0, 1.0, 0.0]))):
-        if correct:  # the linear hats of the two nodes that are left
+        if correct:  # linear shape functions of the remaining two nodes
             w[wall], dw[wall] = (1.0 - np.abs(distance[wall])) * np.abs(slope), slope
         else:
             w[wall], dw[wall] = w[wall] * np.abs(slope), dw[wall] * np.abs(slope)
@@ -172,7 +172,7 @@ def weights(
 ) -> tuple[Array, Array, Array]:
     """Nodes (n, k^d, d), w_ip (n, k^d) of Eq. 7 and grad w_ip (n, k^d, d) of Eq. 8, products over the axes.
 
-    correct=False leaves the spline truncated at the walls.  Raises ValueError for a point outside the grid.
+    correct=False truncates the spline at the walls. Raises ValueError for a point outside the grid.
     """
     d = x.shape[1]
     axes = [axis_weights((x[:, b] - origin[b]) / h, n_nodes[b], correct, basis) for b in range(d)]
@@ -215,7 +215,7 @@ def p2g(points: ReferencePoints, grid: ReferenceGrid, scheme: ReferenceScheme) -
 
 
 def grid_update(m: Array, p: Array, f: Array, fixed: Array, scheme: ReferenceScheme) -> tuple[Array, Array]:
-    """Velocity v~ and acceleration a of the nodes; fixed (N..., d) marks components held at zero."""
+    """Velocity v~ and acceleration a of the nodes; fixed (N..., d): components held at zero."""
     full = (m > scheme.m_min)[..., None]
     mass = np.where(full, m[..., None], 1.0)
     v_raw = np.where(full, p / mass, 0.0)  # Eq. 21
@@ -309,20 +309,20 @@ def stress_update(
     points: ReferencePoints, materials: Sequence[ReferenceMaterial], scheme: ReferenceScheme
 ) -> ReferencePoints:
     """Points with new sigma, J, opening and history; grad_v is that of the new velocity."""
-    even = points if points.cell is None else replace(points, grad_v=_averaged(points))
-    new = [_stress_of(even, p, materials[points.material[p]], scheme) for p in range(len(points.x))]
+    averaged = points if points.cell is None else replace(points, grad_v=_averaged(points))
+    new = [_stress_of(averaged, p, materials[points.material[p]], scheme) for p in range(len(points.x))]
     sigma, J, opening, history = (np.array(part) for part in zip(*new, strict=True))
     return replace(points, sigma=sigma, J=J, opening=opening, history=history)
 
 
 def _averaged(points: ReferencePoints) -> Array:
-    """Velocity gradients (n, 3, 3) with the trace that all closed points of a cell and material have together."""
+    """Velocity gradients (n, 3, 3) with the trace averaged over the closed points of a cell and material."""
     L = points.grad_v.copy()
     for p in range(len(L)):
-        alike = (points.cell == points.cell[p]) & (points.material == points.material[p]) & (points.opening == 0.0)
-        if alike[p]:
-            V = (points.J * points.V0)[alike]
-            mean = V @ np.trace(points.grad_v[alike], axis1=1, axis2=2) / V.sum()
+        members = (points.cell == points.cell[p]) & (points.material == points.material[p]) & (points.opening == 0.0)
+        if members[p]:
+            V = (points.J * points.V0)[members]
+            mean = V @ np.trace(points.grad_v[members], axis1=1, axis2=2) / V.sum()
             L[p] += (mean - np.trace(points.grad_v[p])) / 3.0 * IDENTITY
     return L
 
@@ -369,7 +369,7 @@ def _soften(history: Array, material: ReferenceMaterial, plastic: Array) -> None
 
 
 def nodal_velocity(m: Array, p: Array, fixed: Array, scheme: ReferenceScheme) -> Array:
-    """Velocity (N..., d) of the nodes, Eq. 21, at rest where it is held."""
+    """Velocity (N..., d) of the nodes, Eq. 21, zero where it is held."""
     full = (m > scheme.m_min)[..., None]
     return np.where(fixed | ~full, 0.0, p / np.where(full, m[..., None], 1.0))
 
@@ -387,14 +387,14 @@ def velocity_gradient(x: Array, v: Array, grid: ReferenceGrid, scheme: Reference
     return L
 
 
-def strained(
+def with_updated_stress(
     points: ReferencePoints,
     v: Array,
     grid: ReferenceGrid,
     materials: Sequence[ReferenceMaterial],
     scheme: ReferenceScheme,
 ) -> ReferencePoints:
-    """Points whose stress is updated with the gradient of v (N..., d), and that keep their own."""
+    """Points with the stress updated by the gradient of v (N..., d), and their own gradient unchanged."""
     L = velocity_gradient(points.x, v, grid, scheme)
     return replace(stress_update(replace(points, grad_v=L), materials, scheme), grad_v=points.grad_v)
 
@@ -406,10 +406,10 @@ def step(
     materials: Sequence[ReferenceMaterial],
     scheme: ReferenceScheme,
 ) -> ReferencePoints:
-    """One step, update stress last, first, or last with velocities from the points' new ones (Bardenhagen 2002)."""
+    """One step: USL, USF or MUSL (Bardenhagen 2002, doi:10.1006/jcph.2002.7103)."""
     m, p, f = p2g(points, grid, scheme)
     if scheme.stress_order == "usf":
-        points = strained(points, nodal_velocity(m, p, fixed, scheme), grid, materials, scheme)
+        points = with_updated_stress(points, nodal_velocity(m, p, fixed, scheme), grid, materials, scheme)
         m, p, f = p2g(points, grid, scheme)
     v, a = grid_update(m, p, f, fixed, scheme)
     new = g2p(points, v, a, grid, scheme)
@@ -418,8 +418,10 @@ def step(
     if scheme.stress_order == "usl":
         return stress_update(new, materials, scheme)
     m, p, _ = p2g(replace(new, x=points.x), grid, scheme)
-    at_old = strained(replace(new, x=points.x), nodal_velocity(m, p, fixed, scheme), grid, materials, scheme)
-    return replace(at_old, x=new.x)
+    updated = with_updated_stress(
+        replace(new, x=points.x), nodal_velocity(m, p, fixed, scheme), grid, materials, scheme
+    )
+    return replace(updated, x=new.x)
 
 
 # --------------------------------------------------------------------------- brute-force return mapping
@@ -428,10 +430,10 @@ def step(
 def koiter_return(
     principal: Array, phi: float, psi: float, c: float, K: float, G: float, tolerance: float = 1e-9
 ) -> Array:
-    """Return of principal trial stresses (n, 3), in any order, to the six Mohr-Coulomb planes, every active set tried.
+    """Return principal trial stresses (n, 3), in any order, to the six Mohr-Coulomb planes by trying every active set.
 
     Koiter 1953: sigma = trial - D sum lambda b, f = 0 and lambda >= 0 on the active planes, f <= 0 on all others.
-    With psi = 0 tension beyond the apex has no solution: the apex is then a choice, the tension cut-off.
+    With psi = 0 there is no solution for tension beyond the apex; the apex is then chosen as tension cut-off.
     """
     k = (1.0 + np.sin(phi)) / (1.0 - np.sin(phi))
     m = (1.0 + np.sin(psi)) / (1.0 - np.sin(psi))

@@ -21,8 +21,7 @@ from mpmcol.failure_modes.toolkit import (
 from mpmcol.mpm.boundary import hold_components
 from mpmcol.mpm.grid import node_coordinates, node_records
 from mpmcol.mpm.kernels.grid_update import clear
-from mpmcol.mpm.kernels.transfer import TRANSFERS
-from mpmcol.mpm.kernels.transfer_common import make_p2g
+from mpmcol.mpm.kernels.transfer import make_p2g
 from mpmcol.mpm.particles import COLUMN, Points
 from mpmcol.mpm.settings import PAPER, Scheme
 from mpmcol.mpm.solver import Solver
@@ -104,7 +103,7 @@ def test_active_thrust_on_the_gate(d: int) -> None:
     solver, width = sand_behind_a_gate(10, d, width=4), 0.4 * HEIGHT
     solver.sort()
     clear(solver.grid, solver.tiles)
-    make_p2g(TRANSFERS[d])(solver.points.rows.reshape(-1), solver.grid, solver.tiles, solver.settings)
+    make_p2g(d, "quadratic")(solver.points.rows.reshape(-1), solver.grid, solver.tiles, solver.settings)
     thrust = 0.5 * K_ACTIVE * DENSITY * G * HEIGHT**2 * width ** (d - 2)
     assert pytest.approx(0.2948, abs=5e-5) == K_ACTIVE
     points = solver.points

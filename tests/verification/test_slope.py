@@ -52,8 +52,7 @@ class EndlessSolver(Solver):
         super().sort()
         assert self.tiles is not None
         x, y = np.divmod(self.tiles.active // self.grid.tile_doubles, tile_count(self.grid.n_y))
-        self.tiles = self.tiles._replace(active=np.unique(self.grid.ax[TILE * x] + self.grid.ay[TILE * y]))
-        self._reports = (self._reports[0][: len(self.tiles.active)], self._reports[1])
+        self.set_tiles(self.tiles._replace(active=np.unique(self.grid.ax[TILE * x] + self.grid.ay[TILE * y])))
 
 
 def layer(degrees: float, mobilised: float) -> tuple[Solver, np.ndarray]:

@@ -1,7 +1,7 @@
-"""The step of `kernels.cycle` as plain Numba loops over separate arrays, for comparison only.
+"""The step of the solver as plain Numba loops over separate arrays, for comparison only.
 
-Same physics, same order of points, same coloured tiles, so that it is parallel and gives the same numbers to
-round-off; but one array per quantity, scalars, and no vectors. Grid arrays have three axes, the last of one node in two
+The same equations, order of points and coloured tiles: it is parallel and gives the same numbers to round-off, but it
+uses an array per quantity and scalars instead of vectors. Grid arrays have three axes, the last with one node in two
 dimensions.
 """
 
@@ -21,9 +21,11 @@ from mpmcol.mpm.constitutive import ConstitutiveLaw
 from mpmcol.mpm.grid import TILE, Grid, Tiles, tile_count
 from mpmcol.mpm.jit import device, phase, prange, variant
 from mpmcol.mpm.kernels.grid_update import MASS_FLOOR
-from mpmcol.mpm.kernels.particle_update import STRESSES
+from mpmcol.mpm.kernels.particle_update import Bodies
+from mpmcol.mpm.kernels.stress import make_stress_update
 from mpmcol.mpm.particles import Points
 from mpmcol.mpm.settings import Settings
+from mpmcol.mpm.solver import Solver
 
 
 class PlainPoints(NamedTuple):
@@ -58,8 +60,32 @@ class PlainGrid(NamedTuple):
     n_z: int
 
 
+class PlainState(NamedTuple):
+    """All that the plain steps read and write; see `kernels.step.State`."""
+
+    points: PlainPoints
+    grid: PlainGrid
+    tiles: Tiles
+    settings: Settings
+    bodies: Bodies
+    smallest_mass: float
+    node_report: np.ndarray  # (n_active, NODE_REPORT)
+    tile_report: np.ndarray  # (n_tiles, 2): largest speed, stress work
+    clock: np.ndarray
+
+
+def plain_state(solver: Solver) -> PlainState:
+    """Copy a solver whose points have just been sorted."""
+    state = solver.state()
+    return PlainState(
+        plain_points(solver.points), plain_grid(state.grid, state.tiles), state.tiles, state.settings, state.bodies,
+        state.smallest_mass, np.zeros_like(state.node_report), np.zeros((len(state.tiles.split), 2)),
+        state.clock.copy(),
+    )  # fmt: skip
+
+
 def plain_points(points: Points) -> PlainPoints:
-    """The records as separate arrays; a copy."""
+    """Copy the records to separate arrays."""
     L, d = points.grad_v.reshape(-1, 9), points.dimension
     arrays = (
         points.x, points.v, L if d == 3 else L[:, [0, 1, 3, 4, 8]], points.sigma[:, : 2 * d],
@@ -149,9 +175,9 @@ def _update_node(grid, i, j, k, settings, floor, dt):
 
 
 def make_update_stress(dimension: int, column_law: ConstitutiveLaw, base_law: ConstitutiveLaw) -> Callable[..., Any]:
-    """The loop over all points, one at a time, with the laws of column and base frozen in."""
+    """The stress update of all points, one at a time, with the laws of column and base frozen in."""
     column_stress, base_stress = (
-        _make_point_stress(dimension, STRESSES[dimension].make_formula(law)) for law in (column_law, base_law)
+        _make_point_stress(dimension, make_stress_update(dimension, law)) for law in (column_law, base_law)
     )
 
     @phase
@@ -165,26 +191,26 @@ def make_update_stress(dimension: int, column_law: ConstitutiveLaw, base_law: Co
         for t in prange(len(split)):
             speed, work = 0.0, 0.0
             for p in range(start[t], split[t]):
-                spent, fast = column_stress(points, p, column, settings, c2_column, dt)
-                work, speed = work + spent, max(speed, fast)
+                work_p, speed_p = column_stress(points, p, column, settings, c2_column, dt)
+                work, speed = work + work_p, max(speed, speed_p)
             for p in range(split[t], start[t + 1]):
-                spent, fast = base_stress(points, p, base, settings, c2_base, dt)
-                work, speed = work + spent, max(speed, fast)
+                work_p, speed_p = base_stress(points, p, base, settings, c2_base, dt)
+                work, speed = work + work_p, max(speed, speed_p)
             report[t, 0], report[t, 1] = speed, work
 
     return update_stress
 
 
-def _make_point_stress(dimension: int, formula: Callable[..., Any]) -> Callable[..., Any]:
-    """The update of one point."""
+def _make_point_stress(dimension: int, stress_update: Callable[..., Any]) -> Callable[..., Any]:
+    """The stress update of one point."""
 
     @device
-    @variant(formula)
+    @variant(stress_update)
     def in_plane(points, p, params, settings, c2, dt):
         """Update point `p`; returns its stress work (J) and c_p + |v_p| (m/s)."""
         v, L, sigma, J, opening, q = points.v, points.L, points.sigma, points.J, points.opening, points.history
         s, grad = (sigma[p, 0], sigma[p, 1], sigma[p, 2], sigma[p, 3]), (L[p, 0], L[p, 1], L[p, 2], L[p, 3], L[p, 4])
-        t, J[p], opening[p], new, work = formula(
+        t, J[p], opening[p], new, work = stress_update(
             s, grad, points.V0[p], J[p], opening[p], (q[p, 0], q[p, 1]), params, settings, dt
         )
         sigma[p, 0], sigma[p, 1], sigma[p, 2], sigma[p, 3] = t
@@ -192,13 +218,13 @@ def _make_point_stress(dimension: int, formula: Callable[..., Any]) -> Callable[
         return work, sqrt(c2 * J[p]) + sqrt(v[p, 0] ** 2 + v[p, 1] ** 2)
 
     @device
-    @variant(formula)
+    @variant(stress_update)
     def in_space(points, p, params, settings, c2, dt):
         """Update point `p`; returns its stress work (J) and c_p + |v_p| (m/s)."""
         v, L, sigma, J, opening, q = points.v, points.L, points.sigma, points.J, points.opening, points.history
         s = (sigma[p, 0], sigma[p, 1], sigma[p, 2], sigma[p, 3], sigma[p, 4], sigma[p, 5])
         grad = (L[p, 0], L[p, 1], L[p, 2], L[p, 3], L[p, 4], L[p, 5], L[p, 6], L[p, 7], L[p, 8])
-        t, J[p], opening[p], new, work = formula(
+        t, J[p], opening[p], new, work = stress_update(
             s, grad, points.V0[p], J[p], opening[p], (q[p, 0], q[p, 1]), params, settings, dt
         )
         sigma[p, 0], sigma[p, 1], sigma[p, 2], sigma[p, 3], sigma[p, 4], sigma[p, 5] = t

@@ -10,7 +10,7 @@ from mpmcol.failure_modes.problems.disc import volume_drift
 from mpmcol.failure_modes.problems.fall import thrown_block
 from mpmcol.failure_modes.scenario import Observation, Scenario, Theory, failing, passing
 from mpmcol.failure_modes.toolkit import PLAIN, WEIGHTLESS, Body, G, advance_steps, by_id, elastic_body, sand_body
-from mpmcol.mpm.kernels.stress_2d import make_formula
+from mpmcol.mpm.kernels.stress import make_stress_update
 from mpmcol.setup.model import POSITION_FACTORS
 
 SHEAR, STEP = 10.0, 5e-3  # largest shear strain, and its increment per step
@@ -48,12 +48,12 @@ def excess_over_theory(cfl: float) -> float:
 
 def sheared(body: Body) -> Observation:
     """Simple shear of one material point under pressure: largest negative shear stress over G."""
-    formula = make_formula(body.law)
+    stress_update = make_stress_update(2, body.law)
     s, J, opening, history = (-PRESSURE, -PRESSURE, -PRESSURE, 0.0), 1.0, 0.0, (0.0, 0.0)
     shear, taus = np.arange(STEP, SHEAR, STEP), []
     for _ in shear:
         L = (0.0, 1.0, 0.0, 0.0, 0.0)
-        s, J, opening, history, _ = formula(s, L, 1.0, J, opening, history, body.params, WEIGHTLESS, STEP)
+        s, J, opening, history, _ = stress_update(s, L, 1.0, J, opening, history, body.params, WEIGHTLESS, STEP)
         taus.append(s[3] / body.params.shear_modulus)
     return Observation(-min(taus), f"largest positive {max(taus):.3g}", (shear, np.array(taus)))
 

@@ -40,18 +40,18 @@ def update_grid(
     nodes, fixed, active, size = grid.nodes, grid.fixed, tiles.active, grid.tile_doubles
     floor = MASS_FLOOR * smallest_mass
     weight = abs(settings.gravity_x) + abs(settings.gravity_y) + abs(settings.gravity_z)
-    momenta, nothing = vector(0.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0), splat(0.0)
+    mask, zero = vector(0.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0), splat(0.0)
     factors = reaction_factors(settings, dt)
     for t in prange(len(active)):
         mass = 0.0
-        before, after, damping, walls, unbalanced = nothing, nothing, nothing, nothing, nothing
+        before, after, damping, walls, unbalanced = zero, zero, zero, zero, zero
         for o in range(active[t], active[t] + size, NODE):
             m = nodes[o]
             if m <= floor:  # false for NaN, which the check of the points then finds
-                store(nodes, o, nothing)
+                store(nodes, o, zero)
                 continue
             rates, m_i = load(nodes, o) * (1.0 / m), splat(m)
-            raw, f = rates * momenta, swap_halves(rates) * momenta  # Eq. 21; f per mass
+            raw, f = rates * mask, swap_halves(rates) * mask  # Eq. 21; f per mass
             drag = settings.alpha_d * where_positive(raw, abs(f), where_positive(-raw, -abs(f), 0.0))  # Eq. 23
             held, v, a, wall_work = constrain(fixed[o // NODE], raw, f, f - drag, dt, factors)  # Eq. 22, 24
             store(nodes, o, vector(m, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0) + v + swap_halves(a))
@@ -73,12 +73,12 @@ def find_velocities(grid: Grid, tiles: Tiles, smallest_mass: float) -> None:
     """
     nodes, fixed, active, size = grid.nodes, grid.fixed, tiles.active, grid.tile_doubles
     floor = MASS_FLOOR * smallest_mass
-    momenta, nothing = vector(0.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0), splat(0.0)
+    mask, zero = vector(0.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0), splat(0.0)
     for t in prange(len(active)):
         for o in range(active[t], active[t] + size, NODE):
             m = nodes[o]
             if m <= floor:
-                store(nodes, o, nothing)
+                store(nodes, o, zero)
             else:
-                v = where_positive(held_components(fixed[o // NODE]), 0.0, load(nodes, o) * (1.0 / m) * momenta)
+                v = where_positive(held_components(fixed[o // NODE]), 0.0, load(nodes, o) * (1.0 / m) * mask)
                 store(nodes, o, vector(m, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0) + v)

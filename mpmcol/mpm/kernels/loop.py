@@ -1,4 +1,4 @@
-"""Many steps (section 2.1.4 of the paper) per call, with the clock and the energy ledger."""
+"""The loop over time steps (section 2.1.4 of the paper), with clock and energy ledger."""
 
 from __future__ import annotations
 
@@ -11,28 +11,29 @@ import numpy as np
 from mpmcol.mpm.constitutive import ConstitutiveLaw
 from mpmcol.mpm.jit import device, driver, variant
 from mpmcol.mpm.kernels.grid_update import DAMPING, KINETIC_AFTER, KINETIC_BEFORE, UNBALANCED, WALLS, WEIGHT
-from mpmcol.mpm.kernels.particle_update import FAULT, NO_FAULT, NODE_WORK, SPEED, TRAVEL, WORK
+from mpmcol.mpm.kernels.particle_update import FAULT, NODE_WORK, SPEED, TRAVEL, WORK
 from mpmcol.mpm.kernels.step import make_step
-from mpmcol.mpm.lanes import RECORD_SIZE
+from mpmcol.mpm.kernels.stress import NO_FAULT
+from mpmcol.mpm.lanes import LANES, RECORD_SIZE
 from mpmcol.mpm.settings import PAPER, Scheme
 from mpmcol.mpm.shape_functions import SHAPE_FUNCTIONS
-from mpmcol.mpm.simd import LANES
 
-# clock of a run: numbers that change from step to step
+# clock: numbers that change from step to step; TRAVELLED is the largest travel since the last sort, in cells
 TIME, DT, TRAVELLED, STEPS, CLOCK = range(5)
-# ledger: sums since the start of the run (J, per metre or radian in two dimensions), and the rest of the last step
+# ledger: sums since the start of the run, J (per metre or radian in two dimensions); kinetic energy of the nodes, J,
+# and unbalanced force ratio of the last step
 L_DAMPING, L_WALLS, L_WORK, L_NODE_WORK, L_GRID, L_KINETIC, L_UNBALANCED, LEDGER = range(8)
 
 
 @device
-def is_ordered(clock, reach):
-    """Whether every point is less than `reach` cells away from where it was sorted."""
-    return clock[TRAVELLED] < reach
+def is_sorted(clock, travel_limit):
+    """Whether every point is less than `travel_limit` cells from where it was sorted."""
+    return clock[TRAVELLED] < travel_limit
 
 
 @device
 def sum_nodes(report, ledger):
-    """Add the report of the grid to the ledger, in a fixed order."""
+    """Add the reports of the grid update to the ledger, in a fixed order."""
     before, after, damping, walls, unbalanced, weight = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(len(report)):
         before += report[k, KINETIC_BEFORE]
@@ -50,7 +51,10 @@ def sum_nodes(report, ledger):
 
 @device
 def sum_points(report, ledger, clock, courant):
-    """Time step of Eq. 35, travel and stress work from the report of the points; returns the first bad point."""
+    """Add the reports of the points to ledger and clock, with the time step of Eq. 35; returns the first invalid point.
+
+    courant: time.cfl times h.
+    """
     speed, travel, work, node_work, fault = 0.0, 0.0, 0.0, 0.0, NO_FAULT
     for t in range(len(report)):
         speed = max(speed, report[t, SPEED])
@@ -67,50 +71,35 @@ def sum_points(report, ledger, clock, courant):
 
 
 @cache
-def make_cycle(
+def make_time_loop(
     dimension: int, column_law: ConstitutiveLaw, base_law: ConstitutiveLaw, scheme: Scheme = PAPER
 ) -> Callable[..., Any]:
-    """The compiled loop over steps for this dimension, these two laws and this scheme."""
-    step, row = make_step(dimension, column_law, base_law, scheme), RECORD_SIZE[dimension]
-    reach = SHAPE_FUNCTIONS[scheme.basis].TRAVEL_LIMIT
-    lanes_moved = LANES if scheme.stress_order == "musl" else 0
+    """The compiled loop over time steps for this dimension, these two laws and this scheme."""
+    step, size = make_step(dimension, column_law, base_law, scheme), RECORD_SIZE[dimension]
+    travel_limit = SHAPE_FUNCTIONS[scheme.basis].TRAVEL_LIMIT
+    pending_size = LANES if scheme.stress_order == "musl" else 0
 
     @driver
     @variant(dimension, column_law, base_law, *scheme)
-    def cycle(
-        rows,
-        grid,
-        tiles,
-        settings,
-        column,
-        base,
-        c2_column,
-        c2_base,
-        smallest_mass,
-        reports,
-        clock,
-        ledger,
-        end,
-        steps,
-    ):
-        """Step until `clock[TIME] >= end`, `steps` are done, points are out of order, or one goes wrong.
+    def time_loop(state, end, steps):
+        """Step until `clock[TIME] >= end`, `steps` are done, points must be sorted again, or one is invalid.
 
-        Reads: settings, params. Writes: rows, nodes, reports, clock, ledger. Eq. (13)-(36). Returns the row of the
-        first bad point, or -1.
+        Reads: settings, bodies. Writes: rows, nodes, reports, clock, ledger. Eq. (13)-(36). Returns the row of the
+        first invalid point, or -1.
         """
-        node_report, tile_report = reports
-        laws, moved = (column, base, c2_column, c2_base), np.empty(lanes_moved * (len(rows) // row))
+        clock, ledger, courant = state.clock, state.ledger, state.settings.cfl * state.grid.h
+        pending = np.empty(pending_size * (len(state.rows) // size))
         for _ in range(steps):
-            if clock[TIME] >= end or not is_ordered(clock, reach):
+            if clock[TIME] >= end or not is_sorted(clock, travel_limit):
                 break
             dt = clock[DT]
-            step(rows, grid, tiles, settings, laws, smallest_mass, dt, moved, node_report, tile_report)
-            sum_nodes(node_report, ledger)
+            step(state, dt, pending)
+            sum_nodes(state.node_report, ledger)
             clock[TIME] += dt
             clock[STEPS] += 1.0
-            fault = sum_points(tile_report, ledger, clock, settings.cfl * grid.h)
+            fault = sum_points(state.tile_report, ledger, clock, courant)
             if fault != NO_FAULT:
                 return fault
         return NO_FAULT
 
-    return cycle
+    return time_loop

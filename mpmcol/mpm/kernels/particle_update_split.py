@@ -1,7 +1,7 @@
-"""G2P and the stress update as phases of their own, for steps that update the stress with other nodal velocities.
+"""G2P and the stress update as separate phases, for schemes that update the stress with other nodal velocities.
 
-P2G needs the velocity gradient (or the affine matrix) of G2P, the stress that of its own nodal velocities: this one
-takes the lanes of L while a tile's stress is updated, and the other stands aside.
+P2G needs the velocity gradient (or APIC's matrix) of G2P, the stress update that of its own nodal velocities. The
+latter occupies the lanes of L while the stress of a tile is updated; the former is saved and then restored.
 """
 
 from __future__ import annotations
@@ -13,104 +13,95 @@ import numpy as np
 from mpmcol.mpm.boundary import Box, column_box, particle_limits
 from mpmcol.mpm.constitutive import ConstitutiveLaw
 from mpmcol.mpm.jit import phase, prange, variant
-from mpmcol.mpm.kernels.interpolation import keep_columns, make_sums, restore_columns, set_columns
+from mpmcol.mpm.kernels.interpolation import make_interpolate, restore_columns, save_columns
 from mpmcol.mpm.kernels.particle_update import (
-    FAULT,
-    NO_FAULT,
     NODE_WORK,
-    SPEED,
     TRAVEL,
-    WORK,
-    make_update_stresses,
+    largest_axis,
+    make_update_tile_stress,
+    sum_axes,
 )
 from mpmcol.mpm.kernels.transfer import make_transfer
-from mpmcol.mpm.kernels.transfer_common import AHEAD, forces, prefetch_record
-from mpmcol.mpm.lanes import L_ZZ, RECORD_SIZE, X
+from mpmcol.mpm.kernels.transfer_common import PREFETCH_DISTANCE, force_mask, prefetch_record, store_gradient
+from mpmcol.mpm.lanes import L_ZZ, LANES, RECORD_SIZE, VX, X_VECTOR, Y_VECTOR, Z_VECTOR, X
 from mpmcol.mpm.settings import Scheme
 from mpmcol.mpm.shape_functions import SHAPE_FUNCTIONS
-from mpmcol.mpm.simd import LANES, extract, load, maximum, splat, store, where_positive
+from mpmcol.mpm.simd import extract, load, maximum, splat, store, where_positive
 
 
-def make_move(dimension: int, scheme: Scheme) -> Callable[..., None]:
-    """G2P without stress."""
-    transfer = make_transfer(dimension, scheme.basis)
-    gather, row = transfer.gather, transfer.RECORD_SIZE
-    affine, waits = scheme.affine, scheme.stress_order == "musl"
-    sums = make_sums(dimension, SHAPE_FUNCTIONS[scheme.basis], affine)
+def make_g2p(dimension: int, scheme: Scheme) -> Callable[..., None]:
+    """G2P over all points, without the stress update."""
+    gather, size = make_transfer(dimension, scheme.basis).gather, RECORD_SIZE[dimension]
+    affine, is_musl = scheme.affine, scheme.stress_order == "musl"
+    interpolate = make_interpolate(dimension, SHAPE_FUNCTIONS[scheme.basis], affine)
 
     @phase
     @variant(dimension, *scheme)
-    def move(rows, grid, tiles, settings, dt, moved, report):
-        """Move all points; with MUSL they stay where they are for now, and `moved` (n, 8) has their new first rows.
+    def g2p(rows, grid, tiles, settings, dt, pending, report):
+        """Move all points. With MUSL they keep their positions for now; `pending` (n, 8) receives the new vectors 0.
 
-        Reads: nodes (v~, a). Writes: rows, moved, report (n_tiles, 5). Eq. (26)-(28).
+        Reads: nodes (v~, a). Writes: rows, pending, report (n_tiles, 5). Eq. (26)-(28).
         """
-        nodes, start, bounds, inv_h = grid.nodes, tiles.start, particle_limits(grid, settings), 1.0 / grid.h
+        nodes, start, limits, inv_h = grid.nodes, tiles.start, particle_limits(grid, settings), 1.0 / grid.h
         for t in prange(len(start) - 1):
             travel, node_work = splat(0.0), splat(0.0)
             for p in range(start[t], start[t + 1]):
-                prefetch_record(rows, row, p + AHEAD)
-                o, old = p * row, load(rows, p * row)
+                prefetch_record(rows, size, p + PREFETCH_DISTANCE)
+                o, old = p * size, load(rows, p * size)
                 if affine:
-                    _, x, y, z = sums(old, nodes, grid, settings)
-                step, taken = gather(rows, o, nodes, grid, settings, bounds, dt)
+                    _, x, y, z = interpolate(old, nodes, grid, settings)
+                displacement, work = gather(rows, o, nodes, grid, settings, limits, dt)
                 if affine:
-                    set_columns(rows, o, dimension, x, y, z)
-                if waits:
+                    store_gradient(rows, o, dimension, x, y, z)
+                if is_musl:
                     new = load(rows, o)
-                    store(moved, p * LANES, new)
-                    store(rows, o, where_positive(forces(3), old, new))
-                travel, node_work = maximum(travel, abs(step)), node_work + taken
-            report[t, TRAVEL] = inv_h * max(extract(travel, 4), extract(travel, 5), extract(travel, 6))
-            report[t, NODE_WORK] = extract(node_work, 4) + extract(node_work, 5) + extract(node_work, 6)
+                    store(pending, p * LANES, new)
+                    store(rows, o, where_positive(force_mask(3), old, new))
+                travel, node_work = maximum(travel, abs(displacement)), node_work + work
+            report[t, TRAVEL], report[t, NODE_WORK] = inv_h * largest_axis(travel), sum_axes(node_work)
 
-    return move
+    return g2p
 
 
-def make_strain(
+def make_update_stresses(
     dimension: int, column_law: ConstitutiveLaw, base_law: ConstitutiveLaw, scheme: Scheme
 ) -> Callable[..., None]:
-    """The stress update with the gradient of the present nodal velocities."""
-    column_stress = make_update_stresses(dimension, column_law, scheme.volumetric_strain)
-    base_stress = make_update_stresses(dimension, base_law, scheme.volumetric_strain)
-    sums, row, kept = (
-        make_sums(dimension, SHAPE_FUNCTIONS[scheme.basis], False),
-        RECORD_SIZE[dimension],
-        dimension * LANES,
-    )
-    waits, flat = scheme.stress_order == "musl", dimension == 2
+    """The stress update of all points with the gradient of the present nodal velocities."""
+    update_tile_stress = make_update_tile_stress(dimension, column_law, base_law, scheme)
+    interpolate = make_interpolate(dimension, SHAPE_FUNCTIONS[scheme.basis], affine=False)
+    size, matrix_size = RECORD_SIZE[dimension], dimension * LANES
+    is_musl, flat = scheme.stress_order == "musl", dimension == 2
 
     @phase
     @variant(dimension, column_law, base_law, *scheme)
-    def strain(rows, grid, tiles, settings, column, base, c2_column, c2_base, dt, moved, report):
-        """Update the stress of all points and leave them their gradient; with MUSL they then go where `moved` says.
+    def update_stresses(rows, grid, tiles, settings, column, base, c2_column, c2_base, dt, pending, report):
+        """Update the stress of all points, whose own gradient is unchanged; with MUSL they then move to `pending`.
 
-        Reads: nodes (v), moved. Writes: rows, report (n_tiles, 5). Eq. (28)-(34), and c_p + |v_p| of Eq. (35)-(36).
+        Reads: nodes (v), pending. Writes: rows, report (n_tiles, 5). Eq. (28)-(34), and c_p + |v_p| of Eq. (35)-(36).
         """
         nodes, start, split, cells = grid.nodes, tiles.start, tiles.split, tiles.cells
-        inside, anywhere = column_box(grid, settings), Box(-np.inf, np.inf, np.inf, -np.inf, np.inf)
+        box, everywhere = column_box(grid, settings), Box(-np.inf, np.inf, np.inf, -np.inf, np.inf)
         for t in prange(len(split)):
-            matrix = np.empty(kept * (start[t + 1] - start[t]))
-            for p in range(start[t], start[t + 1]):
-                prefetch_record(rows, row, p + AHEAD)
-                o, at = p * row, kept * (p - start[t])
-                rows_z = load(rows, o + LANES) if flat else load(rows, o + 3 * LANES)
-                keep_columns(matrix, at, dimension, load(rows, o + LANES), load(rows, o + 2 * LANES), rows_z)
-                mean, x, y, z = sums(load(rows, o), nodes, grid, settings)
-                set_columns(rows, o, dimension, x, y, z)
+            first, stop = start[t], start[t + 1]
+            matrices = np.empty(matrix_size * (stop - first))
+            for p in range(first, stop):
+                prefetch_record(rows, size, p + PREFETCH_DISTANCE)
+                o, at = p * size, matrix_size * (p - first)
+                own_x, own_y = load(rows, o + X_VECTOR), load(rows, o + Y_VECTOR)
+                save_columns(matrices, at, dimension, own_x, own_y, own_x if flat else load(rows, o + Z_VECTOR))
+                mean, x, y, z = interpolate(load(rows, o), nodes, grid, settings)
+                store_gradient(rows, o, dimension, x, y, z)
                 if flat:
-                    rows[o + L_ZZ] = extract(mean, 1) / rows[o + X] if settings.axisymmetric else 0.0
-            work, speed, fault = column_stress(rows, cells, start[t], split[t], column, settings, inside, c2_column, dt)
-            base_work, base_speed, base_fault = base_stress(
-                rows, cells, split[t], start[t + 1], base, settings, anywhere, c2_base, dt
-            )
-            report[t, WORK], report[t, SPEED] = work + base_work, max(speed, base_speed)
-            report[t, FAULT] = fault if fault != NO_FAULT else base_fault
-            for p in range(start[t], start[t + 1]):
-                restore_columns(rows, p * row, dimension, matrix, kept * (p - start[t]))
+                    rows[o + L_ZZ] = extract(mean, VX) / rows[o + X] if settings.axisymmetric else 0.0
+            update_tile_stress(
+                rows, cells, first, split[t], stop, column, base, c2_column, c2_base, settings, box, everywhere, dt,
+                report[t],
+            )  # fmt: skip
+            for p in range(first, stop):
+                restore_columns(rows, p * size, dimension, matrices, matrix_size * (p - first))
                 if flat:
-                    rows[p * row + L_ZZ] = matrix[kept * (p - start[t]) + L_ZZ - LANES]
-                if waits:
-                    store(rows, p * row, load(moved, p * LANES))
+                    rows[p * size + L_ZZ] = matrices[matrix_size * (p - first) + L_ZZ - X_VECTOR]
+                if is_musl:
+                    store(rows, p * size, load(pending, p * LANES))
 
-    return strain
+    return update_stresses

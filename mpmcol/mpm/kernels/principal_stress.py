@@ -1,8 +1,8 @@
-"""Principal stresses of eight points in three dimensions without trigonometry: square roots only, to round-off.
+"""Principal stresses of eight points in three dimensions, accurate to round-off, with square roots only.
 
-The eigenvalue of the deviator that lies farthest from the other two is well apart from them, and so is its direction
-n. What is left of the tensor in the plane across n is a problem in two dimensions, where equal eigenvalues do no harm.
-Symmetric tensors are tuples xx yy zz xy yz xz.
+The most distinct eigenvalue of the deviator, which is farthest from the other two, and its eigenvector n are well
+conditioned (Scherzinger & Dohrmann 2008, doi:10.1016/j.cma.2008.03.031). In the plane normal to n a two-dimensional
+problem remains, where equal eigenvalues are harmless. Symmetric tensors are tuples xx yy zz xy yz xz.
 """
 
 from __future__ import annotations
@@ -10,15 +10,15 @@ from __future__ import annotations
 from mpmcol.mpm.jit import device
 from mpmcol.mpm.simd import sqrt, where_positive
 
-TINY = 1e-60  # Pa2: a deviator this small has no direction
+TINY = 1e-60  # Pa2: J2 of a deviator that counts as zero
 
 
 @device
-def lone_value(j2, j3):
-    """The eigenvalue of a deviator that lies farthest from the other two, from its invariants J2 and J3.
+def distinct_eigenvalue(j2, j3):
+    """Eigenvalue of a deviator farthest from the other two, from its invariants J2 and J3.
 
-    It is 2 c sqrt(J2 / 3) sign(J3), where 4 c^3 - 3 c = r and cos(30 deg) <= c <= 1; two Newton steps from a
-    cubic that is off by 2e-4 at most leave round-off.
+    It is 2 c sqrt(J2 / 3) sign(J3), where 4 c^3 - 3 c = r and cos(30 deg) <= c <= 1. Two Newton steps from a cubic
+    approximation, whose error is at most 2e-4, reach round-off.
     """
     s = sqrt(j2 * (1.0 / 3.0))
     r = where_positive(j2 - TINY, 0.5 * j3 / (s * s * s), 0.0)
@@ -31,10 +31,10 @@ def lone_value(j2, j3):
 
 
 @device
-def direction(d, value):
-    """Unit vector that belongs to the lone eigenvalue of a symmetric tensor; x where the tensor has none."""
+def eigenvector(d, value):
+    """Unit eigenvector of the distinct eigenvalue `value` of a deviator; the x axis if the deviator is zero."""
     a, b, c, xy, yz, xz = d[0] - value, d[1] - value, d[2] - value, d[3], d[4], d[5]
-    # the adjugate of (d - value I) is a multiple of n n^T: its largest column is the safest
+    # the adjugate of (d - value I) is a multiple of n n^T; take its largest column
     m_xx, m_yy, m_zz = b * c - yz * yz, a * c - xz * xz, a * b - xy * xy
     m_xy, m_yz, m_xz = xz * yz - xy * c, xy * xz - yz * a, xy * yz - xz * b
     y_first = m_yy - m_xx

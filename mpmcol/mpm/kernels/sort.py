@@ -1,8 +1,8 @@
-"""Points in order of tiles, so that tiles of one group can be scattered in parallel and memory is read in line.
+"""Counting sort of points by tile, so that tiles of one group can be scattered in parallel and memory is contiguous.
 
-The first node of a point's quadratic stencil decides its tile. A point may travel up to one cell before the next sort
-(half a cell with the cubic basis): its stencil then still keeps clear of every other tile of the same colour, and of
-all nodes but those of its tile and the tiles beside it. Works in two and three dimensions.
+The first node of a point's quadratic stencil determines its tile. A point may travel up to one cell before the next
+sort (half a cell with the cubic basis): its stencil then overlaps no stencil of another tile of the same colour, and
+no nodes beyond those of its tile and the neighbouring tiles. Works in two and three dimensions.
 """
 
 from __future__ import annotations
@@ -16,23 +16,23 @@ from mpmcol.mpm.lanes import KIND, X, Y, Z
 from mpmcol.mpm.shape_functions.quadratic import base_node
 from mpmcol.mpm.simd import LANES, load, store
 
-BAND = 512  # tiles: their nodes are half a megabyte in two dimensions, two in three
+BAND = 512  # tiles; their nodes take 0.5 MiB in two dimensions, 2 MiB in three
 
 
 @kernel
-def sort_points(rows: np.ndarray, row: int, grid: Grid, count: np.ndarray, mark: np.ndarray, margin: int):
-    """Put the records in `rows`, of `row` doubles each, in order of tile, kind and cell; returns the arrays of `Tiles`.
+def sort_points(rows: np.ndarray, size: int, grid: Grid, count: np.ndarray, mark: np.ndarray, margin: int):
+    """Sort the records in `rows`, of `size` doubles each, by tile, kind and cell; returns the arrays of `Tiles`.
 
     Tiles more than `margin` tiles from the column are inactive: their points come last (margin 0: all are active).
     Reads: rows. Writes: rows, fixed if `margin` > 0, count (n_tiles,) and mark (n_tiles,) as scratch, zero on entry and
     on return. Eq. (19)-(20) are sums over points in this order.
     """
-    n = len(rows) // row
+    n = len(rows) // size
     tiles = tile_count(grid.n_x), tile_count(grid.n_y), tile_count(grid.n_z)
     buckets = TILE**3 if grid.n_z > 1 else TILE**2
     tile_of, bucket_of = np.empty(n, np.int32), np.empty(n, np.uint8)
     for p in prange(n):
-        tile_of[p], bucket_of[p] = _place(rows, p * row, grid, tiles, buckets)
+        tile_of[p], bucket_of[p] = _locate(rows, p * size, grid, tiles, buckets)
     if margin > 0:
         mark_active(np.unique(tile_of[bucket_of < buckets]), margin, tiles, mark)
     occupied, n_active = _occupied(tile_of, count, margin, mark)
@@ -41,12 +41,12 @@ def sort_points(rows: np.ndarray, row: int, grid: Grid, count: np.ndarray, mark:
     for p in range(n):
         by_tile[count[tile_of[p]]] = p
         count[tile_of[p]] += 1
-    order, split = tile_of, np.empty(len(occupied), np.int64)  # nobody reads the tiles of points any more
+    order, split = tile_of, np.empty(len(occupied), np.int64)  # reuses the memory of tile_of
     cells = np.empty(n, np.uint8)
     for t in prange(len(occupied)):
-        split[t] = _order_tile(by_tile, bucket_of, buckets, start[t], start[t + 1], order, cells)
+        split[t] = _sort_tile(by_tile, bucket_of, buckets, start[t], start[t + 1], order, cells)
         count[occupied[t]] = 0
-    _permute(rows, row, order)
+    _permute(rows, size, order)
     grouped, group_start = _group(occupied[:n_active], tiles)
     active = _reachable(occupied[:n_active], grid, tiles, mark)
     if margin > 0:
@@ -55,8 +55,8 @@ def sort_points(rows: np.ndarray, row: int, grid: Grid, count: np.ndarray, mark:
 
 
 @device
-def _place(rows, o, grid, tiles, buckets):
-    """Tile of a point and its bucket in the tile: column points cell by cell, then base points."""
+def _locate(rows, o, grid, tiles, buckets):
+    """Tile of a point and its bucket in the tile: cells of column points, then cells of base points."""
     i = base_node((rows[o + X] - grid.origin_x) / grid.h, grid.n_x)
     j = base_node((rows[o + Y] - grid.origin_y) / grid.h, grid.n_y)
     k = base_node((rows[o + Z] - grid.origin_z) / grid.h, grid.n_z) if grid.n_z > 1 else 0
@@ -85,7 +85,7 @@ def _occupied(tile_of, count, margin, mark):
 
 @device
 def _starts(occupied, count):
-    """Where the points of each tile start; `count` becomes each tile's next free place."""
+    """First point of each tile; `count` becomes the next free position of each tile."""
     start = np.zeros(len(occupied) + 1, np.int64)
     for t in range(len(occupied)):
         start[t + 1] = start[t] + count[occupied[t]]
@@ -94,45 +94,45 @@ def _starts(occupied, count):
 
 
 @device
-def _order_tile(by_tile, bucket_of, buckets, start, stop, order, cells):
-    """Counting sort of one tile's points by bucket, which `cells` keeps; returns where the base's points begin."""
-    place = np.zeros(2 * buckets + 1, np.int64)
+def _sort_tile(by_tile, bucket_of, buckets, start, stop, order, cells):
+    """Counting sort of the points of a tile by bucket, stored in `cells`; returns where those of the base start."""
+    position = np.zeros(2 * buckets + 1, np.int64)
     for k in range(start, stop):
-        place[bucket_of[by_tile[k]] + 1] += 1
-    place[0] = start
+        position[bucket_of[by_tile[k]] + 1] += 1
+    position[0] = start
     for bucket in range(2 * buckets):
-        place[bucket + 1] += place[bucket]
-    split = place[buckets]
+        position[bucket + 1] += position[bucket]
+    split = position[buckets]
     for k in range(start, stop):
         bucket = bucket_of[by_tile[k]]
-        order[place[bucket]], cells[place[bucket]] = by_tile[k], bucket
-        place[bucket] += 1
+        order[position[bucket]], cells[position[bucket]] = by_tile[k], bucket
+        position[bucket] += 1
     return split
 
 
 @device
-def _permute(rows, row, order):
-    """Bring record order[p] to place p for all p, cycle by cycle and without a second copy; uses up `order`."""
-    held = np.empty(row)
+def _permute(rows, size, order):
+    """Move record order[p] to position p for all p, in place, cycle by cycle; overwrites `order`."""
+    held = np.empty(size)
     for first in range(len(order)):
         source = order[first]
         if source < 0 or source == first:
             continue
-        held[:] = rows[first * row : (first + 1) * row]
+        held[:] = rows[first * size : (first + 1) * size]
         target = np.int64(first)
         while source != first:
-            for lane in range(0, row, LANES):
-                store(rows, target * row + lane, load(rows, source * row + lane))
+            for o in range(0, size, LANES):
+                store(rows, target * size + o, load(rows, source * size + o))
             order[target] = -1
             target = np.int64(source)
             source = order[target]
-        rows[target * row : (target + 1) * row] = held
+        rows[target * size : (target + 1) * size] = held
         order[target] = -1
 
 
 @device
 def _group(occupied, tiles):
-    """Tiles grouped by band, and in it by colour, the parity of their coordinates; and where each group starts.
+    """Tiles grouped by band, and in each band by colour (parity of the coordinates); and where each group starts.
 
     The nodes of a band stay in the caches from colour to colour.
     """
@@ -155,7 +155,7 @@ def _group(occupied, tiles):
 
 @device
 def _band_end(occupied, tiles, first):
-    """End of the band that starts at `first`: whole layers of equal x, BAND tiles or more, none too few left over."""
+    """End of the band from `first` on: whole layers of equal x, at least BAND tiles in this band and the rest."""
     n = len(occupied)
     if n - first < 2 * BAND:
         return n
@@ -167,7 +167,7 @@ def _band_end(occupied, tiles, first):
 
 @device
 def _reachable(occupied, grid, tiles, mark):
-    """Addresses of the tiles whose nodes a point can touch before the next sort."""
+    """Addresses of the tiles whose nodes points can reach before the next sort."""
     around = 27 if tiles[2] > 1 else 9
     active, found = np.empty(around * len(occupied), np.int64), 0
     for tile in occupied:
@@ -185,7 +185,7 @@ def _reachable(occupied, grid, tiles, mark):
     return np.sort(active[:found])
 
 
-def scratch(grid: Grid) -> tuple[np.ndarray, np.ndarray]:
+def sort_buffers(grid: Grid) -> tuple[np.ndarray, np.ndarray]:
     """The `count` and `mark` arrays of `sort_points` for this grid."""
     tiles = tile_count(grid.n_x) * tile_count(grid.n_y) * tile_count(grid.n_z)
     return np.zeros(tiles, np.int64), np.zeros(tiles, np.uint8)

@@ -1,4 +1,4 @@
-"""What the stress update shares in two and three dimensions: eight points at once, opening, principal stresses."""
+"""Parts of the stress update that are the same in two and three dimensions, for a point or for eight as vectors."""
 
 from __future__ import annotations
 
@@ -6,95 +6,103 @@ from mpmcol.mpm.jit import device
 from mpmcol.mpm.simd import load, sqrt, store, transpose, where_positive
 
 J_MIN, J_MAX = 0.1, 50.0
-OPEN_MAX = 1e30  # a grain alone keeps its velocity gradient and opens as exp(t): so far, it never closes
+# A single particle keeps its velocity gradient and opens as exp(t). Opened this far it never closes.
+OPEN_MAX = 1e30
 
 
 @device
-def load_eight(rows, o, row):
-    """The same eight lanes of eight successive records, each lane of all points as one vector."""
+def load_eight(rows, o, size):
+    """One vector of each of eight successive records of `size` doubles, transposed: a vector per lane."""
     return transpose(
-        load(rows, o), load(rows, o + row), load(rows, o + 2 * row), load(rows, o + 3 * row),
-        load(rows, o + 4 * row), load(rows, o + 5 * row), load(rows, o + 6 * row), load(rows, o + 7 * row),
+        load(rows, o), load(rows, o + size), load(rows, o + 2 * size), load(rows, o + 3 * size),
+        load(rows, o + 4 * size), load(rows, o + 5 * size), load(rows, o + 6 * size), load(rows, o + 7 * size),
     )  # fmt: skip
 
 
 @device
-def store_eight(rows, o, row, count, lanes):
-    """Write back what `load_eight` read, for the first `count` records."""
+def store_eight(rows, o, size, count, lanes):
+    """Inverse of `load_eight`, for the first `count` records."""
     r0, r1, r2, r3, r4, r5, r6, r7 = transpose(*lanes)
     store(rows, o, r0)
     if count > 1:
-        store(rows, o + row, r1)
+        store(rows, o + size, r1)
     if count > 2:
-        store(rows, o + 2 * row, r2)
+        store(rows, o + 2 * size, r2)
     if count > 3:
-        store(rows, o + 3 * row, r3)
+        store(rows, o + 3 * size, r3)
     if count > 4:
-        store(rows, o + 4 * row, r4)
+        store(rows, o + 4 * size, r4)
     if count > 5:
-        store(rows, o + 5 * row, r5)
+        store(rows, o + 5 * size, r5)
     if count > 6:
-        store(rows, o + 6 * row, r6)
+        store(rows, o + 6 * size, r6)
     if count > 7:
-        store(rows, o + 7 * row, r7)
+        store(rows, o + 7 * size, r7)
 
 
 @device
 def exponential(x):
-    """exp(x) for the volumetric strain of a step, to 1e-14 at |x| = 0.1, positive for any: Pade (3, 3) of x / 2."""
+    """exp(x) of a volumetric strain increment, to 1e-14 at |x| = 0.1, positive for any x: Pade (3, 3) of x / 2."""
     y = 0.5 * x
     square = y * y
     even, odd = 1.0 + 0.1 * square, y * (0.5 + square * (1.0 / 120.0))
-    root_of_it = (even + odd) / (even - odd)
-    return root_of_it * root_of_it
+    half = (even + odd) / (even - odd)
+    return half * half
 
 
 @device
 def open_or_close(opening, ratio, volumetric):
-    """What an opened point does with the volume change of this step, Eq. (29)-(30).
+    """Opening strain of opened points after the volume change of this step, Eq. (29)-(30).
 
-    Returns the new opening strain (0 for points that are closed, or close now), the volume ratio and the volumetric
-    strain that are left to the closed material, and one where the point stays open: there both are void.
+    ratio, volumetric: volume ratio and volumetric strain increment of the step. Returns the new opening strain (0 for
+    points that are closed or close in this step), the volume ratio and the volumetric strain increment of the closed
+    material, and one where a point stays open; there the two before it are meaningless.
     """
     opened = (1.0 + opening) * ratio - 1.0
     opened = where_positive(opened - OPEN_MAX, OPEN_MAX, opened)
-    stays = where_positive(opening, where_positive(opened, 1.0, 0.0), 0.0)
-    ratio = where_positive(stays, 1.0, where_positive(opening, 1.0 + opened, ratio))
-    return where_positive(stays, opened, 0.0), ratio, where_positive(opening, opened, volumetric), stays
+    is_open = where_positive(opening, where_positive(opened, 1.0, 0.0), 0.0)
+    ratio = where_positive(is_open, 1.0, where_positive(opening, 1.0 + opened, ratio))
+    return where_positive(is_open, opened, 0.0), ratio, where_positive(opening, opened, volumetric), is_open
 
 
 @device
-def increment(params, closed, volumetric, stays):
-    """2 G, and the part of the elastic increment that all normal stresses share; nothing where a point stays open."""
-    g2 = where_positive(stays, 0.0, 2.0 * params.shear_modulus)
-    return g2, where_positive(stays, 0.0, params.bulk_modulus * closed) - g2 * (volumetric * (1.0 / 3.0))
+def elastic_increment(params, closed, volumetric, is_open):
+    """2 G, and the part of the elastic increment common to the normal stresses; both zero where a point stays open.
+
+    closed: volumetric strain increment of the closed material. volumetric: trace of the strain increment.
+    """
+    g2 = where_positive(is_open, 0.0, 2.0 * params.shear_modulus)
+    return g2, where_positive(is_open, 0.0, params.bulk_modulus * closed) - g2 * (volumetric * (1.0 / 3.0))
 
 
 @device
-def return_pair(a, b, z, history, params, return_map):
-    """Return three principal stresses of which a >= b, and z may stand anywhere; each comes back in its place."""
+def return_unsorted(a, b, z, history, params, return_map):
+    """Return three principal stresses in their order; a >= b, and z may be anywhere."""
     above, below = z - a, b - z
     s1, s3 = where_positive(above, z, a), where_positive(below, z, b)
     s2 = where_positive(above, a, where_positive(below, b, z))
-    r1, r2, r3, history, freed, yields = return_map(s1, s2, s3, history, params)
+    r1, r2, r3, history, released, yields = return_map(s1, s2, s3, history, params)
     r_a, r_b = where_positive(above, r2, r1), where_positive(below, r2, r3)
-    return r_a, r_b, where_positive(above, r1, where_positive(below, r3, r2)), history, freed, yields
+    return r_a, r_b, where_positive(above, r1, where_positive(below, r3, r2)), history, released, yields
 
 
 @device
-def settle(yields, new_history, history, freed, opening, ratio, settings):
-    """History, opening strain and volume ratio after the return; as they were where nothing yields."""
+def apply_return(yields, new_history, history, released, opening, ratio, settings):
+    """History, opening strain and volume ratio after the return to the yield surface; unchanged where `yields` <= 0."""
     history = where_positive(yields, new_history[0], history[0]), where_positive(yields, new_history[1], history[1])
     if settings.opening_strain:
-        freed = where_positive(yields, freed, 0.0)
-        opening, ratio = opening + freed, ratio / (1.0 + freed)
+        released = where_positive(yields, released, 0.0)
+        opening, ratio = opening + released, ratio / (1.0 + released)
     return history, opening, ratio
 
 
 @device
-def inspect(J, v2, c2, settings):
-    """Wave speed plus speed (Eq. 35-36), and one where a point is finite and slower than its waves or a free fall."""
+def check_point(J, v2, c2, settings):
+    """Wave speed plus speed (Eq. 35-36), and one where the state is valid.
+
+    Valid: J within bounds, everything finite, and the speed below the wave speed or that of a free fall.
+    """
     c2_p, fall2 = c2 * J, settings.free_speed * settings.free_speed
     limit2 = where_positive(c2_p - fall2, c2_p, fall2)
-    sound = where_positive(limit2 - v2, where_positive(J - J_MIN, where_positive(J_MAX - J, 1.0, 0.0), 0.0), 0.0)
-    return sqrt(c2_p) + sqrt(v2), sound
+    valid = where_positive(limit2 - v2, where_positive(J - J_MIN, where_positive(J_MAX - J, 1.0, 0.0), 0.0), 0.0)
+    return sqrt(c2_p) + sqrt(v2), valid

@@ -1,125 +1,139 @@
-"""What the transfers between points and grid share in two and three dimensions."""
+"""Parts of the transfers between points and grid that are the same for all shape functions and dimensions."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from mpmcol.mpm.boundary import keep_within
-from mpmcol.mpm.grid import Grid, Tiles
-from mpmcol.mpm.jit import device, phase, prange, variant
+from mpmcol.mpm.grid import Grid
+from mpmcol.mpm.jit import device
+from mpmcol.mpm.lanes import AX, L_ZZ, LANES, S_ZZ, V0, VX, X_VECTOR, Y_VECTOR, Z_VECTOR, J, M, X
 from mpmcol.mpm.settings import Settings
 from mpmcol.mpm.shape_functions.quadratic import spline_lanes
-from mpmcol.mpm.simd import LANES, extract, fma, load, prefetch, splat, store, swap_halves, vector, where_positive
+from mpmcol.mpm.simd import extract, fma, load, prefetch, splat, store, swap_halves, vector, where_positive
 
-AHEAD = 24  # points: memory answers in the time that so many take
-
-
-def make_p2g(transfer: Any) -> Callable[..., None]:
-    """P2G over all points, with a stencil (`transfer_any.make_transfer`) frozen in."""
-    scatter, row = transfer.scatter, transfer.RECORD_SIZE
-
-    @phase
-    @variant(transfer)
-    def p2g(rows: np.ndarray, grid: Grid, tiles: Tiles, settings: Settings) -> None:
-        """Scatter mass, momentum and force, tiles of one group in parallel, each node summed in a fixed order.
-
-        Reads: rows. Writes: nodes (m, mv, f). Eq. (13), (14), (19), (20).
-        """
-        nodes, start, grouped, group_start = grid.nodes, tiles.start, tiles.grouped, tiles.group_start
-        for group in range(len(group_start) - 1):
-            for k in prange(group_start[group], group_start[group + 1]):
-                tile, following = grouped[k], grouped[min(k + 1, len(grouped) - 1)]
-                stop = start[tile + 1]
-                jump = start[following] - stop
-                for p in range(start[tile], stop):
-                    soon = p + AHEAD
-                    prefetch_record(rows, row, soon if soon < stop else soon + jump)
-                    scatter(rows, p * row, nodes, grid, settings)
-
-    return p2g
+PREFETCH_DISTANCE = 24  # points processed in the time that memory takes to answer
 
 
 @device
-def prefetch_record(rows: np.ndarray, row: int, p: int) -> None:
-    """Ask for the record of point `p`, of `row` doubles."""
-    for o in range(p * row, (p + 1) * row, LANES):
+def prefetch_record(rows: np.ndarray, size: int, p: int) -> None:
+    """Prefetch the record of point `p`, of `size` doubles."""
+    for o in range(p * size, (p + 1) * size, LANES):
         prefetch(rows, o)
 
 
 @device
-def _on_axes(x: float, y: float, z: float, elsewhere: float) -> Any:
-    """Numbers in the lanes of the coordinates, and another in all other lanes."""
-    return vector(elsewhere, elsewhere, elsewhere, elsewhere, x, y, z, elsewhere)
+def _coordinate_lanes(x: float, y: float, z: float, other: float) -> Any:
+    """A vector with x, y, z in the lanes of the coordinates and `other` in the remaining lanes."""
+    return vector(other, other, other, other, x, y, z, other)
 
 
 @device
-def places(record: Any, grid: Grid) -> tuple[Any, Any, Any]:
-    """Grid coordinates of the point whose record starts with this row, and `bottom` and `top` of every basis."""
+def grid_coordinates(record: Any, grid: Grid) -> tuple[Any, Any, Any]:
+    """Grid coordinates of a point from vector 0 of its record, and `bottom` and `top` of `ShapeFunctions.evaluate`."""
     flat, far = grid.n_z == 1, np.inf
-    s = (record - _on_axes(grid.origin_x, grid.origin_y, grid.origin_z, 0.0)) * (1.0 / grid.h)
-    bottom = _on_axes(0.5, 0.5, -far if flat else 0.5, -far)
-    return s, bottom, _on_axes(grid.n_x - 1.5, grid.n_y - 1.5, far if flat else grid.n_z - 1.5, far)
+    s = (record - _coordinate_lanes(grid.origin_x, grid.origin_y, grid.origin_z, 0.0)) * (1.0 / grid.h)
+    bottom = _coordinate_lanes(0.5, 0.5, -far if flat else 0.5, -far)
+    return s, bottom, _coordinate_lanes(grid.n_x - 1.5, grid.n_y - 1.5, far if flat else grid.n_z - 1.5, far)
 
 
 @device
-def stencil(record: Any, grid: Grid, settings: Settings) -> tuple[Any, Any, Any, Any, Any, Any, Any, Any]:
-    """Stencil of the point whose record starts with this row, in the lanes of its coordinates, Eq. (17)-(18).
+def quadratic_stencil(record: Any, grid: Grid, settings: Settings) -> tuple[Any, Any, Any, Any, Any, Any, Any, Any]:
+    """Stencil of a point from vector 0 of its record, in the lanes of its coordinates, Eq. (17)-(18).
 
     Returns grid coordinates, first nodes as real numbers, three weights and three gradients (times h).
     """
-    s, bottom, top = places(record, grid)
+    s, bottom, top = grid_coordinates(record, grid)
     base, w0, w1, w2, g0, g1, g2 = spline_lanes(s, bottom, top, settings.kernel_correction)
     return s, base, w0, w1, w2, g0, g1, g2
 
 
 @device
-def spread(value: Any, index: int) -> Any:
-    """One lane in all lanes."""
+def broadcast(value: Any, index: int) -> Any:
+    """A vector with one lane of `value` in all lanes."""
     return splat(extract(value, index))
 
 
 @device
-def momenta(d: int) -> Any:
-    """One in the lanes of momentum of `d` dimensions."""
+def momentum_mask(d: int) -> Any:
+    """One in the lanes of momentum (or velocity) of `d` dimensions, else zero."""
     return vector(0.0, 1.0, 1.0, d - 2, 0.0, 0.0, 0.0, 0.0)
 
 
 @device
-def forces(d: int) -> Any:
-    """One in the lanes of force of `d` dimensions."""
-    return swap_halves(momenta(d))
+def force_mask(d: int) -> Any:
+    """One in the lanes of force (or acceleration, or position) of `d` dimensions, else zero."""
+    return swap_halves(momentum_mask(d))
 
 
 @device
-def move(record: Any, mean: Any, d: int, limits: Any, settings: Settings, dt: float) -> tuple[Any, Any, Any]:
-    """New first row of a point's record, Eq. (26)-(27); in lanes 4 to 6 its displacement, and gravity's work (J) on it
-    where the limits hold it, which the nodes know nothing of.
+def update_point(
+    rows: np.ndarray, o: int, old: Any, mean: Any, gradient: Any, d: int, limits: Any, settings: Settings, dt: float
+) -> tuple[Any, Any]:
+    """Write new velocity, position and velocity gradient of the point whose record starts at `o`, Eq. (26)-(28).
 
-    record: the old row. mean: weighted sums of v~ and a over the nodes of `d` dimensions. limits: least and largest
-    position in lanes 4 to 6.
+    old: vector 0 of its record. mean: weighted sums of v~ and a over its nodes. gradient: columns of the velocity
+    gradient along x, y, z; in two dimensions the third is ignored. limits: see `update_motion`. Returns two vectors
+    with an axis per lane from X on: the displacement (m), and the work (J) of the old stress on the motion of the
+    nodes, plus that of gravity where the limits stop the point.
+    """
+    grad_x, grad_y, grad_z = gradient
+    work = incremental_work(load(rows, o + X_VECTOR), grad_x, dt) + incremental_work(
+        load(rows, o + Y_VECTOR), grad_y, dt
+    )
+    l_zz = 0.0
+    if d == 3:
+        work = work + incremental_work(load(rows, o + Z_VECTOR), grad_z, dt)
+    elif settings.axisymmetric:  # v_r / r at the old position
+        l_zz = extract(mean, VX) / rows[o + X]
+        hoop_work = (l_zz - 0.5 * dt * extract(mean, AX) / rows[o + X]) * rows[o + S_ZZ]
+        work = work + vector(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, hoop_work, 0.0)
+    work = (dt * rows[o + J] * rows[o + V0]) * work
+    new, displacement, limit_work = update_motion(old, mean, d, limits, settings, dt)
+    store(rows, o, new)
+    store_gradient(rows, o, d, grad_x, grad_y, grad_z)
+    if d == 2:
+        rows[o + L_ZZ] = l_zz
+    return displacement, work + limit_work
+
+
+@device
+def update_motion(old: Any, mean: Any, d: int, limits: Any, settings: Settings, dt: float) -> tuple[Any, Any, Any]:
+    """New velocity and position of a point, Eq. (26)-(27).
+
+    old: vector 0 of its record. mean: weighted sums of v~ and a over the nodes. limits: smallest and largest position.
+    Returns the new vector 0; the displacement (m) and, where the limits stop the point, the work of gravity (J), which
+    is not part of the nodal balance, with an axis per lane from X on.
     """
     share, swapped = settings.flip_fraction, swap_halves(mean)
     # Eq. 26 and its PIC counterpart
-    kept = where_positive(momenta(d), share, 1.0)
-    speed_up = fma(momenta(d) * (1.0 - share), mean, momenta(d) * (share * dt) * swapped)
+    kept = where_positive(momentum_mask(d), share, 1.0)
+    increment = fma(momentum_mask(d) * (1.0 - share), mean, momentum_mask(d) * (share * dt) * swapped)
     # Eq. 27
-    step = fma(forces(d) * (-settings.position_factor * dt * dt), mean, forces(d) * dt * swapped)
-    moved = fma(record, kept, speed_up + step)
-    held = keep_within(moved, limits)
-    pull = vector(0.0, 0.0, 0.0, 0.0, settings.gravity_x, settings.gravity_y, settings.gravity_z, 0.0)
-    return held, step, extract(record, 0) * (pull * (held - moved))
+    displacement = fma(force_mask(d) * (-settings.position_factor * dt * dt), mean, force_mask(d) * dt * swapped)
+    free = fma(old, kept, increment + displacement)
+    new = keep_within(free, limits)
+    gravity = vector(0.0, 0.0, 0.0, 0.0, settings.gravity_x, settings.gravity_y, settings.gravity_z, 0.0)
+    return new, displacement, extract(old, M) * (gravity * (new - free))
 
 
 @device
-def store_column(rows: np.ndarray, o: int, d: int, gradient: Any) -> None:
-    """Write a column of the velocity gradient into the row of lanes at `o`, Eq. (28)."""
-    store(rows, o, where_positive(momenta(d), gradient, load(rows, o)))
+def store_gradient(rows: np.ndarray, o: int, d: int, x: Any, y: Any, z: Any) -> None:
+    """Write `d` columns of the velocity gradient (or of APIC's matrix) to the record that starts at `o`, Eq. (28)."""
+    _store_column(rows, o + X_VECTOR, d, x)
+    _store_column(rows, o + Y_VECTOR, d, y)
+    if d == 3:
+        _store_column(rows, o + Z_VECTOR, d, z)
 
 
 @device
-def power(row: Any, gradient: Any, dt: float) -> Any:
-    """Column of sigma times column of grad(v + v~) / 2, summed over lanes 4 to 6 the work on the nodes in this step."""
-    return row * fma(splat(-0.5 * dt), gradient, swap_halves(gradient))
+def _store_column(rows: np.ndarray, o: int, d: int, column: Any) -> None:
+    store(rows, o, where_positive(momentum_mask(d), column, load(rows, o)))
+
+
+@device
+def incremental_work(column: Any, gradient: Any, dt: float) -> Any:
+    """Column of sigma times column of grad(v + v~) / 2; the sum over lanes X, Y, Z is the stress power per volume."""
+    return column * fma(splat(-0.5 * dt), gradient, swap_halves(gradient))

@@ -1,4 +1,4 @@
-"""Points to grid and grid to points in three dimensions: twenty-seven nodes a point."""
+"""Transfer of a point with quadratic shape functions in three dimensions: twenty-seven nodes."""
 
 from __future__ import annotations
 
@@ -6,22 +6,25 @@ from typing import Any
 
 import numpy as np
 
-from mpmcol.mpm import lanes
 from mpmcol.mpm.grid import Grid
 from mpmcol.mpm.jit import device
-from mpmcol.mpm.kernels.transfer_common import forces, momenta, move, power, spread, stencil, store_column
-from mpmcol.mpm.lanes import V0, J, M, X, Y, Z
+from mpmcol.mpm.kernels.transfer_common import (
+    broadcast,
+    force_mask,
+    momentum_mask,
+    quadratic_stencil,
+    update_point,
+)
+from mpmcol.mpm.lanes import V0, X_VECTOR, Y_VECTOR, Z_VECTOR, J, M, X, Y, Z
 from mpmcol.mpm.settings import Settings
 from mpmcol.mpm.simd import extract, fma, load, splat, store, vector
-
-RECORD_SIZE = lanes.RECORD_SIZE[3]
 
 
 @device
 def scatter(rows: np.ndarray, o: int, nodes: np.ndarray, grid: Grid, settings: Settings) -> None:
     """Add one point, whose record starts at `o`, to its twenty-seven nodes."""
     h, inv_h, record = grid.h, 1.0 / grid.h, load(rows, o)
-    s, base, w0, w1, w2, g0, g1, g2 = stencil(record, grid, settings)
+    s, base, w0, w1, w2, g0, g1, g2 = quadratic_stencil(record, grid, settings)
     i, j, k = int(extract(base, X)), int(extract(base, Y)), int(extract(base, Z))
     d0 = (base - s) * h
     d1, d2 = d0 + h, d0 + 2.0 * h
@@ -29,39 +32,32 @@ def scatter(rows: np.ndarray, o: int, nodes: np.ndarray, grid: Grid, settings: S
     m, volume = rows[o + M], rows[o + J] * rows[o + V0]
 
     # Eq. 19, 20, 14: mass, momentum at the point, weight
-    momentum = splat(m) * momenta(3)
+    momentum = splat(m) * momentum_mask(3)
     weight = vector(m, 0.0, 0.0, 0.0, m * settings.gravity_x, m * settings.gravity_y, m * settings.gravity_z, 0.0)
     at_point = fma(record, momentum, weight)
     # Eq. 20: m L (x_i - x_p); Eq. 13: -V sigma . grad w
-    taylor, force = settings.taylor * momentum, (-volume * inv_h) * forces(3)
-    row_x, row_y, row_z = load(rows, o + 8), load(rows, o + 16), load(rows, o + 24)
-    a_x, f_x, a_y, f_y, a_z, f_z = (
-        row_x * taylor,
-        row_x * force,
-        row_y * taylor,
-        row_y * force,
-        row_z * taylor,
-        row_z * force,
-    )
+    taylor, force = settings.taylor * momentum, (-volume * inv_h) * force_mask(3)
+    column_x, column_y, column_z = load(rows, o + X_VECTOR), load(rows, o + Y_VECTOR), load(rows, o + Z_VECTOR)
+    a_x, a_y, a_z = column_x * taylor, column_y * taylor, column_z * taylor
+    f_x, f_y, f_z = column_x * force, column_y * force, column_z * force
 
     # node (i, j, k) receives w_j w_k P_i + w_i (w_k Q_j + w_j R_k)
-    w = spread(w0, X), spread(w1, X), spread(w2, X)
-    wz = spread(w0, Z), spread(w1, Z), spread(w2, Z)
-    p0 = fma(w[0], fma(spread(d0, X), a_x, at_point), spread(g0, X) * f_x)
-    p1 = fma(w[1], fma(spread(d1, X), a_x, at_point), spread(g1, X) * f_x)
-    p2 = fma(w[2], fma(spread(d2, X), a_x, at_point), spread(g2, X) * f_x)
-    r0 = fma(spread(wd0, Z), a_z, spread(g0, Z) * f_z)
-    r1 = fma(spread(wd1, Z), a_z, spread(g1, Z) * f_z)
-    r2 = fma(spread(wd2, Z), a_z, spread(g2, Z) * f_z)
+    w, wz = _broadcast_each(w0, w1, w2, X), _broadcast_each(w0, w1, w2, Z)
+    p0 = fma(w[0], fma(broadcast(d0, X), a_x, at_point), broadcast(g0, X) * f_x)
+    p1 = fma(w[1], fma(broadcast(d1, X), a_x, at_point), broadcast(g1, X) * f_x)
+    p2 = fma(w[2], fma(broadcast(d2, X), a_x, at_point), broadcast(g2, X) * f_x)
+    r0 = fma(broadcast(wd0, Z), a_z, broadcast(g0, Z) * f_z)
+    r1 = fma(broadcast(wd1, Z), a_z, broadcast(g1, Z) * f_z)
+    r2 = fma(broadcast(wd2, Z), a_z, broadcast(g2, Z) * f_z)
     x_lines = grid.ax[i], grid.ax[i + 1], grid.ax[i + 2]
     z_lines = grid.az[k], grid.az[k + 1], grid.az[k + 2]
     p, r = (p0, p1, p2), (r0, r1, r2)
-    q0 = fma(spread(wd0, Y), a_y, spread(g0, Y) * f_y)
-    _add_plane(nodes, grid.ay[j], x_lines, z_lines, w, spread(w0, Y), wz, p, q0, r)
-    q1 = fma(spread(wd1, Y), a_y, spread(g1, Y) * f_y)
-    _add_plane(nodes, grid.ay[j + 1], x_lines, z_lines, w, spread(w1, Y), wz, p, q1, r)
-    q2 = fma(spread(wd2, Y), a_y, spread(g2, Y) * f_y)
-    _add_plane(nodes, grid.ay[j + 2], x_lines, z_lines, w, spread(w2, Y), wz, p, q2, r)
+    q0 = fma(broadcast(wd0, Y), a_y, broadcast(g0, Y) * f_y)
+    _add_plane(nodes, grid.ay[j], x_lines, z_lines, w, broadcast(w0, Y), wz, p, q0, r)
+    q1 = fma(broadcast(wd1, Y), a_y, broadcast(g1, Y) * f_y)
+    _add_plane(nodes, grid.ay[j + 1], x_lines, z_lines, w, broadcast(w1, Y), wz, p, q1, r)
+    q2 = fma(broadcast(wd2, Y), a_y, broadcast(g2, Y) * f_y)
+    _add_plane(nodes, grid.ay[j + 2], x_lines, z_lines, w, broadcast(w2, Y), wz, p, q2, r)
 
 
 @device
@@ -82,37 +78,34 @@ def _add_line(nodes, o, x_lines, w, w_yz, p, t):
 
 @device
 def gather(
-    rows: np.ndarray, o: int, nodes: np.ndarray, grid: Grid, settings: Settings, bounds: tuple[Any, Any], dt: float
+    rows: np.ndarray, o: int, nodes: np.ndarray, grid: Grid, settings: Settings, limits: tuple[Any, Any], dt: float
 ) -> tuple[Any, Any]:
     """Update velocity, position and velocity gradient of one point from its twenty-seven nodes.
 
-    Returns two vectors that count in lanes 4 to 6: its displacement, and the work of its old stress on the motion
-    of the nodes, with gravity's on it where a wall holds it, J. Eq. (26)-(28), with the shares of FLIP and PIC and
-    the position rule that the settings name.
+    Eq. (26)-(28); returns as `update_point`.
     """
     inv_h, old = 1.0 / grid.h, load(rows, o)
-    _, base, w0, w1, w2, g0, g1, g2 = stencil(old, grid, settings)
+    _, base, w0, w1, w2, g0, g1, g2 = quadratic_stencil(old, grid, settings)
     i, j, k = int(extract(base, X)), int(extract(base, Y)), int(extract(base, Z))
     y_lines, z_lines = (grid.ay[j], grid.ay[j + 1], grid.ay[j + 2]), (grid.az[k], grid.az[k + 1], grid.az[k + 2])
-    wy, gy = (spread(w0, Y), spread(w1, Y), spread(w2, Y)), (spread(g0, Y), spread(g1, Y), spread(g2, Y))
-    wz, gz = (spread(w0, Z), spread(w1, Z), spread(w2, Z)), (spread(g0, Z), spread(g1, Z), spread(g2, Z))
+    wy, wz = _broadcast_each(w0, w1, w2, Y), _broadcast_each(w0, w1, w2, Z)
+    gy, gz = _broadcast_each(g0, g1, g2, Y), _broadcast_each(g0, g1, g2, Z)
     sum0, y0, z0 = _across(nodes, grid.ax[i], y_lines, z_lines, wy, gy, wz, gz)
     sum1, y1, z1 = _across(nodes, grid.ax[i + 1], y_lines, z_lines, wy, gy, wz, gz)
     sum2, y2, z2 = _across(nodes, grid.ax[i + 2], y_lines, z_lines, wy, gy, wz, gz)
 
-    wx = spread(w0, X), spread(w1, X), spread(w2, X)
+    wx, gx = _broadcast_each(w0, w1, w2, X), _broadcast_each(g0, g1, g2, X)
     mean = _along(wx, sum0, sum1, sum2)
-    grad_x = inv_h * _along((spread(g0, X), spread(g1, X), spread(g2, X)), sum0, sum1, sum2)
+    grad_x = inv_h * _along(gx, sum0, sum1, sum2)
     grad_y, grad_z = inv_h * _along(wx, y0, y1, y2), inv_h * _along(wx, z0, z1, z2)
 
-    work = power(load(rows, o + 8), grad_x, dt) + power(load(rows, o + 16), grad_y, dt)
-    work = (dt * rows[o + J] * rows[o + V0]) * (work + power(load(rows, o + 24), grad_z, dt))
-    record, step, lifted = move(old, mean, 3, bounds, settings, dt)
-    store(rows, o, record)
-    store_column(rows, o + 8, 3, grad_x)
-    store_column(rows, o + 16, 3, grad_y)
-    store_column(rows, o + 24, 3, grad_z)
-    return step, work + lifted
+    return update_point(rows, o, old, mean, (grad_x, grad_y, grad_z), 3, limits, settings, dt)
+
+
+@device
+def _broadcast_each(a, b, c, index):
+    """`broadcast` of three vectors."""
+    return broadcast(a, index), broadcast(b, index), broadcast(c, index)
 
 
 @device
@@ -123,7 +116,7 @@ def _along(w, a, b, c):
 
 @device
 def _across(nodes, x, y_lines, z_lines, wy, gy, wz, gz):
-    """Weighted sum of nine nodes of equal x, and its slopes along y and z."""
+    """Weighted sum of nine nodes of equal x, and its derivatives along y and z."""
     sum0, slope0 = _along_z(nodes, x + y_lines[0], z_lines, wz, gz)
     sum1, slope1 = _along_z(nodes, x + y_lines[1], z_lines, wz, gz)
     sum2, slope2 = _along_z(nodes, x + y_lines[2], z_lines, wz, gz)
@@ -132,6 +125,6 @@ def _across(nodes, x, y_lines, z_lines, wy, gy, wz, gz):
 
 @device
 def _along_z(nodes, o, z_lines, wz, gz):
-    """Weighted sum and slope of three nodes of equal x and y."""
+    """Weighted sum and derivative along z of three nodes of equal x and y."""
     n0, n1, n2 = load(nodes, o + z_lines[0]), load(nodes, o + z_lines[1]), load(nodes, o + z_lines[2])
     return _along(wz, n0, n1, n2), _along(gz, n0, n1, n2)

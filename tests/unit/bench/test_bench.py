@@ -1,4 +1,4 @@
-"""The benchmark: plain loops give the numbers of the kernels, the command prints and compares reports."""
+"""The benchmark: plain loops agree with the kernels; the command prints and compares reports."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from mpmcol.bench.cases import MODELS, make_solver
 from mpmcol.bench.clock import seconds
 from mpmcol.bench.machine import POINT_OPERATIONS, Machine
-from mpmcol.bench.measure import QUICK, bytes_per_point, make_twin, measure_scene, plain_steps, vector_steps
-from mpmcol.bench.plain_loops.common import plain_points
-from mpmcol.bench.report import Report, Scene, Spread, compare, load_report, make_report
-from mpmcol.bench.scenes import MODELS, make_solver
+from mpmcol.bench.measure import QUICK, bytes_per_point, measure_case, plain_steps, vector_steps
+from mpmcol.bench.plain_loops.common import plain_points, plain_state
+from mpmcol.bench.report import BenchmarkCase, Report, Spread, compare, load_report, make_report
 from mpmcol.cli import main
 from mpmcol.cli.bench import bench
 from mpmcol.errors import UsageError
@@ -25,40 +25,40 @@ PHASES = ("clear", "p2g", "update_grid", "update_points", "g2p", "stress", "step
 
 
 @pytest.fixture(scope="module")
-def scene() -> Scene:
-    return measure_scene("plane", 2000, 1, QUICK)
+def case() -> BenchmarkCase:
+    return measure_case("plane", 2000, 1, QUICK)
 
 
 def slower(report: Report, phase: str, factor: float) -> Report:
-    """The report with one phase `factor` times as slow."""
+    """The report with the times of one phase multiplied by `factor`."""
 
     def scaled(spread: Spread) -> Spread:
         return Spread(factor * spread.median, factor * spread.min, factor * spread.max)
 
-    scenes = [
-        replace(s, rows=tuple(replace(r, vector=scaled(r.vector)) if r.phase == phase else r for r in s.rows))
-        for s in report.scenes
+    cases = [
+        replace(c, rows=tuple(replace(r, vector=scaled(r.vector)) if r.phase == phase else r for r in c.rows))
+        for c in report.cases
     ]
-    return replace(report, scenes=tuple(scenes))
+    return replace(report, cases=tuple(cases))
 
 
 @pytest.mark.parametrize("model", MODELS)
-def test_plain_loops_give_the_numbers_of_the_kernels(model: str) -> None:
+def test_plain_loops_agree_with_the_kernels(model: str) -> None:
     solver = make_solver(model, 2000)
     solver.advance(1.0, max_steps=30)
     solver.sort()
-    twin = make_twin(solver)
+    state = plain_state(solver)
     vector_steps(solver, 20)
-    plain_steps(solver, twin, 20)
+    plain_steps(solver, state, 20)
     expected = plain_points(solver.points)
     assert (expected.opening > 0.0).any() and (expected.opening == 0.0).any()
     for name in expected._fields:
-        got, wanted = getattr(twin.points, name), getattr(expected, name)
-        np.testing.assert_allclose(got, wanted, rtol=0.0, atol=1e-11 * np.abs(wanted).max(), err_msg=name)
-    assert twin.clock[1] == pytest.approx(solver.dt, rel=1e-13)
+        got, reference = getattr(state.points, name), getattr(expected, name)
+        np.testing.assert_allclose(got, reference, rtol=0.0, atol=1e-11 * np.abs(reference).max(), err_msg=name)
+    assert state.clock[1] == pytest.approx(solver.dt, rel=1e-13)
 
 
-def test_timed_steps_are_the_solver_s_steps() -> None:
+def test_timed_steps_equal_the_steps_of_the_solver() -> None:
     timed, usual = make_solver("plane", 2000), make_solver("plane", 2000)
     timed.sort()
     vector_steps(timed, 10)
@@ -67,7 +67,7 @@ def test_timed_steps_are_the_solver_s_steps() -> None:
     np.testing.assert_array_equal(timed.points.rows, usual.points.rows)
 
 
-def test_the_scene_has_the_points_asked_for_and_yields() -> None:
+def test_the_case_has_the_requested_number_of_points() -> None:
     for points in (2000, 30_000):
         solver = make_solver("plane", points)
         assert len(solver.points) == pytest.approx(points, rel=0.1)
@@ -81,36 +81,36 @@ def test_the_compiled_clock_is_the_monotonic_clock() -> None:
     assert before <= compiled() <= seconds()
 
 
-def test_a_scene_reports_every_phase(scene: Scene) -> None:
-    assert tuple(row.phase for row in scene.rows) == PHASES
-    for row in scene.rows:
+def test_every_phase_is_reported(case: BenchmarkCase) -> None:
+    assert tuple(row.phase for row in case.rows) == PHASES
+    for row in case.rows:
         assert 0.0 < row.vector.min <= row.vector.median <= row.vector.max or row.phase == "stress"
         assert (row.plain is None) == (row.phase == "sort")
 
 
-def test_the_bound_is_below_the_step_and_more_with_more_traffic(scene: Scene) -> None:
-    assert scene.bound > 0.0
+def test_the_bound_is_the_larger_of_traffic_and_arithmetic(case: BenchmarkCase) -> None:
+    assert case.bound > 0.0
     machine = Machine(bandwidth=10.0, vector_rate=8.0)
     assert machine.bound(2, 0.0) == pytest.approx(max(3 * 24 * 8 / 10.0, POINT_OPERATIONS[2] / 8.0))
     assert machine.bound(3, 1.0) - machine.bound(3, 0.0) == pytest.approx(6 * 64 / 10.0)
 
 
-def test_a_report_survives_its_json(scene: Scene, tmp_path: Path) -> None:
-    report = make_report([scene])
+def test_a_report_is_read_back_from_json(case: BenchmarkCase, tmp_path: Path) -> None:
+    report = make_report([case])
     (tmp_path / "report.json").write_text(report.to_json())
     assert load_report(tmp_path / "report.json") == report
     assert {"cpu", "llvm_cpu", "cores", "numba", "llvm", "numpy", "python"} <= report.machine.keys()
 
 
 @pytest.mark.parametrize("text", ["", "{}", '{"schema": 99}', "[1]"])
-def test_a_foreign_file_is_refused(text: str, tmp_path: Path) -> None:
+def test_other_files_are_rejected(text: str, tmp_path: Path) -> None:
     (tmp_path / "other.json").write_text(text)
     with pytest.raises(UsageError, match="mpmcol bench --json"):
         load_report(tmp_path / "other.json")
 
 
-def test_only_slowdowns_beyond_the_noise_are_flagged(scene: Scene) -> None:
-    report = make_report([scene])
+def test_only_slowdowns_beyond_the_noise_are_reported(case: BenchmarkCase) -> None:
+    report = make_report([case])
     assert compare(report, report) == []
     assert compare(report, slower(report, "p2g", 1.4)) == []
     found = compare(slower(report, "p2g", 1e-3), report)
@@ -126,15 +126,15 @@ def test_the_command_prints_writes_and_compares(tmp_path: Path) -> None:
         assert f"\n{phase} " in first.output
     written = load_report(tmp_path / "new.json")
     (tmp_path / "fast.json").write_text(slower(written, "p2g", 1e-3).to_json())
-    (tmp_path / "slow.json").write_text(replace(slower(written, "p2g", 1e3), scenes=()).to_json())
-    flagged = CliRunner().invoke(main, ["bench", *arguments, "--against", str(tmp_path / "fast.json")])
-    assert flagged.exit_code == 1 and "p2g" in flagged.output
-    calm = CliRunner().invoke(main, ["bench", *arguments, "--against", str(tmp_path / "slow.json")])
-    assert calm.exit_code == 0 and "Nothing is" in calm.output
-    assert json.loads((tmp_path / "new.json").read_text())["schema"] == 2
+    (tmp_path / "slow.json").write_text(replace(slower(written, "p2g", 1e3), cases=()).to_json())
+    slowed = CliRunner().invoke(main, ["bench", *arguments, "--against", str(tmp_path / "fast.json")])
+    assert slowed.exit_code == 1 and "p2g" in slowed.output
+    unchanged = CliRunner().invoke(main, ["bench", *arguments, "--against", str(tmp_path / "slow.json")])
+    assert unchanged.exit_code == 0 and "Nothing is" in unchanged.output
+    assert json.loads((tmp_path / "new.json").read_text())["schema"] == 3
 
 
 @pytest.mark.parametrize("arguments", [["--points", "0"], ["--points", "8k"], ["--threads", "1,,2"]])
-def test_wrong_counts_are_refused(arguments: list[str]) -> None:
+def test_wrong_counts_are_rejected(arguments: list[str]) -> None:
     result = CliRunner().invoke(bench, arguments)
     assert result.exit_code == 2 and "expected whole numbers" in result.output

@@ -1,4 +1,4 @@
-"""Rules of the compiled code that a compiler does not check."""
+"""Rules for compiled code that the compiler does not check, and the disk cache."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def copied_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         "jit.py",
     ],
 )
-def test_an_edited_helper_gets_a_cache_folder_of_its_own(copied_package: Path, name: str) -> None:
+def test_editing_a_helper_changes_the_cache_folder(copied_package: Path, name: str) -> None:
     before = jit.source_digest()
     assert before == jit.source_digest()
     with (copied_package / "mpm" / name).open("a") as source:
@@ -48,13 +48,13 @@ def test_an_edited_helper_gets_a_cache_folder_of_its_own(copied_package: Path, n
     assert jit.source_digest() != before
 
 
-def test_a_new_law_does_so_too(copied_package: Path) -> None:
+def test_a_new_law_changes_the_cache_folder(copied_package: Path) -> None:
     before = jit.source_digest()
     (copied_package / "mpm/constitutive/another.py").write_text("STATE = ()\n")
     assert jit.source_digest() != before
 
 
-def test_other_files_keep_the_compiled_code(copied_package: Path) -> None:
+def test_editing_other_files_keeps_the_cache_folder(copied_package: Path) -> None:
     before = jit.source_digest()
     (copied_package / "plotting/charts.py").write_text("")
     assert jit.source_digest() == before
@@ -66,7 +66,7 @@ def test_every_file_with_compiled_code_is_hashed() -> None:
             assert path.relative_to(PACKAGE).parts[0] in jit.COMPILED_SOURCES, path
 
 
-# ------------------------------------------------------------------------------------- code kept on the disk
+# ------------------------------------------------------------------------------------------ disk cache
 
 FACTORY = """
 import sys
@@ -92,8 +92,8 @@ print([make(int(number))(np.zeros(10)) for number in sys.argv[1:]])
 """
 
 
-def test_products_of_one_factory_are_not_taken_for_one_another(tmp_path: Path) -> None:
-    """Each is the first that its process compiles; then a third process loads both."""
+def test_functions_of_one_factory_are_not_confused(tmp_path: Path) -> None:
+    """Each is the first function compiled in its process; a third process then loads both."""
     (tmp_path / "factory.py").write_text(FACTORY)
     environment = os.environ | {"MPMCOL_CACHE_DIR": str(tmp_path), "PYTHONPATH": str(PACKAGE.parent)}
 
@@ -121,7 +121,7 @@ print(round(run(0.0)), len(list(CACHE_FOLDER.rglob("*.nbc"))))
 
 @pytest.fixture
 def helped(tmp_path: Path) -> Callable[..., list[str]]:
-    """Runs a kernel with a helper of a copy of the package, after `line`; gives its value and the files kept."""
+    """Run a kernel with a helper of a copy of the package, after `line`; returns its value and the number of files."""
     shutil.copytree(PACKAGE, tmp_path / "mpmcol", ignore=shutil.ignore_patterns("__pycache__"))
     (tmp_path / "helped.py").write_text(HELPED)
 
@@ -143,14 +143,14 @@ def test_a_kernel_is_compiled_again_when_its_helper_in_another_file_is_edited(
     source.write_text(
         source.read_text().replace("        value = value * value", "        value = value * value * 2.0 ** 0.0625")
     )
-    assert helped() == ["1532", "1"]  # in a folder of its own
+    assert helped() == ["1532", "1"]  # in another folder
 
 
-def test_damaged_code_on_the_disk_is_compiled_again(helped: Callable[..., list[str]], tmp_path: Path) -> None:
+def test_a_damaged_cache_is_compiled_again(helped: Callable[..., list[str]], tmp_path: Path) -> None:
     helped()
     for kind, left in (("*.nbc", -100), ("*.nbi", 0), ("*.nbi", -10)):
-        (kept,) = (tmp_path / "cache").rglob(kind)
-        kept.write_bytes(kept.read_bytes()[:left])
+        (file,) = (tmp_path / "cache").rglob(kind)
+        file.write_bytes(file.read_bytes()[:left])
         assert helped() == ["100", "1"]
 
 
@@ -163,9 +163,7 @@ caching.IndexDataCacheFile.save = full
 GONE = "import shutil; shutil.rmtree(CACHE_FOLDER.parent)"
 
 
-def test_without_a_place_for_its_code_a_kernel_is_compiled_all_the_same(
-    helped: Callable[..., list[str]], tmp_path: Path
-) -> None:
+def test_kernels_are_compiled_without_a_writable_cache(helped: Callable[..., list[str]], tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     assert helped(FULL) == ["100", "0"]
     assert helped(GONE) == ["100", "1"]
@@ -173,7 +171,7 @@ def test_without_a_place_for_its_code_a_kernel_is_compiled_all_the_same(
     assert not list(tmp_path.glob("mpmcol/**/*.nbi"))
 
 
-def test_everything_that_a_factory_compiles_has_a_name_of_its_own() -> None:
+def test_all_functions_compiled_by_factories_have_unique_names() -> None:
     found = 0
     for path, tree in parsed([*KERNELS, *(PACKAGE / "bench").rglob("*.py")]):
         inner = {
@@ -198,7 +196,7 @@ def parsed(paths: Iterator[Path] | list[Path]) -> Iterator[tuple[Path, ast.Modul
 
 
 def decorated(tree: ast.AST, names: set[str]) -> list[ast.FunctionDef]:
-    """Functions, nested ones too, with one of these decorators."""
+    """Functions with one of these decorators, also nested ones."""
     return [
         node
         for node in ast.walk(tree)
@@ -210,7 +208,7 @@ def decorated(tree: ast.AST, names: set[str]) -> list[ast.FunctionDef]:
 def attribute_stores(tree: ast.AST) -> list[str]:
     """Stores through an attribute, `name.attr[...] = value` or `name.attr = value`, as text.
 
-    A store through a NamedTuple inside a parallel loop is silently lost: the array needs a name of its own.
+    A store through a NamedTuple inside a parallel loop is silently lost; assign the array to a name first.
     """
     found = []
     for node in ast.walk(tree):
@@ -229,7 +227,7 @@ def attribute_stores(tree: ast.AST) -> list[str]:
 
 
 def imports_numba(tree: ast.Module) -> bool:
-    """Whether a module needs Numba to be imported; functions may ask for its version."""
+    """Whether a module imports Numba at the top level; functions may import it to read its version."""
     names = [alias.name for node in tree.body if isinstance(node, ast.Import) for alias in node.names]
     names += [node.module or "" for node in tree.body if isinstance(node, ast.ImportFrom)]
     return any(name.split(".")[0] == "numba" for name in names)
@@ -259,13 +257,13 @@ def test_a_store_to_a_plain_name_is_allowed() -> None:
     assert attribute_stores(ast.parse(source)) == []
 
 
-def test_numba_is_known_to_jit_simd_and_the_clock_only() -> None:
+def test_only_jit_simd_and_clock_import_numba() -> None:
     assert imports_numba(ast.parse("from numba.core import types")) and imports_numba(ast.parse("import numba"))
     users = {path.relative_to(PACKAGE) for path, tree in parsed(PACKAGE.rglob("*.py")) if imports_numba(tree)}
     assert {user.as_posix() for user in users} == {"mpm/jit.py", "mpm/simd/compiled.py", "bench/clock.py"}
 
 
-def test_kernels_say_what_they_read_write_and_which_equations_they_are() -> None:
+def test_docstrings_of_kernels_state_what_they_read_and_write_and_their_equations() -> None:
     functions = [
         (path, function) for path, tree in parsed(KERNELS) for function in decorated(tree, DECORATORS - {"device"})
     ]

@@ -25,19 +25,19 @@ def params_of(friction, dilatancy=0.0, cohesion=0.0):
 
 
 def returned(trial, params):
-    """Stresses (n, 3) after the return, freed volumetric strains (n,), whether nothing changed (n,)."""
-    *principal, _, freed, yields = mohr_coulomb.return_map(*trial.T, UNUSED, params)
+    """Stresses (n, 3) after the return, released volumetric strains (n,), whether the trial is elastic (n,)."""
+    *principal, _, released, yields = mohr_coulomb.return_map(*trial.T, UNUSED, params)
     elastic = yields <= 0.0
-    return np.where(elastic[:, None], trial, np.array(principal).T), np.where(elastic, 0.0, freed), elastic
+    return np.where(elastic[:, None], trial, np.array(principal).T), np.where(elastic, 0.0, released), elastic
 
 
 def one(s, params):
-    """Three stresses after the return of three sorted stresses."""
+    """Principal stresses after the return of one sorted triple."""
     return returned(np.array([s]), params)[0][0]
 
 
 def random_trials(n, centre=0.0, seed=1):
-    """Sorted principal stresses around the apex: every region of the return holds a good share of them."""
+    """Sorted principal stresses (n, 3) around the apex, many of them in every region of the return."""
     rng = np.random.default_rng(seed)
     trial = centre + SCALE * (rng.normal(size=(n, 3)) + rng.normal(size=(n, 1)))
     return -np.sort(-trial, axis=1)
@@ -70,19 +70,19 @@ def regions(stress, elastic, apex):
 def test_return_is_the_koiter_return_in_every_region(phi, psi, cohesion):
     params = params_of(phi, psi, cohesion)
     trial = random_trials(10_000, params.apex)
-    stress, freed, elastic = returned(trial, params)
+    stress, released, elastic = returned(trial, params)
     np.testing.assert_allclose(
         stress, koiter_return(trial, radians(phi), radians(psi), cohesion, K, G), atol=1e-9 * SCALE, rtol=0.0
     )
     np.testing.assert_array_equal(stress[elastic], trial[elastic])
     region = regions(stress, elastic, params.apex)
     assert np.all(np.bincount(region, minlength=5) > 50)
-    np.testing.assert_allclose(freed[region == 4], (trial[region == 4].mean(axis=1) - params.apex) / K, atol=1e-15)
-    assert np.all(freed[region != 4] == 0.0)
+    np.testing.assert_allclose(released[region == 4], (trial[region == 4].mean(axis=1) - params.apex) / K, atol=1e-15)
+    assert np.all(released[region != 4] == 0.0)
 
 
 @pytest.mark.parametrize(("phi", "psi"), ANGLES)
-def test_return_is_sorted_admissible_and_final(phi, psi):
+def test_return_is_sorted_admissible_and_idempotent(phi, psi):
     params = params_of(phi, psi, 1e3)
     once = returned(random_trials(2_000, seed=2), params)[0]
     assert np.all(np.diff(once, axis=1) <= 1e-9 * SCALE)
@@ -105,7 +105,7 @@ def test_plastic_flow_dissipates_and_dilates_by_sin_psi_on_the_face(phi, psi):
 
 @pytest.mark.parametrize(("phi", "psi"), ANGLES)
 def test_return_is_continuous_across_the_regions(phi, psi):
-    """Along straight paths through the trial space no jump is larger than a few times the step."""
+    """Along straight paths in trial space no jump exceeds three times the step."""
     params = params_of(phi, psi, 1e3)
     ends, seen = random_trials(40, params.apex, seed=4), set()
     along = np.linspace(0.0, 1.0, 401)[:, None]
@@ -117,7 +117,7 @@ def test_return_is_continuous_across_the_regions(phi, psi):
     assert seen == {0, 1, 2, 3, 4}
 
 
-def test_isochoric_return_below_the_apex_keeps_the_mean_stress_and_needs_no_moduli():
+def test_isochoric_return_below_the_apex_conserves_the_mean_stress_and_is_independent_of_moduli():
     trial = random_trials(1_000, centre=-3.0 * SCALE, seed=5)
     trial = trial[trial.mean(axis=1) < 0.0]
     stress = returned(trial, params_of(33.0))[0]
@@ -135,8 +135,8 @@ def test_tension_is_cut_off_at_the_apex():
 
 
 def test_zero_stress_is_elastic():
-    stress, freed, elastic = returned(np.zeros((1, 3)), params_of(33.0))
-    assert elastic.all() and not stress.any() and not freed.any()
+    stress, released, elastic = returned(np.zeros((1, 3)), params_of(33.0))
+    assert elastic.all() and not stress.any() and not released.any()
 
 
 # ---------------------------------------------------------------------------------------- element tests
@@ -171,7 +171,7 @@ def test_simple_shear_mobilises_sin_phi():
 
 @pytest.mark.parametrize("psi", [0.0, 10.0])
 def test_triaxial_compression_fails_at_n_phi(psi):
-    """Shortening at constant cell pressure, found with the lateral strain that keeps it: s3 / s1 = N_phi."""
+    """Compression at constant cell pressure, by iteration over the lateral strain: s3 / s1 = N_phi."""
     params, stress = params_of(33.0, psi), np.full(3, -1e3)
     for _ in range(300):
         trial_strain = np.array([1e-5, 1e-5, -2e-5])
@@ -204,15 +204,15 @@ def softening(cohesion=0.0):
 
 @pytest.mark.parametrize("cohesion", [0.0, 1e3])
 @pytest.mark.parametrize(("eps", "phi", "psi"), [(0.0, 50.0, 25.0), (log(2.0) / 5.0, 41.5, 12.5), (20.0, 33.0, 0.0)])
-def test_softening_returns_with_the_angles_of_the_strain_so_far(eps, phi, psi, cohesion):
+def test_softening_returns_with_the_angles_of_the_present_strain(eps, phi, psi, cohesion):
     trial = random_trials(500, seed=6)
     *principal, (strain, _), opened, yields = mohr_coulomb_softening.return_map(
         *trial.T, (np.full(len(trial), eps), 0.0), softening(cohesion)
     )
-    stress, freed, elastic = returned(trial, params_of(phi, psi, cohesion))
+    stress, released, elastic = returned(trial, params_of(phi, psi, cohesion))
     np.testing.assert_array_equal(yields <= 0.0, elastic)
     np.testing.assert_allclose(np.array(principal).T[~elastic], stress[~elastic], atol=1e-8 * SCALE)
-    np.testing.assert_allclose(opened[~elastic], freed[~elastic], atol=1e-12)
+    np.testing.assert_allclose(opened[~elastic], released[~elastic], atol=1e-12)
     plastic = strain_of(trial - stress)
     deviatoric = plastic - plastic.mean(axis=1, keepdims=True)
     length = sqrt(2.0 / 3.0) * np.linalg.norm(deviatoric, axis=1)
@@ -220,7 +220,7 @@ def test_softening_returns_with_the_angles_of_the_strain_so_far(eps, phi, psi, c
 
 
 @pytest.mark.parametrize("cohesion", [0.0, 1e3])
-def test_softening_may_yield_wherever_it_does(cohesion):
+def test_may_yield_is_positive_wherever_softening_material_yields(cohesion):
     trial, params = random_trials(2_000, seed=7), softening(cohesion)
     for eps in (0.0, 0.1, 20.0):
         history = (np.full(len(trial), eps), 0.0)

@@ -1,4 +1,4 @@
-"""Closed-form checks of the reference step itself."""
+"""Closed-form checks of the reference implementation."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def free(grid):
 
 
 def driven(points, material, L, steps, dt=1e-4, **choices):
-    """A single point under a prescribed velocity gradient."""
+    """One point under a prescribed velocity gradient."""
     scheme = scheme_of(2, dt=dt, **choices)
     points = replace(points, grad_v=np.array([L], float))
     for _ in range(steps):
@@ -76,11 +76,11 @@ def one_point(sigma=None, **state):
     return replace(points_at(np.zeros((1, 2)), sigma=None if sigma is None else np.array([sigma], float)), **state)
 
 
-# ---------------------------------------------------------------------------------------------- basis
+# ------------------------------------------------------------------------------------ shape functions
 
 
 @pytest.mark.parametrize("d", [1, 2, 3])
-def test_basis_reproduces_constants_and_linear_fields_up_to_the_walls(d):
+def test_shape_functions_reproduce_constants_and_linear_fields_up_to_the_walls(d):
     grid = grid_of(d)
     x = scattered(d, 200)
     x[0], x[1] = grid.origin, grid.origin + H * (np.array(grid.n_nodes) - 1) - 1e-12
@@ -115,7 +115,7 @@ def test_correction_joins_the_spline_smoothly():
     np.testing.assert_allclose(left[2][0, 1:], right[2][0, :2], atol=1e-8)
 
 
-def test_points_outside_the_grid_are_refused():
+def test_points_outside_the_grid_are_rejected():
     with pytest.raises(ValueError, match="outside"):
         weights(np.array([[-0.01]]), np.zeros(1), H, (7,))
 
@@ -187,7 +187,7 @@ def test_damping_always_opposes_the_motion():
 
 
 @pytest.mark.parametrize(("wall_impulse", "expected"), [(True, -4e4), (False, 0.0)])
-def test_wall_nodes_rest_and_may_pass_on_their_impulse(wall_impulse, expected):
+def test_fixed_nodes_are_at_rest_and_their_acceleration_includes_the_wall_impulse(wall_impulse, expected):
     fixed = np.array([[True, False]])
     scheme = scheme_of(2, wall_impulse=wall_impulse)
     v, a = grid_update(np.array([0.5]), np.array([[2.0, 2.0]]), np.array([[5.0, 5.0]]), fixed, scheme)
@@ -207,7 +207,7 @@ def test_flip_fraction_blends_the_two_velocity_updates():
 
 @pytest.mark.parametrize("J", [1.0, 1.3])
 def test_internal_force_is_the_stress_times_the_present_volume(J):
-    """The first moment of the nodal forces is -V sigma."""
+    """The first moment of the nodal forces equals -V sigma."""
     grid, sigma = grid_of(2), np.broadcast_to(np.diag([2e3, 5e3, 0.0]), (1, 3, 3))
     point = replace(points_at(np.array([[0.05, 0.07]]), sigma=sigma), J=np.full(1, J))
     f = p2g(point, grid, scheme_of(2, gravity=np.zeros(2)))[2]
@@ -228,7 +228,7 @@ def test_uniform_radial_stretch_gives_equal_radial_and_hoop_rates():
 
 
 def test_axisymmetric_internal_force_does_the_work_of_the_stress():
-    """-f . v = V sigma : D for every nodal velocity field: the hoop force belongs to the hoop strain."""
+    """-f . v = V sigma : D for every nodal velocity field: the hoop force is conjugate to the hoop strain."""
     grid, rng = ReferenceGrid(np.zeros(2), H, (7, 6)), np.random.default_rng(7)
     sigma = rng.normal(size=(1, 3, 3))
     sigma = sigma + sigma.transpose(0, 2, 1)
@@ -274,7 +274,7 @@ def test_closed_form_return_is_the_koiter_return(phi, psi, c):
     np.testing.assert_allclose([np.diag(s) for s in closed], koiter, atol=1e-6)
 
 
-def test_return_keeps_the_trial_axes():
+def test_return_conserves_the_principal_directions():
     turn = np.linalg.qr(np.random.default_rng(9).normal(size=(3, 3)))[0]
     straight = mohr_coulomb(np.diag([-1.0, -2.0, -9.0]), 0.5, 0.1, 0.0, 3.0, 2.0)[0]
     turned = mohr_coulomb(turn @ np.diag([-1.0, -2.0, -9.0]) @ turn.T, 0.5, 0.1, 0.0, 3.0, 2.0)[0]
@@ -282,7 +282,7 @@ def test_return_keeps_the_trial_axes():
 
 
 def test_softening_strain_is_the_path_length_in_tensor_shear():
-    """Simple shear gamma gives gamma / sqrt(3), whatever its sign, and the angles decay with it."""
+    """Simple shear gamma adds |gamma| / sqrt(3), and the angles decay with it."""
     soft = replace(SAND, phi=np.radians(50.0), phi_residual=np.radians(33.0), rate=5.0)
     shear = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
     there = driven(one_point(-1e3 * np.eye(3)), soft, shear, steps=1000)
@@ -293,7 +293,7 @@ def test_softening_strain_is_the_path_length_in_tensor_shear():
     np.testing.assert_allclose(s[2] / s[0], (1 - np.sin(phi)) / (1 + np.sin(phi)), rtol=1e-3)
 
 
-def test_angles_fade_from_peak_to_residual_with_the_softening_strain():
+def test_angles_decay_from_peak_to_residual_with_the_softening_strain():
     soft = ReferenceMaterial(E, NU, phi=0.9, psi=0.4, phi_residual=0.6, psi_residual=0.1, rate=5.0)
     np.testing.assert_allclose(soft.angles(0.0), (0.9, 0.4))
     np.testing.assert_allclose(soft.angles(np.log(2.0) / 5.0), (0.75, 0.25))
@@ -304,7 +304,7 @@ def test_angles_fade_from_peak_to_residual_with_the_softening_strain():
 
 
 @pytest.mark.parametrize(("psi", "c"), [(0.0, 0.0), (0.1, 0.0), (0.0, 50.0)])
-def test_opened_material_closes_before_it_bears(psi, c):
+def test_opened_material_closes_before_it_carries_pressure(psi, c):
     sand, rate = replace(SAND, psi=psi, c=c), np.eye(3)
     apex = c / np.tan(SAND.phi) * np.eye(3)
     opened = driven(one_point(), sand, rate, steps=100)
@@ -320,7 +320,7 @@ def test_opened_material_closes_before_it_bears(psi, c):
     np.testing.assert_allclose(closed.J, still.J * (1 + still.opening) * (1 - 1e-4) ** 60)
 
 
-def test_opening_is_the_tension_that_was_cut_and_is_taken_off_the_next_compression():
+def test_opening_is_the_strain_of_the_tension_cut_off_and_is_closed_by_compression():
     pressed = one_point(-10.0 * np.eye(3))
     opened = driven(pressed, SAND, np.eye(3), steps=1, dt=1e-5)
     np.testing.assert_allclose(opened.opening, 3e-5 - 10.0 / SAND.K)
@@ -329,7 +329,7 @@ def test_opening_is_the_tension_that_was_cut_and_is_taken_off_the_next_compressi
     np.testing.assert_allclose(closed.sigma[0], p * np.eye(3), atol=1e-8)
 
 
-def test_without_opening_the_volume_grows_and_the_first_compression_bears():
+def test_without_opening_strain_the_volume_grows_and_compression_causes_pressure_at_once():
     opened = driven(one_point(), SAND, np.eye(3), steps=100, opening_strain=False)
     np.testing.assert_allclose(opened.J, (1 + 1e-4) ** 300)
     assert opened.opening[0] == 0.0
@@ -343,11 +343,11 @@ def test_elastic_material_never_opens():
 
 
 @pytest.mark.parametrize(("psi", "c"), [(0.0, 0.0), (0.2, 0.0), (0.1, 1e3)])
-def test_the_whole_volume_ratio_is_the_product_of_the_increments(psi, c):
+def test_total_volume_ratio_is_the_product_of_the_increments(psi, c):
     rng, scheme, sand = np.random.default_rng(10), scheme_of(2), replace(SAND, psi=psi, c=c)
     points, whole, opened = one_point(), 1.0, 0
-    breathing = np.sin(np.arange(500) / 40.0)[:, None, None] * np.eye(3)
-    for L in 20.0 * (rng.normal(size=(500, 3, 3)) + breathing):
+    pulsation = np.sin(np.arange(500) / 40.0)[:, None, None] * np.eye(3)
+    for L in 20.0 * (rng.normal(size=(500, 3, 3)) + pulsation):
         points = stress_update(replace(points, grad_v=L[None]), [sand], scheme)
         whole *= np.linalg.det(np.eye(3) + scheme.dt * L)
         opened += points.opening[0] > 0.0

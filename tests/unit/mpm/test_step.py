@@ -1,4 +1,4 @@
-"""Whole steps of the compiled solver against the literal NumPy reference, for every switch of the method."""
+"""Whole steps of the compiled solver against the NumPy reference, for every law, option and scheme."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def reference_material(law: str) -> reference.ReferenceMaterial:
 
 
 def random_points(seed: int, opens: bool, d: int) -> Points:
-    """Points all over the grid, some next to walls, moving, stressed, deformed, a few of them open."""
+    """Random points in the whole grid, some of them beside walls and some opened."""
     rng = np.random.default_rng(seed)
     points = Points(300, d)
     points.x[:] = rng.uniform((0.006, -0.194, 0.006)[:d], (0.99, 0.49, 0.49)[:d], (300, d))
@@ -123,7 +123,7 @@ def test_steps_of_every_scheme_equal_the_reference(scheme: Scheme, d: int, chang
 
 
 def compare_with_reference(d: int, law: str, change: dict, scheme: Scheme) -> None:
-    """Three steps of points all over the grid."""
+    """Compare the points after three steps."""
     settings = PLAIN._replace(**change)
     points = random_points(seed=1, opens=law != "elastic", d=d)
     expected = as_reference(points)
@@ -155,7 +155,7 @@ def compare_with_reference(d: int, law: str, change: dict, scheme: Scheme) -> No
         gap[0] = settings.axis_gap if settings.axisymmetric else WALL_GAP
         expected.x[:] = np.maximum(expected.x, ORIGIN[:d] + gap * H)
 
-    if scheme.affine:  # it stands in the place of the gradient
+    if scheme.affine:  # the matrix is stored in place of the gradient
         expected.grad_v[:, :d, :d] = expected.C
     points = by_id(solver)
     got = as_reference(points)

@@ -1,4 +1,4 @@
-"""What is simulated, as plain arrays, so that every code gets the same."""
+"""The simulated problem as plain arrays, the same for every code."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from mpmcol.mpm.grid import NODE
 from mpmcol.mpm.particles import COLUMN
 from mpmcol.mpm.solver import Solver
 
-WALL_GAP = 0.1  # in h: points are held this far from the walls
-MASS_FLOOR = 1e-20  # share of the smallest point mass under which a node is empty
+WALL_GAP = 0.1  # in h: smallest distance of a point from a wall
+MASS_FLOOR = 1e-20  # nodes below this fraction of the smallest point mass are empty
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class Material:
 
 
 @dataclass(frozen=True)
-class Scene:
+class Problem:
     """n points and a grid in d = 2 (plane strain) or 3 dimensions; SI units, tension > 0, y is up.
 
     Walls stand on the first and the last nodes of each axis. The column is Mohr-Coulomb, the base elastic.
@@ -81,13 +81,13 @@ def make_material(
     return Material(bulk, shear, n_phi, n_psi, cohesion / np.tan(phi), (bulk + 4.0 / 3.0 * shear) / density)
 
 
-def from_solver(solver: Solver) -> Scene:
-    """The present state of a solver of mpmcol in plane strain or 3D, Mohr-Coulomb over a base of equal elasticity."""
+def from_solver(solver: Solver) -> Problem:
+    """Present state of an mpmcol solver in plane strain or 3D, Mohr-Coulomb over an elastic base of equal moduli."""
     points, grid, settings, body = solver.points, solver.grid, solver.settings, solver.bodies[COLUMN]
     d, params = points.dimension, body.params
     address = (grid.ax[:, None, None] + grid.ay[:, None] + grid.az) // NODE
     walls = grid.fixed[address] if d == 3 else grid.fixed[address[..., 0]]
-    return Scene(
+    return Problem(
         x=points.x.copy(), v=points.v.copy(), grad_v=points.grad_v[:, :d, :d], sigma=points.sigma, m=points.m.copy(),
         V0=points.V0.copy(), J=points.J.copy(), opening=points.opening.copy(), kind=points.kind.astype(np.int32),
         origin=np.array([grid.origin_x, grid.origin_y, grid.origin_z][:d]), h=grid.h,

@@ -1,4 +1,4 @@
-"""A column at the moment of its release, in any size: about half of its points yield in the first steps."""
+"""Benchmark cases: a column at the moment of its release, of any size; about half of its points yield at once."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ MATERIAL = mohr_coulomb.Material(
 
 
 def make_solver(model: str, points: int) -> Solver:
-    """About `points` points in a plane, axisymmetric or quarter column over an elastic base, ready to step."""
+    """A plane, axisymmetric or quarter column of about `points` points over an elastic base."""
     d = 3 if model == "quarter" else 2
     h = PER_CELL_AND_AXIS * (SIZE[d] / points) ** (1.0 / d)
     across, up = round(1.2 * BASE_LENGTH / h), round(0.15 / h)
@@ -40,7 +40,7 @@ def make_solver(model: str, points: int) -> Solver:
 
 
 def _make_points(d: int, h: float, bottom: float, axisymmetric: bool) -> Points:
-    """Column under its own weight at active yield, jittered so that neighbours do not behave alike."""
+    """Column under its own weight at active yield; positions are perturbed so that neighbours differ."""
     column = _fill(h, ((0.0, RADIUS), (0.0, HEIGHT), (0.0, RADIUS))[:d])
     column = column[np.hypot(column[:, 0], column[:, 2]) < RADIUS] if d == 3 else column
     base = _fill(h, ((0.0, BASE_LENGTH), (bottom, 0.0), (0.0, BASE_LENGTH))[:d])
@@ -57,7 +57,7 @@ def _make_points(d: int, h: float, bottom: float, axisymmetric: bool) -> Points:
 
 
 def _fill(h: float, sides: tuple[tuple[float, float], ...]) -> np.ndarray:
-    """Points (n, d) in the middle of the sub-cells of a box whose lower corner stands on a node."""
+    """Points (n, d) at the centres of the sub-cells of a box whose lower corner is a node."""
     step = h / PER_CELL_AND_AXIS
     axes = [a + step * (np.arange(PER_CELL_AND_AXIS * max(round((b - a) / h), 1)) + 0.5) for a, b in sides]
     return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(sides))

@@ -1,4 +1,4 @@
-"""MPM in Taichi at its best: points in order of blocks of cells, blocks of one colour scattered at once, no atomics."""
+"""Optimised MPM in Taichi: points sorted by blocks of cells, blocks of one colour in parallel, no atomic operations."""
 
 from typing import ClassVar
 
@@ -7,45 +7,45 @@ import taichi as ti
 
 from scripts.peers.blocks import Blocks
 from scripts.peers.physics import component, move_node, stencil, update_stress
-from scripts.peers.scene import MASS_FLOOR, WALL_GAP, Scene
+from scripts.peers.problem import MASS_FLOOR, WALL_GAP, Problem
 
 BLOCK = {2: (8, 8), 3: (4, 4, 4)}  # cells
 
 
 @ti.data_oriented
-class Best:
-    """One simulation; call `ti.init` before, with what `TAICHI` holds."""
+class Optimized:
+    """One simulation; call `ti.init` with the options in `TAICHI` before."""
 
-    # Taichi otherwise cuts loops into pieces of at least 512 turns, and a loop over blocks has fewer.
+    # By default Taichi splits loops into chunks of at least 512 iterations; a loop over blocks has fewer.
     TAICHI: ClassVar = {"make_cpu_multithreading_loop": False}
 
-    def __init__(self, scene: Scene) -> None:
-        d = self.dim = scene.dim
-        self.n_nodes, self.h, self.gravity = scene.n_nodes, scene.h, scene.gravity
-        self.material, self.alpha_d, self.cfl = scene.material, scene.alpha_d, scene.cfl
-        self.origin, self.floor = tuple(scene.origin.tolist()), MASS_FLOOR * float(scene.m.min())
+    def __init__(self, problem: Problem) -> None:
+        d = self.dim = problem.dim
+        self.n_nodes, self.h, self.gravity = problem.n_nodes, problem.h, problem.gravity
+        self.material, self.alpha_d, self.cfl = problem.material, problem.alpha_d, problem.cfl
+        self.origin, self.floor = tuple(problem.origin.tolist()), MASS_FLOOR * float(problem.m.min())
         vector, matrix = ti.types.vector, ti.types.matrix
         point = ti.types.struct(
             x=vector(d, float), v=vector(d, float), grad_v=matrix(d, d, float), sigma=vector(4 if d == 2 else 6, float),
             m=float, V0=float, J=float, opening=float, kind=int,
         )  # fmt: skip
-        self.blocks = Blocks(point, scene, BLOCK[d])
+        self.blocks = Blocks(point, problem, BLOCK[d])
         self.points = self.blocks.points
         # a node holds mass, momentum and force, after the grid update mass, velocity and acceleration
         self.nodes = ti.Vector.field(2 * d + 1, float, self.blocks.nodes)
         self.walls = ti.field(ti.u8, self.blocks.nodes)
         self.speed, self.travel = ti.field(float, ()), ti.field(float, ())
         self.travelled = np.inf  # since the last sort, in cells
-        self._load(scene)
+        self._load(problem)
 
-    def _load(self, scene: Scene) -> None:
+    def _load(self, problem: Problem) -> None:
         names = ("x", "v", "grad_v", "m", "V0", "J", "opening", "kind")
-        sigma = scene.sigma[:, : 4 if self.dim == 2 else 6]
-        self.points.from_numpy({**{name: getattr(scene, name) for name in names}, "sigma": sigma})
+        sigma = problem.sigma[:, : 4 if self.dim == 2 else 6]
+        self.points.from_numpy({**{name: getattr(problem, name) for name in names}, "sigma": sigma})
         walls = np.zeros(self.walls.shape, np.uint8)
-        walls[tuple(map(slice, self.n_nodes))] = scene.wall_bits
+        walls[tuple(map(slice, self.n_nodes))] = problem.wall_bits
         self.walls.from_numpy(walls)
-        self.speed[None] = scene.speed
+        self.speed[None] = problem.speed
 
     @property
     def dt(self) -> float:
@@ -53,11 +53,11 @@ class Best:
         return self.cfl * self.h / self.speed[None]
 
     def state(self) -> dict[str, np.ndarray]:
-        """Arrays of the points, in the present order."""
+        """Arrays of the points, in their present order."""
         return self.points.to_numpy()
 
     def advance(self, steps: int) -> None:
-        """Step so many times, sorting when a point may be one cell away from where it was sorted."""
+        """Do `steps` steps; sort when a point may have travelled one cell since the last sort."""
         for _ in range(steps):
             if self.travelled >= 1.0:
                 self.blocks.sort()
@@ -65,34 +65,34 @@ class Best:
             self.travelled += self.step()
 
     def step(self) -> float:
-        """One step, Eq. 13-36; returns the longest way of a point in it, in cells.
+        """One step, Eq. 13-36; returns the largest displacement of a point, in cells.
 
-        In 3D colour by colour, since Taichi's time to compile grows faster than the length of a kernel.
+        In 3D with a kernel per colour, since Taichi's compile time grows faster than the length of a kernel.
         """
         if self.dim == 2:
-            return self.step_at_once()
-        self.clear_alone()
+            return self.step_2d()
+        self.clear_kernel()
         for colour in range(self.blocks.colours):
-            self.p2g_alone(colour)
-        return self.move_alone()
+            self.p2g_kernel(colour)
+        return self.move_kernel()
 
     @ti.kernel
-    def step_at_once(self) -> float:
+    def step_2d(self) -> float:
         self.clear()
         for colour in ti.static(range(self.blocks.colours)):
             self.p2g(colour)
         return self.move()
 
     @ti.kernel
-    def clear_alone(self):
+    def clear_kernel(self):
         self.clear()
 
     @ti.kernel
-    def p2g_alone(self, colour: int):
+    def p2g_kernel(self, colour: int):
         self.p2g(colour)
 
     @ti.kernel
-    def move_alone(self) -> float:
+    def move_kernel(self) -> float:
         return self.move()
 
     @ti.func
@@ -125,8 +125,8 @@ class Best:
         for block in range(self.blocks.total):
             speed, travel = 0.0, 0.0
             for p in range(self.blocks.first(block), self.blocks.first(block + 1)):
-                fast, far = self.move_point(p, dt)
-                speed, travel = ti.max(speed, fast), ti.max(travel, far)
+                speed_p, travel_p = self.move_point(p, dt)
+                speed, travel = ti.max(speed, speed_p), ti.max(travel, travel_p)
             if speed > 0.0:
                 ti.atomic_max(self.speed[None], speed)
                 ti.atomic_max(self.travel[None], travel)
@@ -154,7 +154,7 @@ class Best:
 
     @ti.func
     def spread(self, axis: ti.template(), node, value, weight, w: ti.template(), along: ti.template()):
-        """Add `value` to the nodes along `axis` and the axes after it; `weight` is that of the axes before."""
+        """Add `value` to the nodes along `axis` and the following axes; `weight`: product over the previous axes."""
         if ti.static(axis == self.dim):
             for c in ti.static(range(2 * self.dim + 1)):
                 self.nodes[node][c] = self.nodes[node][c] + value[c]  # += would be atomic
@@ -179,7 +179,7 @@ class Best:
 
     @ti.func
     def gather(self, axis: ti.template(), i, w: ti.template(), g: ti.template()):
-        """Velocity with acceleration, and gradient of the velocity (times h), along `axis` and the axes after it."""
+        """Velocity and acceleration, and velocity gradient (times h), summed along `axis` and the following axes."""
         mean, grad = ti.Vector.zero(float, 2 * self.dim), ti.Matrix.zero(float, self.dim, self.dim)
         if ti.static(axis == self.dim):
             node = self.nodes[i]
@@ -197,20 +197,20 @@ class Best:
 
     @ti.func
     def move_point(self, p, dt):
-        """G2P and stress of one point; returns its wave speed plus speed, and its way."""
+        """G2P and stress of one point; returns its wave speed plus speed, and its displacement."""
         d, h = ti.static(self.dim, self.h)
         point = self.points[p]
         base, w, g = stencil((point.x - ti.Vector(self.origin)) * (1.0 / h), self.n_nodes)
         mean, grad = self.gather(0, base, w, g)
         v, a = mean[:d], mean[d:]
         point.v += dt * a  # Eq. 26
-        way = dt * (v - 0.5 * dt * a)  # Eq. 27
+        displacement = dt * (v - 0.5 * dt * a)  # Eq. 27
         for c in ti.static(range(d)):
             low, high = ti.static(self.origin[c] + WALL_GAP * h, self.origin[c] + (self.n_nodes[c] - 1 - WALL_GAP) * h)
-            point.x[c] = ti.min(ti.max(point.x[c] + way[c], low), high)
+            point.x[c] = ti.min(ti.max(point.x[c] + displacement[c], low), high)
         point.grad_v = grad * (1.0 / h)  # Eq. 28
         point.sigma, point.J, point.opening = update_stress(
             point.grad_v, dt, point.sigma, point.J, point.opening, point.kind == 0, self.material
         )
         self.points[p] = point
-        return ti.sqrt(self.material.wave_speed2 * point.J) + point.v.norm(), ti.abs(way).max()
+        return ti.sqrt(self.material.wave_speed2 * point.J) + point.v.norm(), ti.abs(displacement).max()
