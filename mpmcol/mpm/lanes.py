@@ -1,7 +1,7 @@
 """Layout of the records of material points and nodes: which lane of which vector holds what.
 
 A record consists of vectors of eight doubles: three per point in two dimensions, four in three, one per node. The
-columns of the velocity gradient L and of the stress s stand in the lanes that momentum and force have in a node, so
+columns of the velocity gradient L and of the stress s are in the lanes that momentum and force have in a node, so
 that P2G needs no shuffles:
 
     lane        0      1     2     3      4     5     6     7
@@ -45,6 +45,6 @@ L = {
 }
 L_DIAGONAL = {2: (9, 18, L_ZZ), 3: (9, 18, 27)}  # lanes of L_xx, L_yy, L_zz
 SIGMA = {2: (12, 21, S_ZZ, 13), 3: (12, 21, 30, 13, 22, 14)}  # xx yy zz xy yz xz
-# second lane of the shear stresses, which stand in two columns, by index in SIGMA
+# second lane of the shear stresses, which are stored in two columns, by index in SIGMA
 SIGMA_COPIES = {2: {3: 20}, 3: {3: 20, 4: 29, 5: 28}}
 HISTORY = {2: slice(19, 23, 3), 3: slice(24, 32, 7)}

@@ -150,10 +150,10 @@ class Optimized:
             for a in ti.static(range(d)):
                 along[3 * b + k, a] = arm * point.grad_v[a, b]
                 along[3 * b + k, d + a] = push * component(point.sigma, a, b)
-        self.spread(0, base, here, 1.0, w, along)
+        self.scatter_along(0, base, here, 1.0, w, along)
 
     @ti.func
-    def spread(self, axis: ti.template(), node, value, weight, w: ti.template(), along: ti.template()):
+    def scatter_along(self, axis: ti.template(), node, value, weight, w: ti.template(), along: ti.template()):
         """Add `value` to the nodes along `axis` and the following axes; `weight`: product over the previous axes."""
         if ti.static(axis == self.dim):
             for c in ti.static(range(2 * self.dim + 1)):
@@ -164,7 +164,7 @@ class Optimized:
                 for c in ti.static(range(2 * self.dim)):
                     part[1 + c] += weight * along[3 * axis + k, c]
                 following = node + k * ti.Vector.unit(self.dim, axis, int)
-                self.spread(axis + 1, following, part, weight * w[k, axis], w, along)
+                self.scatter_along(axis + 1, following, part, weight * w[k, axis], w, along)
 
     @ti.func
     def update_node(self, i, dt):

@@ -31,7 +31,7 @@ class Material:
 class Problem:
     """n points and a grid in d = 2 (plane strain) or 3 dimensions; SI units, tension > 0, y is up.
 
-    Walls stand on the first and the last nodes of each axis. The column is Mohr-Coulomb, the base elastic.
+    The first and the last nodes of each axis are on walls. The column is Mohr-Coulomb, the base elastic.
     """
 
     x: np.ndarray  # (n, d)

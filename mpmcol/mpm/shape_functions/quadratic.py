@@ -1,4 +1,4 @@
-"""Quadratic B-spline, Eq. 17-18, with the kernel correction beside walls, which stand on grid nodes."""
+"""Quadratic B-spline, Eq. 17-18, with the kernel correction beside walls, which are on grid nodes."""
 
 from __future__ import annotations
 
