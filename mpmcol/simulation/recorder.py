@@ -98,15 +98,17 @@ class Recorder:
 
     def write_snapshot(self, stage: str) -> Snapshot:
         """Write the present state as the next snapshot; return it as it is stored. Raises OutputError."""
-        solver = self.solver
-        return self.write(self.snapshot_of(solver.points, solver.time, solver.steps, stage))
+        started, solver = time.perf_counter(), self.solver
+        snapshot = self.snapshot_of(solver.points, solver.time, solver.steps, stage)
+        self.seconds += time.perf_counter() - started
+        return self.append_snapshot(snapshot)
 
     def snapshot_of(self, points: Points, time: float, steps: int, stage: str) -> Snapshot:
         """A snapshot of points, with displacements from the positions at `start_ledger`."""
         return take_snapshot(self.case, points, self.initial_positions, time, steps, stage)
 
-    def write(self, snapshot: Snapshot) -> Snapshot:
-        """Write the next snapshot, the index and the history; return the snapshot as it is stored."""
+    def append_snapshot(self, snapshot: Snapshot) -> Snapshot:
+        """Write `snapshot` as the next one, with the index and the history; return it as it is stored."""
         started = time.perf_counter()
         stored = as_stored(snapshot)
         path = write_snapshot(self.folder, len(self._written), stored, self._meta, self.case.output.compression)

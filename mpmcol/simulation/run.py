@@ -31,7 +31,7 @@ from mpmcol.simulation.restart import (
 )
 from mpmcol.simulation.retry import halve_time_step
 from mpmcol.simulation.stages import Stages
-from mpmcol.simulation.state import Notify, RunState, ShowProgress, Simulation
+from mpmcol.simulation.state import Notify, RunState, ShowProgress, Simulation, no_messages, no_progress
 from mpmcol.simulation.summary import summarize
 
 
@@ -45,8 +45,8 @@ def run(
     checkpoint_seconds: float = INTERVAL,
     max_wall: float = inf,
     on_instability: Literal["stop", "retry"] = "stop",
-    progress: ShowProgress = lambda stage, fraction: None,
-    notify: Notify = lambda line: None,
+    progress: ShowProgress = no_progress,
+    notify: Notify = no_messages,
 ) -> Results:
     """Run a case in a folder, or resume its unfinished run there, and return the results.
 
@@ -79,9 +79,18 @@ def run(
         if checkpoint:
             require_same_points(model, checkpoint)
         try:
-            reopen_folder(folder) if checkpoint else prepare_folder(folder, case, fresh, notify)
+            if checkpoint:
+                reopen_folder(folder)
+            else:
+                prepare_folder(folder, case, fresh, notify)
             simulation = start(
-                case, model, folder, used, retry=on_instability == "retry", show_progress=progress, notify=notify
+                case,
+                model,
+                folder,
+                threads=used,
+                retry=on_instability == "retry",
+                show_progress=progress,
+                notify=notify,
             )
             if checkpoint:
                 resume(simulation, checkpoint)
@@ -92,14 +101,23 @@ def run(
     return Results(folder)
 
 
-def start(case: Case, model: Model, folder: Path, threads: int = 1, **options: Any) -> Simulation:
-    """A simulation at its start, with the resolved case in its folder; options: those of Simulation."""
+def start(
+    case: Case,
+    model: Model,
+    folder: Path,
+    *,
+    threads: int = 1,
+    retry: bool = False,
+    show_progress: ShowProgress = no_progress,
+    notify: Notify = no_messages,
+) -> Simulation:
+    """A simulation at its start; its folder holds the resolved case."""
     stage = model.equilibrate
     solver = Solver(model.points, model.grid, stage.settings, stage.column, model.base, model.scheme)
     recorder = Recorder(case, model, solver, folder, threads)
     recorder.open()
     recorder.start_ledger()
-    simulation = Simulation(case, model, recorder, **options)
+    simulation = Simulation(case, model, recorder, retry=retry, show_progress=show_progress, notify=notify)
     for warning in model.discretization.warnings:
         simulation.warn(warning)
     return simulation
@@ -152,7 +170,7 @@ def _write_last_valid_state(simulation: Simulation, failure: dict[str, Any]) -> 
     if not any(time >= state.time for time in recorder.snapshot_times):
         points = _points_of(state, simulation.solver.points.dimension)
         steps = int(state.clock[loop.STEPS])
-        recorder.write(recorder.snapshot_of(points, state.time, steps, "last_valid"))
+        recorder.append_snapshot(recorder.snapshot_of(points, state.time, steps, "last_valid"))
     last_check = [row["time"] for row in recorder.rows[-2:-1]]  # the last row is of the failed state
     valid_until = max([state.time, *last_check])
     failure["last_valid"] = max(k for k, time in enumerate(recorder.snapshot_times) if time <= valid_until)

@@ -22,6 +22,15 @@ from mpmcol.simulation.recorder import Recorder
 ShowProgress = Callable[[str, float], None]  # stage, fraction of it that is done
 Notify = Callable[[str], None]  # one line for the user
 
+
+def no_progress(stage: str, fraction: float) -> None:
+    """Ignore the progress of a run."""
+
+
+def no_messages(line: str) -> None:
+    """Ignore the messages of a run."""
+
+
 STATES_FOR_RETRY = 2  # valid states kept in memory; a retry starts from the older one, which precedes the failure
 
 
@@ -67,8 +76,8 @@ class Simulation:
         recorder: Recorder,
         *,
         retry: bool = False,
-        show_progress: ShowProgress = lambda stage, fraction: None,
-        notify: Notify = lambda line: None,
+        show_progress: ShowProgress = no_progress,
+        notify: Notify = no_messages,
     ) -> None:
         self.case, self.model, self.recorder = case, model, recorder
         self.solver: Solver = recorder.solver
