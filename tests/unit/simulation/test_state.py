@@ -1,0 +1,106 @@
+"""The state of a simulation: copies, restoring, checkpoints and the retry with half the time step."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import mpmcol
+from mpmcol.io.checkpoint import read_checkpoints, write_checkpoint
+from mpmcol.io.names import CASE_FILE
+from mpmcol.mpm.kernels import loop
+from mpmcol.mpm.solver import Solver
+from mpmcol.setup.model import build_model
+from mpmcol.simulation.recorder import Recorder
+from mpmcol.simulation.restart import make_checkpoint, resume
+from mpmcol.simulation.retry import MAX_RETRIES, halve_time_step
+from mpmcol.simulation.run import start
+from mpmcol.simulation.stages import Stages
+from mpmcol.simulation.state import STATES_FOR_RETRY, Simulation
+from mpmcol.simulation.summary import state_checksum
+from tests.support.runs import TINY
+
+FAILURE: dict[str, Any] = {
+    "check": "speed", "cause": "too fast", "stage": "collapse", "step": 9, "time": 0.1, "smaller_step_helps": True
+}  # fmt: skip
+
+
+def case() -> mpmcol.Case:
+    return mpmcol.load_case("quickstart", [*TINY, "stages.initial_stress=k0"])
+
+
+def released(folder: Path, retry: bool = False) -> Simulation:
+    """A small run immediately after its release."""
+    simulation = start(case(), build_model(case()), folder, retry=retry)
+    Stages(simulation).release()
+    return simulation
+
+
+def advance(simulation: Simulation, duration: float = 0.02) -> None:
+    end = simulation.solver.time + duration
+    while simulation.solver.time < end:
+        assert simulation.solver.advance(end) == -1
+
+
+def test_a_recorder_writes_nothing_before_it_is_opened(tmp_path: Path) -> None:
+    model = build_model(case())
+    stage = model.equilibrate
+    solver = Solver(model.points, model.grid, stage.settings, stage.column, model.base, model.scheme)
+    recorder = Recorder(case(), model, solver, tmp_path / "run", threads=1)
+    assert not (tmp_path / "run").exists()
+    recorder.open()
+    assert [path.name for path in (tmp_path / "run").iterdir()] == [CASE_FILE]
+
+
+def test_a_run_continues_from_a_copy_of_its_state_with_equal_bits(tmp_path: Path) -> None:
+    simulation = released(tmp_path)
+    advance(simulation)
+    state = simulation.state().copy()
+    advance(simulation)
+    first = state_checksum(simulation.solver)
+    simulation.set_state(state)
+    advance(simulation)
+    assert state_checksum(simulation.solver) == first
+
+
+def test_a_checkpoint_restores_state_and_valid_states(tmp_path: Path) -> None:
+    simulation = released(tmp_path / "one", retry=True)
+    advance(simulation)
+    simulation.keep_valid_state()
+    advance(simulation)
+    write_checkpoint(tmp_path, make_checkpoint(simulation, serial=1))
+    (checkpoint,), damaged = read_checkpoints(tmp_path)
+    (tmp_path / "one" / "snapshots").rename(tmp_path / "snapshots")
+    resumed = start(case(), build_model(case()), tmp_path, retry=True)
+    resume(resumed, checkpoint)
+    assert not damaged and state_checksum(resumed.solver) == state_checksum(simulation.solver)
+    assert len(resumed.valid_states) == STATES_FOR_RETRY
+    for mine, other in zip(resumed.valid_states, simulation.valid_states, strict=True):
+        np.testing.assert_array_equal(mine.points, other.points)
+        assert mine.progress == other.progress
+
+
+def test_a_retry_returns_to_the_older_valid_state_with_half_the_time_step(tmp_path: Path) -> None:
+    simulation = released(tmp_path, retry=True)
+    older = simulation.valid_states[0]
+    advance(simulation)
+    simulation.keep_valid_state()
+    advance(simulation)
+    assert halve_time_step(simulation, FAILURE)
+    assert simulation.solver.time == older.time and simulation.progress.cfl_factor == 0.5
+    assert simulation.solver.dt == 0.5 * older.clock[loop.DT]
+    assert list(simulation.valid_states) == [older] and len(simulation.progress.retries) == 1
+
+
+@pytest.mark.parametrize("reason", ["off", "of no use", "exhausted"])
+def test_without_retry_the_state_is_unchanged(reason: str, tmp_path: Path) -> None:
+    simulation = released(tmp_path, retry=reason != "off")
+    if reason == "exhausted":
+        simulation.progress.retries = [FAILURE] * MAX_RETRIES
+    advance(simulation)
+    before = state_checksum(simulation.solver)
+    assert not halve_time_step(simulation, FAILURE | {"smaller_step_helps": reason != "of no use"})
+    assert state_checksum(simulation.solver) == before
