@@ -1,4 +1,4 @@
-"""Quantities: units, bounds, and what is no number."""
+"""Quantities: units, bounds, and invalid values."""
 
 from __future__ import annotations
 
@@ -43,11 +43,11 @@ def message(**values: object) -> str:
         ("7", "m", 7.0),
     ],
 )
-def test_text_with_unit(text: str, unit: str, value: float) -> None:
+def test_a_string_with_a_unit_is_converted(text: str, unit: str, value: float) -> None:
     assert to_unit(text, unit) == value
 
 
-def test_radians_and_degrees() -> None:
+def test_radians_and_degrees_are_converted() -> None:
     assert to_unit("1 rad", "deg") == pytest.approx(57.29577951308232, rel=1e-14)
     assert to_unit("180 deg", "rad") == pytest.approx(math.pi, rel=1e-14)
 
@@ -69,12 +69,12 @@ def test_a_unit_converts_to_itself_exactly(unit: str) -> None:
         ("2 Mm", "m", "unknown unit"),
     ],
 )
-def test_text_that_is_no_quantity(text: str, unit: str, reason: str) -> None:
+def test_an_invalid_string_is_reported_with_the_reason(text: str, unit: str, reason: str) -> None:
     with pytest.raises(ValueError, match=reason):
         to_unit(text, unit)
 
 
-def test_whole_numbers_floats_and_texts_are_accepted() -> None:
+def test_integers_floats_and_strings_are_accepted() -> None:
     sample = Sample.model_validate({"length": 2, "angle": "0.5 rad", "speed": "20 mm/s", "depth": "1 mm"})
     assert (sample.length, sample.speed, sample.depth) == (2.0, 0.02, 0.001)
     assert isinstance(sample.length, float)
@@ -82,40 +82,40 @@ def test_whole_numbers_floats_and_texts_are_accepted() -> None:
 
 
 @pytest.mark.parametrize("value", [True, [1.0], {}, math.nan, math.inf, -math.inf, 0, -1, 10**400, "inf m"])
-def test_what_is_no_length(value: object) -> None:
+def test_an_invalid_length_is_reported_with_what_was_expected(value: object) -> None:
     assert "expected a number > 0, in m" in message(length=value)
 
 
-def test_none_is_no_length_unless_the_key_is_optional() -> None:
+def test_none_is_accepted_for_optional_keys_only() -> None:
     assert "valid number" in message(length=None)
     assert Sample(length=1, depth=None).depth is None
 
 
 @pytest.mark.parametrize(("value", "fits"), [(0, True), (89.999, True), (90, False), (-1e-9, False)])
-def test_bounds_are_those_declared(value: float, fits: bool) -> None:
+def test_declared_bounds_are_checked(value: float, fits: bool) -> None:
     if fits:
         assert Sample(length=1, angle=value).angle == value
     else:
         assert message(angle=value) == "expected a number >= 0 and < 90, in deg"
 
 
-def test_infinity_only_where_it_is_allowed() -> None:
+def test_infinity_is_accepted_only_where_allowed() -> None:
     assert Sample(length=1, speed=math.inf).speed == math.inf
     assert message(speed=math.nan) == "expected a number > 0, or inf, in m/s"
     assert message(speed=-math.inf) == "expected a number > 0, or inf, in m/s"
 
 
-def test_bounds_hold_after_conversion() -> None:
+def test_bounds_apply_after_conversion() -> None:
     assert Sample.model_validate({"length": 1, "share": "100 %"}).share == 1.0
     assert message(share="101 %") == "expected a number >= 0 and <= 1"
 
 
-def test_unknown_key_and_change_are_refused() -> None:
+def test_unknown_keys_and_assignment_are_errors() -> None:
     with pytest.raises(ValidationError, match="Extra inputs"):
         Sample.model_validate({"length": 1, "lenght": 1})
     with pytest.raises(ValidationError, match="frozen"):
         Sample(length=1).length = 2.0
 
 
-def test_a_number_is_no_flag() -> None:
+def test_a_number_is_not_a_boolean() -> None:
     assert "boolean" in message(flag=1)

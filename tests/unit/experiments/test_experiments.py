@@ -1,4 +1,4 @@
-"""Published laws at values worked out by hand, their gaps, and scores that can fail."""
+"""Published laws at values computed by hand, their ranges, and scores."""
 
 from __future__ import annotations
 
@@ -61,11 +61,11 @@ def value(name: str, quantity: str, a: float) -> float | None:
         ("bui-2008", "zeta", 0.5, 1.2115),
     ],
 )
-def test_laws_by_hand(name: str, quantity: str, a: float, expected: float) -> None:
+def test_laws_have_the_values_computed_by_hand(name: str, quantity: str, a: float, expected: float) -> None:
     assert value(name, quantity, a) == pytest.approx(expected, abs=6e-4)
 
 
-def test_runout_distances_that_the_paper_gives() -> None:
+def test_runout_distances_are_those_of_the_paper() -> None:
     """Section 3.2: 163 mm at a = 0.55 and 205 mm at a = 0.90, r_i = 97 mm."""
     for a, distance in ((0.55, 0.163), (0.90, 0.205)):
         zeta = value("paper-axisymmetric", "zeta", a)
@@ -86,20 +86,22 @@ def test_runout_distances_that_the_paper_gives() -> None:
         ("bui-2008", "zeta", 1.0, "no law for a >= 0.505"),
     ],
 )
-def test_outside_its_ranges_a_law_has_no_value_and_says_so(name: str, quantity: str, a: float, comment: str) -> None:
+def test_a_law_has_no_value_outside_its_range_and_gives_the_reason(
+    name: str, quantity: str, a: float, comment: str
+) -> None:
     law = EXPERIMENTS[name].law(quantity)
     assert law is not None
     assert law(a) is None
     assert law.gap(a) == comment
 
 
-def test_ends_of_ranges() -> None:
+def test_a_range_includes_its_lower_end_only() -> None:
     assert value("paper-plane", "zeta", math.nextafter(1.8, 0)) == pytest.approx(2.88)
     assert value("paper-plane", "zeta", 2.8) == pytest.approx(2.2 * 2.8 ** (2 / 3))
     assert value("paper-axisymmetric", "zeta", 1.7) == pytest.approx(2.086, abs=5e-4)
 
 
-def test_every_entry_is_complete() -> None:
+def test_every_record_is_complete() -> None:
     for name, experiment in EXPERIMENTS.items():
         assert name == experiment.name
         assert experiment.doi or "DOI" in experiment.note
@@ -112,7 +114,7 @@ def test_every_entry_is_complete() -> None:
             assert ends == sorted(ends)
 
 
-def test_no_laboratory_height_law_lifts_the_pile() -> None:
+def test_no_height_law_exceeds_the_initial_height() -> None:
     for experiment in EXPERIMENTS.values():
         law = experiment.law("beta")
         heights = [law(a) or 0.0 for a in np.geomspace(0.1, 30.0, 400)] if law else [0.0]
@@ -123,7 +125,7 @@ def area(x: tuple[float, ...], y: tuple[float, ...]) -> float:
     return float(np.trapezoid(y, x))
 
 
-def test_mass_checks_of_the_digitised_profiles() -> None:
+def test_digitised_profiles_conserve_mass() -> None:
     shape = EXPERIMENTS["lube-2005"].profiles[0]
     assert area(shape.x, shape.y) == pytest.approx(0.372, abs=0.002)
     surface = EXPERIMENTS["bui-2008"].profiles[0]
@@ -132,7 +134,7 @@ def test_mass_checks_of_the_digitised_profiles() -> None:
 
 
 @pytest.mark.parametrize(("a", "factor"), [(2.0, 0.190), (3.0, 0.200), (5.0, 0.207), (7.0, 0.210)])
-def test_volume_factor_of_the_axisymmetric_fits(a: float, factor: float) -> None:
+def test_the_volume_factor_of_the_axisymmetric_laws(a: float, factor: float) -> None:
     zeta, beta = (value("lube-2004", quantity, a) for quantity in ("zeta", "beta"))
     assert zeta is not None and beta is not None
     assert 1.0 / ((1.0 + zeta) ** 2 * beta) == pytest.approx(factor, abs=6e-4)
@@ -155,35 +157,35 @@ def test_scores_are_relative_errors_of_each_front_definition() -> None:
     assert find(scores, "lube-2005", "zeta", "front_height").error == pytest.approx(1.52 / 1.2 - 1.0)
 
 
-def test_an_error_beyond_the_scatter_is_flagged() -> None:
+def test_an_error_beyond_the_scatter_is_marked() -> None:
     near, far = (score(measured(zeta, 1.0), 1.0, "plane") for zeta in (1.6 * 1.09, 1.6 * 1.11))
     assert find(near, "paper-plane", "zeta", "front_height").within_scatter is True
     assert find(far, "paper-plane", "zeta", "front_height").within_scatter is False
     assert find(score(measured(1.6, 0.94), 1.0, "plane"), "paper-plane", "beta").within_scatter is False
 
 
-def test_a_gap_is_neither_inside_nor_outside_the_scatter() -> None:
+def test_without_a_law_there_is_neither_an_error_nor_a_comparison_with_the_scatter() -> None:
     result = find(score(measured(3.0, 0.6), 2.0, "plane"), "paper-plane", "zeta", "front_max")
     assert (result.expected, result.error, result.within_scatter) == (None, None, None)
     assert result.comment == "no law for 1.8 <= a < 2.8"
 
 
-def test_scores_keep_to_the_model_and_score_each_law_once() -> None:
+def test_scores_are_for_the_kind_of_column_and_each_law_is_scored_once() -> None:
     for model in ("plane", "axisymmetric"):
         scores = score({"zeta": 1.0, "beta": 1.0, "stop_time": 3.0}, 1.2, model)
         assert {EXPERIMENTS[s.experiment].model for s in scores} == {model}
         keys = [(s.experiment, s.quantity) for s in scores]
         assert len(set(keys)) == len(keys)
-        assert not {"lube-2007", "lube-2004"} & {s.experiment for s in scores}  # scored as the paper's own
+        assert not {"lube-2007", "lube-2004"} & {s.experiment for s in scores}  # scored under the names of the paper
 
 
-def test_stop_time_is_scored_where_it_is_given() -> None:
+def test_the_stop_time_is_scored_if_it_is_given() -> None:
     scores = score({"stop_time": 3.5}, 3.0, "plane")
     assert find(scores, "paper-plane", "stop_time").error == pytest.approx(3.5 / 3.3 - 1.0)
     assert {s.quantity for s in scores} == {"stop_time"}
 
 
-def test_a_deposit_equal_to_the_rods_scores_zero_and_a_raised_one_does_not() -> None:
+def test_the_distance_of_the_digitised_surface_to_itself_is_zero_and_to_a_raised_one_its_offset() -> None:
     bui = EXPERIMENTS["bui-2008"]
     surface = bui.profiles[0]
     x, y = np.append(surface.x, 0.45), np.append(surface.y, 0.0)
@@ -195,7 +197,7 @@ def test_a_deposit_equal_to_the_rods_scores_zero_and_a_raised_one_does_not() -> 
     assert raised.rms_mm == pytest.approx(4.0, rel=1e-6)
 
 
-def test_a_short_deposit_is_compared_with_nothing_as_height_beyond_its_end() -> None:
+def test_a_short_deposit_has_zero_height_beyond_its_end() -> None:
     result = profile_score([0.0, 0.2, 0.2001], [0.1, 0.1, 0.0], EXPERIMENTS["bui-2008"])
     assert result is not None and result.error is not None
     assert result.front == pytest.approx(0.2001, abs=1e-4)
@@ -203,7 +205,7 @@ def test_a_short_deposit_is_compared_with_nothing_as_height_beyond_its_end() -> 
     assert result.rms_mm > 20.0
 
 
-def test_a_universal_shape_is_scaled_to_the_deposit() -> None:
+def test_a_dimensionless_shape_is_scaled_to_the_deposit() -> None:
     lube = EXPERIMENTS["lube-2005"]
     shape = lube.profiles[0]
     exact = profile_score(0.3 * np.array(shape.x), 0.08 * np.array(shape.y), lube)
@@ -214,7 +216,7 @@ def test_a_universal_shape_is_scaled_to_the_deposit() -> None:
     assert exact.expected_front is None
 
 
-def test_profile_of_no_deposit_and_of_an_experiment_without_surface() -> None:
+def test_an_empty_deposit_and_an_experiment_without_a_surface() -> None:
     for name in ("bui-2008", "lube-2005"):
         result = profile_score([0.001], [0.0], EXPERIMENTS[name])
         assert result is not None
@@ -222,13 +224,13 @@ def test_profile_of_no_deposit_and_of_an_experiment_without_surface() -> None:
     assert profile_score([0.0], [1.0], EXPERIMENTS["lube-2007"]) is None
 
 
-def test_profiles_in_metres_are_for_one_column() -> None:
+def test_profiles_in_metres_are_compared_for_one_size_of_column() -> None:
     assert EXPERIMENTS["bui-2008"].fits(0.2, 0.1)
     assert not EXPERIMENTS["bui-2008"].fits(0.2, 0.12)
     assert EXPERIMENTS["lube-2005"].fits(0.09, 0.27)
 
 
-def test_paper_is_resolved_by_model_and_wrong_names_are_explained() -> None:
+def test_paper_depends_on_the_model_and_unknown_names_are_reported() -> None:
     assert find_experiment("paper", "plane").name == "paper-plane"
     assert find_experiment("paper", "axisymmetric").name == "paper-axisymmetric"
     with pytest.raises(UsageError, match="did you mean 'lube-2005'"):
@@ -251,7 +253,7 @@ def test_a_cylinder_in_3d_has_the_experiments_of_the_axisymmetric_one(model: str
 
 
 @pytest.mark.parametrize("model", ["quarter", "full"])
-def test_nothing_is_published_on_a_box(model: str) -> None:
+def test_no_experiment_on_a_box_is_published(model: str) -> None:
     assert score(measured(1.0, 1.0), 1.0, model, "box") == []
     assert profile_scores([0.0, 0.3], [0.08, 0.0], model, 0.09, 0.09, "box") == []
     assert find_experiment("paper", model, "box").laws == ()
@@ -260,13 +262,13 @@ def test_nothing_is_published_on_a_box(model: str) -> None:
     assert expected_runout(model, 0.9, "box") == expected_runout("plane", 0.9)
 
 
-def test_the_mean_of_a_3d_result_is_scored() -> None:
+def test_the_mean_over_azimuth_is_scored() -> None:
     over_azimuth = {"zeta": {"front_height": {"mean": 1.1, "min": 1.0, "max": 1.3}}, "beta": 1.0}
     assert score(over_azimuth, 0.9, "quarter") == score({"zeta": {"front_height": 1.1}, "beta": 1.0}, 0.9, "quarter")
 
 
 @pytest.mark.parametrize("model", ["plane", "axisymmetric"])
-def test_expected_runout_is_generous_finite_and_grows_with_a(model: str) -> None:
+def test_the_expected_runout_is_an_upper_bound_and_increases_with_a(model: str) -> None:
     ratios = np.geomspace(0.1, 20.0, 500)
     runout = np.array([expected_runout(model, a) for a in ratios])
     assert np.isfinite(runout).all() and (np.diff(runout) > 0.0).all()

@@ -1,4 +1,4 @@
-"""Measurements of deposits whose runout, height and shape are known in closed form."""
+"""Measurements of deposits with known runout, height and shape."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def wedge(shape: ColumnShape = PLANE, length: float = 0.24, height: float = 0.06
 
 
 @pytest.mark.parametrize("shape", [PLANE, ROUND, replace(PLANE, release="two-sided")])
-def test_the_column_itself_has_no_runout_and_fills_its_box(shape: ColumnShape) -> None:
+def test_the_initial_column_has_no_runout_and_area_factor_one(shape: ColumnShape) -> None:
     result = measured(rectangle(shape), shape)
     assert result.front == pytest.approx(dict.fromkeys(result.front, 0.09), abs=1e-12)
     assert result.zeta == pytest.approx(dict.fromkeys(result.zeta, 0.0), abs=1e-12)
@@ -51,40 +51,40 @@ def test_the_column_itself_has_no_runout_and_fills_its_box(shape: ColumnShape) -
     assert result.undisturbed_radius is None
 
 
-def test_plane_wedge() -> None:
+def test_a_plane_wedge() -> None:
     result = measured(wedge())
     assert result.height == pytest.approx(0.06, abs=H / 2)
     assert result.front["front_max"] == pytest.approx(0.24, abs=2 * H)
     assert result.front["front_connected"] == result.front["front_max"]
-    # The threshold is max(h / 2, r_i / 100) = 1 mm, which a slope of 1 in 4 reaches 4 mm before its tip.
+    # the threshold is max(h / 2, r_i / 100) = 1 mm, which a slope of 1 in 4 reaches 4 mm before its tip
     assert result.front["front_height"] == pytest.approx(0.236, abs=H / 2)
     assert result.area_factor == pytest.approx(0.5 * 0.24 / 0.236, rel=0.02)
     assert result.zeta["front_max"] == pytest.approx(0.24 / 0.09 - 1.0, abs=0.05)
     assert result.spread == pytest.approx(result.zeta["front_max"] - result.zeta["front_height"])
 
 
-def test_cone_with_masses_per_radian() -> None:
+def test_a_cone_with_masses_per_radian() -> None:
     result = measured(wedge(ROUND), ROUND)
     assert result.height == pytest.approx(0.06, abs=H / 2)
     assert result.area_factor == pytest.approx((0.24 / result.front["front_height"]) ** 2 / 3.0, rel=0.02)
 
 
 @pytest.mark.parametrize("shape", [PLANE, ROUND])
-def test_profile_is_the_height_of_the_wedge_and_keeps_its_volume(shape: ColumnShape) -> None:
+def test_the_profile_is_the_height_of_the_wedge_and_conserves_its_volume(shape: ColumnShape) -> None:
     points = wedge(shape)
     x, y = deposit_profile(points, masses(points, shape), shape)
     interior = (x > 2 * H) & (x < 0.23)
     assert np.abs(y - 0.06 * (1 - x / 0.24))[interior].max() < 0.3 * H
     assert y[-1] == 0.0
-    ring = x * H if shape.model == "axisymmetric" else np.full_like(x, H)
+    area = x * H if shape.model == "axisymmetric" else np.full_like(x, H)
     if shape.model == "axisymmetric":
-        # The shares that rings at r / h = 1/4, 3/4 and 5/4 have in the first bin.
-        ring[0] = (1 * 0.25 + 0.75 * 0.75 + 0.25 * 1.25) * H**2 / 2
-    assert (y * ring).sum() * shape.density == pytest.approx(masses(points, shape).sum())
+        # contributions of the points at r / h = 1/4, 3/4 and 5/4 to the first bin
+        area[0] = (1 * 0.25 + 0.75 * 0.75 + 0.25 * 1.25) * H**2 / 2
+    assert (y * area).sum() * shape.density == pytest.approx(masses(points, shape).sum())
 
 
 @pytest.mark.parametrize("stretch", [1.0, 1.25, 1.4, 1.5, 1.9])
-def test_profile_of_a_stretched_lattice_is_level(stretch: float) -> None:
+def test_the_profile_of_a_stretched_lattice_is_level(stretch: float) -> None:
     points = rectangle() * [stretch, 1.0 / stretch]
     _, y = deposit_profile(points, np.full(len(points), PLANE.density * PLANE.point_size**2), PLANE)
     level = PLANE.h_i / stretch
@@ -92,15 +92,15 @@ def test_profile_of_a_stretched_lattice_is_level(stretch: float) -> None:
 
 
 @pytest.mark.parametrize("shape", [PLANE, ROUND])
-def test_profile_of_the_column_as_released_is_its_height_from_the_first_bin_on(shape: ColumnShape) -> None:
+def test_the_profile_of_the_initial_column_is_its_height_in_every_bin(shape: ColumnShape) -> None:
     points = rectangle(shape)
     _, y = deposit_profile(points, masses(points, shape), shape)
     assert y[:44] == pytest.approx(0.09)
 
 
-def test_grains_ahead_of_the_front_count_only_for_front_max() -> None:
-    pile, ahead = wedge(), np.array([[0.30, 0.0005], [0.301, 0.0005]])
-    alone, both = measured(pile), measured(np.vstack([pile, ahead]))
+def test_detached_points_ahead_of_the_front_count_only_for_front_max() -> None:
+    pile, detached = wedge(), np.array([[0.30, 0.0005], [0.301, 0.0005]])
+    alone, both = measured(pile), measured(np.vstack([pile, detached]))
     assert both.front["front_max"] == pytest.approx(0.301 + H / 4)
     assert both.front["front_connected"] == alone.front["front_connected"]
     assert both.front["front_height"] == pytest.approx(alone.front["front_height"])
@@ -108,56 +108,56 @@ def test_grains_ahead_of_the_front_count_only_for_front_max() -> None:
 
 
 @pytest.mark.parametrize(("gap", "reached"), [(0.9 * H, True), (1.1 * H, False)])
-def test_connected_front_stops_at_a_gap_wider_than_one_cell(gap: float, reached: bool) -> None:
+def test_the_connected_front_ends_at_a_gap_wider_than_one_cell(gap: float, reached: bool) -> None:
     pile = rectangle()
-    grain = np.array([[0.09 + gap + H / 4, 0.0005]])  # its edge stands `gap` from the pile's
-    front = measured(np.vstack([pile, grain])).front["front_connected"]
+    point = np.array([[0.09 + gap + H / 4, 0.0005]])  # its edge is at a distance of `gap` from that of the pile
+    front = measured(np.vstack([pile, point])).front["front_connected"]
     assert front == pytest.approx(0.09 + gap + H / 2 if reached else 0.09)
 
 
-def test_a_crack_at_the_wall_does_not_cut_the_height_short() -> None:
+def test_a_crack_at_the_wall_does_not_reduce_the_height() -> None:
     pile = wedge()
     cracked = pile[(pile[:, 0] > H) | (np.abs(pile[:, 1] - 0.03) > 1.2 * H)]
     assert len(cracked) < len(pile)
     assert measured(cracked).height == pytest.approx(measured(pile).height)
 
 
-def test_flying_points_are_neither_height_nor_connected_front() -> None:
+def test_points_in_flight_count_neither_for_the_height_nor_for_the_connected_front() -> None:
     pile = rectangle()
-    flying = np.array([[0.0005, 0.2], [0.091, 0.05]])  # over the wall, and high up beside the face
-    result = measured(np.vstack([pile, flying]))
+    in_flight = np.array([[0.0005, 0.2], [0.091, 0.05]])  # above the column, and in the air beside it
+    result = measured(np.vstack([pile, in_flight]))
     assert result.height == pytest.approx(0.09)
     assert result.front["front_max"] == pytest.approx(0.0915)
     assert result.front["front_connected"] == pytest.approx(0.09)
 
 
-@pytest.mark.parametrize(("ride", "reached"), [(1.6, True), (3.0, False)])
-def test_a_layer_held_above_the_base_by_its_kernels_is_connected(ride: float, reached: bool) -> None:
-    layer = lattice(0.02, 0.004, lambda x, y: x < np.inf, PLANE) + np.array([0.09, ride * H])
+@pytest.mark.parametrize(("height", "reached"), [(1.6, True), (3.0, False)])
+def test_a_layer_that_rests_slightly_above_the_base_is_connected(height: float, reached: bool) -> None:
+    layer = lattice(0.02, 0.004, lambda x, y: x < np.inf, PLANE) + np.array([0.09, height * H])
     front = measured(np.vstack([rectangle(), layer])).front["front_connected"]
     assert front == pytest.approx(0.11 if reached else 0.09)
 
 
-def test_height_threshold_is_a_hundredth_of_the_radius_on_fine_grids() -> None:
-    coarse = replace(PLANE, r_i=0.5)  # r_i / 100 = 5 mm is more than h / 2
+def test_the_height_threshold_is_a_hundredth_of_the_radius_on_fine_grids() -> None:
+    coarse = replace(PLANE, r_i=0.5)  # r_i / 100 = 5 mm exceeds h / 2
     assert measured(wedge(), coarse).front["front_height"] == pytest.approx(0.22, abs=H)
 
 
 @pytest.mark.parametrize(("per_axis", "threshold"), [(1, 0.0015), (2, 0.0015), (3, 0.001)])
-def test_height_threshold_is_a_layer_of_single_points(per_axis: int, threshold: float) -> None:
-    """At most half a cell: with one point a cell a layer of them could not be told from what is thinner."""
+def test_the_height_threshold_is_one_layer_of_points(per_axis: int, threshold: float) -> None:
+    """At most half a cell: with one point per cell, thinner deposits cannot be distinguished from a layer of points."""
     shape = replace(PLANE, spacing=0.003, point_size=0.003 / per_axis)
     front = measured(wedge(shape), shape).front["front_height"]
     assert front == pytest.approx(0.24 * (1.0 - threshold / 0.06), abs=0.001)
 
 
-def test_front_by_height_is_contiguous_from_the_pile() -> None:
+def test_the_front_by_height_is_contiguous_from_the_pile() -> None:
     heap = lattice(0.01, 0.01, lambda x, y: x < np.inf, PLANE) + np.array([0.30, 0.0])
     assert measured(heap).front["front_height"] == pytest.approx(0.31)
     assert measured(np.vstack([wedge(), heap])).front["front_height"] == pytest.approx(0.236, abs=H / 2)
 
 
-def test_no_points_and_points_that_are_not_numbers() -> None:
+def test_no_points_and_points_with_non_finite_positions() -> None:
     nothing = measure(np.zeros((0, 2)), np.zeros(0), np.zeros((0, 2)), PLANE)
     assert nothing.front == {"front_max": 0.0, "front_connected": 0.0, "front_height": 0.0}
     assert (nothing.height, nothing.area_factor, nothing.undisturbed_radius) == (0.0, 0.0, 0.0)
@@ -167,19 +167,19 @@ def test_no_points_and_points_that_are_not_numbers() -> None:
     assert "NaN" not in json.dumps(result.scalars())
 
 
-def test_a_hair_of_points_behind_the_wall_is_in_the_first_bin() -> None:
+def test_a_point_beyond_the_wall_by_round_off_is_in_the_first_bin() -> None:
     points = rectangle()
     points[0, 0] = -1e-9
     assert measured(points).beta == pytest.approx(1.0)
 
 
-def test_three_columns_of_positions_are_taken() -> None:
+def test_positions_with_three_components_are_accepted() -> None:
     points = rectangle()
     deep = np.column_stack([points, np.zeros(len(points))])
     assert measure(deep, masses(points, PLANE), None, PLANE).zeta == measured(points).zeta
 
 
-def test_undisturbed_radius_is_where_the_top_surface_first_moved_by_a_millimetre() -> None:
+def test_the_undisturbed_radius_ends_where_the_top_surface_has_moved_by_a_millimetre() -> None:
     points = rectangle()
     displacement = np.zeros_like(points)
     displacement[points[:, 0] > 0.05, 0] = 0.0011
@@ -187,7 +187,7 @@ def test_undisturbed_radius_is_where_the_top_surface_first_moved_by_a_millimetre
     assert undisturbed_radius(points + 0.9 * displacement, 0.9 * displacement, PLANE) == pytest.approx(0.09)
 
 
-def test_only_the_top_surface_tells_what_is_undisturbed() -> None:
+def test_the_undisturbed_radius_depends_on_the_top_surface_only() -> None:
     points = rectangle()
     displacement = np.zeros_like(points)
     displacement[points[:, 1] < 0.08, 0] = 0.01
@@ -195,7 +195,7 @@ def test_only_the_top_surface_tells_what_is_undisturbed() -> None:
     assert undisturbed_radius(points + 0.01, np.full_like(points, 0.01), PLANE) == 0.0
 
 
-def test_stop_time() -> None:
+def test_the_stop_time_is_none_while_the_front_moves() -> None:
     time, front = np.linspace(0.0, 1.0, 11), np.minimum(np.linspace(0.0, 1.0, 11), 0.7)
     assert stop_time(time, front, 1e-3) == pytest.approx(0.7)
     assert stop_time(time, time, 1e-3) is None

@@ -1,4 +1,4 @@
-"""Measurements of 3D deposits whose fronts, heights and profiles are known in closed form."""
+"""Measurements of 3D deposits with known fronts, heights and profiles."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ from tests.support.deposits_3d import (
 
 
 def layer(front: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-    """Two cells thick, as far as `front` of the azimuth."""
+    """A layer two cells thick that ends at the distance `front` of the azimuth."""
     return lattice(0.3, 2 * H, lambda r, y, azimuth: r < front(azimuth))
 
 
 @pytest.mark.parametrize("shape", [QUARTER, FULL])
-def test_the_cylinder_itself_has_no_runout(shape: ColumnShape) -> None:
+def test_the_initial_cylinder_has_no_runout(shape: ColumnShape) -> None:
     result = measured(cylinder(shape), shape)
-    assert result.front == pytest.approx(dict.fromkeys(FRONTS, 0.1), abs=0.5 * S)  # steps of the lattice
+    assert result.front == pytest.approx(dict.fromkeys(FRONTS, 0.1), abs=0.5 * S)  # resolution of the lattice
     assert result.front_range is not None and result.zeta_range is not None
     for name, (low, high) in result.front_range.items():
         assert 0.1 - S < low < result.front[name] < high < 0.1 + S
@@ -47,7 +47,7 @@ def test_the_cylinder_itself_has_no_runout(shape: ColumnShape) -> None:
 
 
 @pytest.mark.parametrize("shape", [QUARTER, FULL])
-def test_cone(shape: ColumnShape) -> None:
+def test_a_cone(shape: ColumnShape) -> None:
     result = measured(cone(shape), shape)
     # the threshold of h / 2 is reached where a slope of 1 in 4 is 10 mm before the tip
     assert result.front["front_height"] == pytest.approx(0.19, abs=0.3 * H)
@@ -60,20 +60,20 @@ def test_cone(shape: ColumnShape) -> None:
 
 
 @pytest.mark.parametrize("shape", [QUARTER, FULL])
-def test_profile_is_the_mean_around_the_axis_and_keeps_the_volume(shape: ColumnShape) -> None:
+def test_the_profile_is_the_mean_over_azimuth_and_conserves_the_volume(shape: ColumnShape) -> None:
     points = cone(shape)
     x, y = deposit_profile(points, np.full(len(points), DENSITY * S**3), shape)
     assert np.abs(y - CONE_HEIGHT * (1 - x / CONE_RADIUS))[:38].max() < 0.25 * H
-    ring = x * H
-    ring[0] = 13.0 / 24.0 * H**2  # the integral of r times the hat of the first bin, mirrored at the axis
-    volume = shape.angle * (y * ring).sum()
+    area = x * H
+    area[0] = 13.0 / 24.0 * H**2  # integral of r times the linear weight of the first bin, reflected at the axis
+    volume = shape.angle * (y * area).sum()
     assert volume == pytest.approx(len(points) * S**3, rel=1e-3)
     assert volume == pytest.approx(shape.angle / 2.0 * CONE_RADIUS**2 * CONE_HEIGHT / 3.0, rel=0.01)
 
 
-def test_a_quarter_is_the_full_model_of_its_mirror_images() -> None:
-    grains = np.vstack([at(0.23, 0.001, 3.0), at(0.21, 0.03, 47.0), at(0.003, 0.09, 47.0)])
-    quarter = np.vstack([lattice(0.2, 0.05, lambda r, y, azimuth: y < 0.05 - 0.3 * r + 0.01 * azimuth), grains])
+def test_a_quarter_and_its_mirror_images_in_a_full_model_are_equal() -> None:
+    detached = np.vstack([at(0.23, 0.001, 3.0), at(0.21, 0.03, 47.0), at(0.003, 0.09, 47.0)])
+    quarter = np.vstack([lattice(0.2, 0.05, lambda r, y, azimuth: y < 0.05 - 0.3 * r + 0.01 * azimuth), detached])
     full = np.vstack([quarter * (i, 1.0, k) for i in (-1.0, 1.0) for k in (-1.0, 1.0)])
     one, four = measured(quarter), measured(full, FULL)
     assert four.front == pytest.approx(one.front, rel=1e-12)
@@ -82,21 +82,21 @@ def test_a_quarter_is_the_full_model_of_its_mirror_images() -> None:
     assert four.profile_y == pytest.approx(one.profile_y, rel=1e-9)
 
 
-def test_an_axisymmetric_deposit_turned_about_its_axis_is_the_same_deposit() -> None:
+def test_an_axisymmetric_deposit_rotated_about_its_axis_gives_the_same_results() -> None:
     r, y = (values.ravel() for values in np.meshgrid(np.arange(S / 2, 0.2, S), np.arange(S / 2, 0.05, S)))
     rng = np.random.default_rng(1)
     plane = np.column_stack([r, y])[y < 0.05 - 0.25 * r] + rng.uniform(-0.2, 0.2, (np.sum(y < 0.05 - 0.25 * r), 2)) * S
-    plane = np.vstack([plane, [[0.23, 0.001], [0.15, 0.03], [0.002, 0.08]]])  # one ahead, two in flight
+    plane = np.vstack([plane, [[0.23, 0.001], [0.15, 0.03], [0.002, 0.08]]])  # one detached, two in flight
     mass = DENSITY * S**2 * plane[:, 0]
     azimuth = np.radians(0.5 + np.arange(90))
-    turned = np.column_stack(
+    rotated = np.column_stack(
         [
             np.outer(np.cos(azimuth), plane[:, 0]).ravel(),
             np.tile(plane[:, 1], 90),
             np.outer(np.sin(azimuth), plane[:, 0]).ravel(),
         ]
     )
-    flat, solid = measure(plane, mass, None, ROUND), measure(turned, np.tile(mass * np.pi / 180.0, 90), None, QUARTER)
+    flat, solid = measure(plane, mass, None, ROUND), measure(rotated, np.tile(mass * np.pi / 180.0, 90), None, QUARTER)
     assert solid.front == pytest.approx(flat.front, rel=1e-9)
     assert solid.front_range == {name: pytest.approx((front, front)) for name, front in flat.front.items()}
     assert (solid.height, solid.area_factor) == pytest.approx((flat.height, flat.area_factor))
@@ -104,21 +104,23 @@ def test_an_axisymmetric_deposit_turned_about_its_axis_is_the_same_deposit() -> 
     assert flat.front["front_max"] > flat.front["front_connected"] > 0.15 and flat.height < 0.06
 
 
-def test_an_elliptical_front_has_its_mean_and_ends() -> None:
+def test_an_elliptical_front_has_a_mean_and_a_range() -> None:
     def ellipse(azimuth: np.ndarray) -> np.ndarray:
         return 0.28 * 0.18 / np.hypot(0.18 * np.cos(azimuth), 0.28 * np.sin(azimuth))
 
     result = measured(layer(ellipse))
-    edges = np.radians(10.0 * np.arange(9))  # of each sector, where it is nearest to the long axis
+    edges = np.radians(10.0 * np.arange(9))  # edge of each sector that is closest to the long axis
     last = ellipse(edges)
-    quarter = ellipse(edges + np.radians(2.5))  # a layer of 2 h falls to h / 2 where it fills a quarter of the sector
+    quarter = ellipse(
+        edges + np.radians(2.5)
+    )  # a layer of 2 h is h / 2 high on average where it fills a quarter of the sector
     assert result.front_range is not None
     for name, expected in {"front_max": last, "front_connected": last, "front_height": quarter}.items():
         assert result.front[name] == pytest.approx(expected.mean(), abs=0.2 * H)
         assert result.front_range[name] == pytest.approx((expected.min(), expected.max()), abs=0.4 * H)
 
 
-def test_a_grain_ahead_counts_in_its_own_sector_and_only_for_front_max() -> None:
+def test_a_detached_point_counts_in_its_own_sector_and_only_for_front_max() -> None:
     alone, both = measured(cone()), measured(np.vstack([cone(), at(0.25, 0.001, 33.0)]))
     sector = np.hypot(*cone()[:, [0, 2]].T)[(np.degrees(np.arctan2(*cone()[:, [2, 0]].T)) // 10) == 3].max()
     assert 9 * (both.front["front_max"] - alone.front["front_max"]) == pytest.approx(0.25 - sector)
@@ -131,32 +133,32 @@ def test_a_grain_ahead_counts_in_its_own_sector_and_only_for_front_max() -> None
 
 def test_material_in_one_direction_does_not_connect_another() -> None:
     tongue = layer(lambda azimuth: np.where(np.degrees(azimuth) < 40.0, 0.1, 0.2))
-    grain = at(0.15, 0.001, 5.0)  # 50 mm ahead of its own pile, among the others' radii
-    result = measured(np.vstack([tongue, grain]))
+    point = at(0.15, 0.001, 5.0)  # 50 mm ahead of the pile in its sector, but not of that in others
+    result = measured(np.vstack([tongue, point]))
     assert result.front_range is not None
     assert result.front_range["front_connected"] == pytest.approx((0.1, 0.2), abs=S)
     assert result.front["front_connected"] == pytest.approx((4 * 0.1 + 5 * 0.2) / 9, abs=S)
     assert result.front["front_max"] - result.front["front_connected"] == pytest.approx(0.05 / 9, rel=0.1)
 
 
-def test_in_sectors_narrower_than_a_cell_the_mean_profile_stands() -> None:
+def test_sectors_narrower_than_a_cell_have_the_mean_profile() -> None:
     thin = layer(lambda azimuth: 0.1 + 0.0 * azimuth)
     r, degrees = np.hypot(thin[:, 0], thin[:, 2]), np.degrees(np.arctan2(thin[:, 2], thin[:, 0]))
-    # the points nearest to the axis make a peak of the one sector that holds them, and then there is a gap
+    # a gap beside the points closest to the axis, which all lie in one sector
     holed = thin[(r < 1.2 * H) | (r > 4 * H) | (np.abs(degrees - 45.0) > 5.0)]
     assert 0 < len(thin) - len(holed) < 0.01 * len(thin)
     assert measured(holed).front["front_height"] == pytest.approx(measured(thin).front["front_height"], rel=1e-3)
 
 
-def test_grains_in_flight_over_different_places_do_not_carry_each_other() -> None:
-    # each less than a cell above the one before, and no two above the same 2 by 2 cells
+def test_points_in_flight_above_different_columns_do_not_connect_each_other() -> None:
+    # each less than a cell above the previous one, no two above the same 2 by 2 cells
     stairs = np.array([[0.5, 13.0, 0.5], [2.5, 14.4, 0.5], [0.5, 15.8, 2.5], [2.5, 17.2, 2.5]]) * H
     tower = np.column_stack([np.full((4, 1), 0.5 * H), stairs[:, 1], np.full((4, 1), 0.5 * H)])
     assert measured(np.vstack([cylinder(), stairs])).height == pytest.approx(13.0 * H + S / 2)
     assert measured(np.vstack([cylinder(), tower])).height == pytest.approx(17.2 * H + S / 2)
 
 
-def test_a_crack_at_the_axis_does_not_cut_the_height_short() -> None:
+def test_a_crack_at_the_axis_does_not_reduce_the_height() -> None:
     pile = cone()
     cracked = pile[(pile[:, 0] > H) | (np.abs(pile[:, 1] - 0.02) > 1.2 * H)]
     assert len(cracked) < len(pile)
@@ -164,7 +166,7 @@ def test_a_crack_at_the_axis_does_not_cut_the_height_short() -> None:
 
 
 @pytest.mark.parametrize("shape", [QUARTER, FULL, BOX])
-def test_empty_sectors_and_no_points_are_measured(shape: ColumnShape) -> None:
+def test_empty_sectors_and_deposits_without_points_are_measured(shape: ColumnShape) -> None:
     nothing = measure(np.zeros((0, 3)), np.zeros(0), np.zeros((0, 3)), shape)
     assert nothing.front == dict.fromkeys(FRONTS, 0.0)
     assert nothing.front_range == dict.fromkeys(FRONTS, (0.0, 0.0))
@@ -177,19 +179,19 @@ def test_empty_sectors_and_no_points_are_measured(shape: ColumnShape) -> None:
     assert "NaN" not in json.dumps(few.scalars())
 
 
-@pytest.mark.parametrize(("hair", "degrees"), [([0.15, S / 2, -1e-9], 5.0), ([-1e-9, S / 2, 0.15], 85.0)])
-def test_a_hair_of_points_behind_a_wall_is_in_the_sector_beside_it(hair: list[float], degrees: float) -> None:
-    beside = layer(lambda azimuth: np.where(np.abs(np.degrees(azimuth) - degrees) < 5.0, 0.2, 0.1))
-    assert measured(np.vstack([beside, [hair]])).front == measured(beside).front
+@pytest.mark.parametrize(("point", "degrees"), [([0.15, S / 2, -1e-9], 5.0), ([-1e-9, S / 2, 0.15], 85.0)])
+def test_a_point_beyond_a_wall_by_round_off_is_in_the_adjacent_sector(point: list[float], degrees: float) -> None:
+    deposit = layer(lambda azimuth: np.where(np.abs(np.degrees(azimuth) - degrees) < 5.0, 0.2, 0.1))
+    assert measured(np.vstack([deposit, [point]])).front == measured(deposit).front
 
 
-def test_columns_are_told_apart_by_numbers_from_zero() -> None:
+def test_columns_have_distinct_indices_from_zero() -> None:
     x, _, z = np.meshgrid([-2.5, -0.5, 0.5, 1.5], [0.0, 1.0], [-1.5, 0.5], indexing="ij")
     numbers = column_index(np.column_stack([x.ravel(), 0.0 * x.ravel(), z.ravel()]), 1.0, FULL)
     assert numbers.min() == 0 and len(np.unique(numbers)) == 8
 
 
-def test_a_result_has_mean_and_ends_of_many_sections_and_numbers_of_one() -> None:
+def test_results_have_mean_and_range_in_3d_and_single_numbers_in_2d() -> None:
     scalars = json.loads(json.dumps(measured(cone()).scalars()))
     for name in FRONTS:
         assert set(scalars["zeta"][name]) == set(scalars["front"][name]) == {"mean", "min", "max"}

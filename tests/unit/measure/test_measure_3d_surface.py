@@ -1,4 +1,4 @@
-"""The undisturbed surface, the energy and boxes in 3D, in closed form."""
+"""Undisturbed surface, potential energy and boxes in 3D, with known results."""
 
 from __future__ import annotations
 
@@ -14,7 +14,9 @@ from tests.support.deposits_3d import BOX, DENSITY, FULL, QUARTER, ROUND, S, at,
 
 @pytest.mark.parametrize("shape", [QUARTER, FULL, ROUND])
 @pytest.mark.parametrize("radius", [0.03, 0.05, 0.0625])
-def test_undisturbed_radius_is_that_of_the_field_in_every_model(shape: ColumnShape, radius: float) -> None:
+def test_the_undisturbed_radius_is_that_of_the_displacement_field_in_every_model(
+    shape: ColumnShape, radius: float
+) -> None:
     points = cylinder(shape)
     if shape is ROUND:
         points = np.unique(cylinder() * (1.0, 1.0, 0.0), axis=0)[:, :2]
@@ -29,7 +31,7 @@ def test_undisturbed_radius_is_that_of_the_field_in_every_model(shape: ColumnSha
     assert undisturbed_radius(points + all_moved, all_moved, shape) == 0.0
 
 
-def test_one_place_of_the_top_surface_ends_what_is_undisturbed() -> None:
+def test_one_displaced_point_of_the_top_surface_limits_the_undisturbed_radius() -> None:
     points = cylinder()
     displacement = np.zeros_like(points)
     displacement[points[:, 1] < 0.05] = 0.01  # below the surface
@@ -43,7 +45,7 @@ def test_one_place_of_the_top_surface_ends_what_is_undisturbed() -> None:
 @pytest.mark.parametrize(
     "shape", [QUARTER, FULL, BOX, replace(BOX, model="full"), ROUND, replace(ROUND, model="plane")], ids=str
 )
-def test_potential_energy_is_that_of_the_points(shape: ColumnShape) -> None:
+def test_the_potential_energy_is_that_of_the_points(shape: ColumnShape) -> None:
     size, radius = 0.001, shape.r_i
     x, y, z = np.meshgrid(*(np.arange(size / 2, end, size) for end in (radius, shape.h_i, radius)), indexing="ij")
     volume = size**3 * {"quarter": 1, "full": 4}.get(shape.model, 1)
@@ -57,33 +59,33 @@ def test_potential_energy_is_that_of_the_points(shape: ColumnShape) -> None:
 
 
 def box(length: Callable[[np.ndarray], np.ndarray], shape: ColumnShape = BOX) -> np.ndarray:
-    """Of the column's height, as far as `length` of the side (-1 or 1) and z."""
+    """A layer with the height of the column that ends at the distance `length` of (x, z)."""
     points = lattice(0.2, BOX.h_i, lambda r, y, azimuth: y < np.inf, shape)
     return points[np.abs(points[:, 0]) < length(points[:, [0, 2]])]
 
 
 @pytest.mark.parametrize("model", ["quarter", "full"])
-def test_a_box_is_measured_along_x_in_its_middle(model: str) -> None:
+def test_a_box_is_measured_along_x_in_its_central_strip(model: str) -> None:
     shape = replace(BOX, model=model)
-    wings = box(lambda xz: np.where(np.abs(xz[:, 1]) < 0.025, 0.1, 0.18), shape)  # longer where it is not measured
+    wings = box(lambda xz: np.where(np.abs(xz[:, 1]) < 0.025, 0.1, 0.18), shape)  # longer outside the strip
     result = measured(wings, shape)
     assert result.front == pytest.approx(dict.fromkeys(FRONTS, 0.1))
     assert result.profile_y[:18] == pytest.approx(np.full(18, BOX.h_i))
     assert (result.beta, result.area_factor) == pytest.approx((1.0, 1.0))
     assert result.front_range is not None
     low, high = result.front_range["front_max"]
-    assert (low == high) or model == "full"  # a quarter has one end only
+    assert (low == high) or model == "full"  # a quarter has one side only
     assert replace(shape, depth=None).half_depth == shape.r_i
 
 
-def test_the_two_ends_of_a_box_are_told_apart() -> None:
+def test_the_two_sides_of_a_box_are_measured_separately() -> None:
     shape = replace(BOX, model="full")
     result = measured(box(lambda xz: np.where(xz[:, 0] < 0.0, 0.12, 0.16), shape), shape)
     assert result.front == pytest.approx(dict.fromkeys(FRONTS, 0.14))
     assert result.front_range == {name: pytest.approx((0.12, 0.16)) for name in FRONTS}
 
 
-def test_undisturbed_length_of_a_box_is_along_x_in_its_middle() -> None:
+def test_the_undisturbed_length_of_a_box_is_measured_along_x_in_its_central_strip() -> None:
     points = box(lambda xz: np.full(len(xz), 0.1))
     displacement = np.zeros_like(points)
     displacement[(points[:, 0] > 0.04) | (points[:, 2] > 0.025)] = (0.002, 0.0, 0.0)
