@@ -1,4 +1,4 @@
-"""The command line. A command is a file here and a line in COMMANDS; it is imported when it is used."""
+"""The command line. Each command has a module here and an entry in GROUPS; it is imported when it is used."""
 
 from __future__ import annotations
 
@@ -20,29 +20,40 @@ import click
 from mpmcol import __version__
 from mpmcol.errors import MpmcolError, OutputError
 
-LONGEST_NAME = 200  # of a path in a message
-DISK = (errno.ENOSPC, errno.EDQUOT, errno.EIO)  # what writing to stdout may meet
+LONGEST_PATH = 200  # characters of a path in a message
+DISK_ERRORS = (errno.ENOSPC, errno.EDQUOT, errno.EIO)  # possible when writing to stdout
 
-COMMANDS = {
-    "run": "mpmcol.cli.run:run",
-    "sweep": "mpmcol.cli.sweep:sweep",
-    "status": "mpmcol.cli.status:status",
-    "verify": "mpmcol.cli.verify:verify",
-    "paper": "mpmcol.cli.paper:paper",
-    "validate": "mpmcol.cli.validate:validate",
-    "stability": "mpmcol.cli.stability:stability",
-    "pareto": "mpmcol.cli.pareto:pareto",
-    "plan": "mpmcol.cli.plan:plan",
-    "measure": "mpmcol.cli.measure:measure",
-    "plot": "mpmcol.cli.plot:plot",
-    "render": "mpmcol.cli.render:render",
-    "check": "mpmcol.cli.check:check",
-    "explain": "mpmcol.cli.explain:explain",
-    "schema": "mpmcol.cli.schema:schema",
-    "cases": "mpmcol.cli.cases:cases",
-    "init": "mpmcol.cli.cases:init",
-    "bench": "mpmcol.cli.bench:bench",
+GROUPS = {  # heading in the help -> command -> where it is defined
+    "Simulate": {
+        "run": "mpmcol.cli.run:run",
+        "sweep": "mpmcol.cli.sweep:sweep",
+        "status": "mpmcol.cli.status:status",
+    },
+    "Inspect results": {
+        "measure": "mpmcol.cli.measure:measure",
+        "plot": "mpmcol.cli.plot:plot",
+        "render": "mpmcol.cli.render:render",
+        "verify": "mpmcol.cli.verify:verify",
+    },
+    "Case files": {
+        "cases": "mpmcol.cli.cases:cases",
+        "init": "mpmcol.cli.cases:init",
+        "check": "mpmcol.cli.check:check",
+        "explain": "mpmcol.cli.schema:explain",
+        "schema": "mpmcol.cli.schema:schema",
+    },
+    "Studies": {
+        "paper": "mpmcol.cli.paper:paper",
+        "validate": "mpmcol.cli.validate:validate",
+        "stability": "mpmcol.cli.stability:stability",
+        "pareto": "mpmcol.cli.pareto:pareto",
+        "plan": "mpmcol.cli.plan:plan",
+    },
+    "Tools": {
+        "bench": "mpmcol.cli.bench:bench",
+    },
 }
+COMMANDS = {name: place for group in GROUPS.values() for name, place in group.items()}
 
 
 def _version(package: str) -> str:
@@ -53,10 +64,10 @@ def _version(package: str) -> str:
 
 
 class Commands(click.Group):
-    """Imports a command when it is asked for, and turns exceptions into messages and exit codes."""
+    """Imports commands when they are used, and converts exceptions to messages and exit codes."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        """Names in the order in which a user meets them."""
+        """Names of the commands, in the order of the groups."""
         return list(COMMANDS)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
@@ -67,19 +78,31 @@ class Commands(click.Group):
         command: click.Command = getattr(importlib.import_module(module), name)
         return command
 
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """List the commands in groups, each with its summary."""
+        width = max(map(len, COMMANDS))
+        for heading, names in GROUPS.items():
+            with formatter.section(heading):
+                formatter.write_dl([(f"{name:{width}}", self._summary(ctx, name)) for name in names])
+
+    def _summary(self, ctx: click.Context, name: str) -> str:
+        """The first line of a command's help."""
+        command = self.get_command(ctx, name)
+        return (command.help or "").partition("\n")[0] if command else ""
+
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Name the nearest command if there is none of this name; click only knows those already imported."""
+        """Suggest the nearest command for an unknown name; click knows only those already imported."""
         near = difflib.get_close_matches(args[0], COMMANDS, 1)
         if near and args[0] not in COMMANDS and not ctx.resilient_parsing:
             ctx.fail(f'No such command "{args[0]}". Did you mean "{near[0]}"?')
         return super().resolve_command(ctx, args)
 
     def invoke(self, ctx: click.Context) -> Any:
-        """Run the command; the only place where errors become exit codes."""
+        """Run the command; the only place where errors are converted to exit codes."""
         if isinstance(sys.stdout, io.TextIOWrapper):
-            sys.stdout.reconfigure(errors="backslashreplace")  # as stderr: names of files may be in any encoding
+            sys.stdout.reconfigure(errors="backslashreplace")  # file names may have any encoding
         try:
             return super().invoke(ctx)
         except MpmcolError as failure:
@@ -88,26 +111,26 @@ class Commands(click.Group):
         except (click.ClickException, click.exceptions.Exit, click.Abort):
             raise
         except KeyboardInterrupt:
-            click.echo("stopped; what was written up to here is readable", err=True)
+            click.echo("aborted; files written so far are readable", err=True)
             ctx.exit(130)
         except Exception as bug:
             if getattr(bug, "errno", None) == errno.EPIPE:
-                raise  # the reader of our output has gone; click ends quietly
+                raise  # the reader of a pipe has ended; click exits without a message
             if isinstance(bug, OSError) and bug.filename:
                 click.echo(_file_error(bug), err=True)
                 ctx.exit(OutputError.exit_code)
-            if isinstance(bug, OSError) and bug.errno in DISK:
-                click.echo(f"the output cannot be written: {bug.strerror}; make room, or send it elsewhere", err=True)
+            if isinstance(bug, OSError) and bug.errno in DISK_ERRORS:
+                click.echo(f"stdout cannot be written: {bug.strerror}; free space, or redirect the output", err=True)
                 ctx.exit(OutputError.exit_code)
             _report_bug(bug)
             ctx.exit(1)
 
 
 def _file_error(failure: OSError) -> str:
-    """What the system has against a path that was given, such as a name that is too long."""
+    """Message for a path that the operating system rejects, for example because it is too long."""
     name = str(failure.filename)
-    shown = name if len(name) < LONGEST_NAME else f"{name[:LONGEST_NAME]}..."
-    return f"{shown}: cannot be used: {failure.strerror}; choose another path, or mend its permissions"
+    shown = name if len(name) < LONGEST_PATH else f"{name[:LONGEST_PATH]}..."
+    return f"{shown}: the path cannot be used: {failure.strerror}; give another path, or correct its permissions"
 
 
 def _report_bug(bug: Exception) -> None:
@@ -116,8 +139,8 @@ def _report_bug(bug: Exception) -> None:
     system = f"Python {platform.python_version()} on {platform.platform()}"
     trace = "".join(traceback.format_exception(bug))
     report = f"mpmcol {__version__}\ncommand: {' '.join(sys.argv)}\n{system}\n{versions}\n\n{trace}"
-    click.echo(f"mpmcol ended on an error of its own: {type(bug).__name__}: {bug}", err=True)
-    click.echo(f"Please report it together with {_write_report(report)}", err=True)
+    click.echo(f"internal error: {type(bug).__name__}: {bug}", err=True)
+    click.echo(f"Please report this error with {_write_report(report)}", err=True)
 
 
 def _write_report(report: str) -> str:
@@ -128,16 +151,17 @@ def _write_report(report: str) -> str:
             return str(path)
         except OSError:
             continue
-    return "this text:\n" + report
+    return "the following text:\n" + report
 
 
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="mpmcol")
 @click.pass_context
 def main(ctx: click.Context) -> None:
-    """Collapse of granular columns by the material point method.
+    """Simulate the collapse of granular columns with the material point method.
 
-    First steps: mpmcol cases, mpmcol run quickstart, mpmcol init quickstart > my.toml
+    First steps: mpmcol run quickstart; mpmcol plot runs/quickstart; mpmcol cases; mpmcol init quickstart > my.toml.
+    For the options of a command: mpmcol COMMAND --help.
     """
     if os.environ.get("NO_COLOR"):
         ctx.color = False

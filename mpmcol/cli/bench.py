@@ -7,33 +7,37 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mpmcol.cli.option_types import whole
+from mpmcol.cli.options import PATH, positive_integer
 
 if TYPE_CHECKING:
     from mpmcol.bench.report import Report
 
 SIZES = (20_000, 100_000, 500_000, 2_000_000)
 QUICK_SIZES = (2_000,)
-FILE = click.Path(path_type=Path)
 
 
 def parse_counts(context: click.Context, parameter: click.Parameter, text: str | None) -> tuple[int, ...] | None:
-    """Positive whole numbers, separated by commas."""
+    """Positive integers, separated by commas."""
     if text is None:
         return None
-    counts = tuple(map(whole, text.split(",")))
+    counts = tuple(map(positive_integer, text.split(",")))
     if not all(counts):
-        raise click.BadParameter(f"{text[:50]!r}: expected whole numbers above 0, such as 20000,100000")
+        raise click.BadParameter(f"{text[:50]!r}: expected integers > 0, for example 20000,100000")
     return counts
 
 
 @click.command()
-@click.option("--points", metavar="N,...", callback=parse_counts, help="[default: 20000,100000,500000,2000000]")
-@click.option("--threads", metavar="N,...", callback=parse_counts, help="[default: 1 and all]")
-@click.option("--model", type=click.Choice(["plane", "axisymmetric", "quarter"]), help="[default: all]")
-@click.option("--quick", is_flag=True, help="Few points and steps: shows that it works, not how fast it is.")
-@click.option("--json", "json_file", metavar="FILE", type=FILE, help="Also write the report as JSON.")
-@click.option("--against", metavar="FILE", type=FILE, help="An earlier report to compare with.")
+@click.option(
+    "--points", metavar="N,...", callback=parse_counts,
+    help="Numbers of material points  [default: 20000,100000,500000,2000000]",
+)  # fmt: skip
+@click.option(
+    "--threads", metavar="N,...", callback=parse_counts, help="Numbers of threads  [default: 1 and all cores]"
+)
+@click.option("--model", type=click.Choice(["plane", "axisymmetric", "quarter"]), help="Model  [default: all three]")
+@click.option("--quick", is_flag=True, help="Few points and steps: a test of the command, not of the speed.")
+@click.option("--json", "json_file", metavar="FILE", type=PATH, help="Also write the report to a JSON file.")
+@click.option("--against", metavar="FILE", type=PATH, help="Compare with an earlier report written by --json.")
 def bench(
     points: tuple[int, ...] | None,
     threads: tuple[int, ...] | None,
@@ -42,9 +46,10 @@ def bench(
     json_file: Path | None,
     against: Path | None,
 ) -> None:
-    """Time every kernel beside plain loops, in nanoseconds per point and step.
+    """Measure the speed of the kernels on this machine.
 
-    With --against, the exit code is 1 if a kernel became 1.5 times slower beyond the noise.
+    Prints nanoseconds per material point and step of each kernel, beside plain loops of the same operations. With
+    --against, the exit code is 1 if a kernel has become more than 1.5 times slower, beyond the scatter.
     """
     from mpmcol.bench.cases import MODELS
     from mpmcol.bench.measure import FULL, QUICK, measure_case
@@ -75,8 +80,8 @@ def _compare(old: Report, new: Report) -> None:
     from mpmcol.errors import MpmcolError
 
     if old.machine != new.machine:
-        click.echo(f"The report of {old.date} comes from another machine: {old.machine}", err=True)
+        click.echo(f"note: the report of {old.date} was measured on another machine: {old.machine}", err=True)
     slower = compare(old, new)
     if slower:
         raise MpmcolError("\n".join(map(str, slower)))
-    click.echo(f"Nothing is {SLOWDOWN} times slower than on {old.date}.")
+    click.echo(f"No kernel is {SLOWDOWN} times slower than on {old.date}.")

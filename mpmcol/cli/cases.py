@@ -1,4 +1,4 @@
-"""mpmcol cases and mpmcol init: the cases that come with mpmcol."""
+"""`mpmcol cases` and `mpmcol init`: the shipped cases."""
 
 from __future__ import annotations
 
@@ -7,7 +7,10 @@ import click
 
 @click.command()
 def cases() -> None:
-    """List the cases that come with mpmcol."""
+    """List the shipped cases.
+
+    Each can be run by its name: mpmcol run NAME.
+    """
     from mpmcol.case import load_case, shipped_cases
 
     names = list(shipped_cases())
@@ -19,7 +22,13 @@ def cases() -> None:
 @click.command()
 @click.argument("name")
 def init(name: str) -> None:
-    """Print the file of the shipped case NAME, to start an own one from: mpmcol init quickstart > my.toml"""
+    """Print a shipped case as a template for your own case.
+
+    NAME is a shipped case (mpmcol cases). Example:
+
+    \b
+        mpmcol init quickstart > my.toml
+    """
     from mpmcol.case import flattened_text, shipped_cases
     from mpmcol.case.fields import nearest
     from mpmcol.errors import UsageError
@@ -27,6 +36,6 @@ def init(name: str) -> None:
     names = shipped_cases()
     if name not in names:
         near = nearest(name, names)
-        meant = f' Did you mean "{near}"?' if near else ""
-        raise UsageError(f'there is no shipped case "{name}".{meant} They are: {", ".join(names)}')
+        hint = f' Did you mean "{near}"?' if near else ""
+        raise UsageError(f'no shipped case "{name}".{hint} Expected one of: {", ".join(names)}')
     click.echo(flattened_text(name), nl=False)

@@ -1,18 +1,22 @@
-"""mpmcol check: find all problems of a case without running it."""
+"""`mpmcol check`: find all problems of a case without running it."""
 
 from __future__ import annotations
 
 import click
 
+from mpmcol.cli.options import overrides_option
+
 
 @click.command()
 @click.argument("case")
-@click.option("--set", "overrides", multiple=True, metavar="KEY=VALUE", help="Replace a value, e.g. geometry.aspect=5.")
+@overrides_option
 @click.option("--resolved", is_flag=True, help="Print the case with all defaults filled in.")
 def check(case: str, overrides: tuple[str, ...], resolved: bool) -> None:
-    """Check CASE, a TOML file or a shipped case, and say what it is and what is rounded to fit the grid.
+    """Check a case without running it.
 
-    All problems are named at once, with file, line and key; the exit code is then 2.
+    CASE is a TOML file or the name of a shipped case (mpmcol cases). Prints a summary of the case, and a note for each
+    value that is rounded to fit the grid. If the case is invalid, all problems are printed with file, line and key, and
+    the exit code is 2.
     """
     from mpmcol.case import case_hash, load_case, resolved_toml
     from mpmcol.setup.discretization import discretize

@@ -1,4 +1,4 @@
-"""mpmcol paper: reproduction of the figures of the paper."""
+"""`mpmcol paper`: reproduction of the figures of the paper."""
 
 from __future__ import annotations
 
@@ -6,26 +6,27 @@ from pathlib import Path
 
 import click
 
-from mpmcol.cli.option_types import JOBS, THREADS
+from mpmcol.cli.options import jobs_option, out_option, threads_option
 
 
 @click.command()
 @click.argument("figures", nargs=-1, metavar="[FIGURE]...")
 @click.option("--quick", is_flag=True, help="Coarse grids and fewer columns: minutes instead of hours.")
-@click.option("--out", type=click.Path(path_type=Path), help="Folder (default: paper, or paper-quick).")
-@click.option("--jobs", type=JOBS, help="Simultaneous runs (default: chosen from their sizes).")
-@click.option("--threads", type=THREADS, help="Threads of each run (default: chosen from their sizes).")
-@click.option("--quiet", is_flag=True, help="Print only the comparisons.")
+@out_option("paper, with --quick paper-quick")
+@jobs_option
+@threads_option
+@click.option("--quiet", is_flag=True, help="Print the comparisons only.")
 def paper(
     figures: tuple[str, ...], quick: bool, out: Path | None, jobs: int | None, threads: int | None, quiet: bool
 ) -> None:
-    """Reproduce figures of Coetzee & Purvance 2026 and compare every number that the paper states.
+    """Reproduce the figures of the paper and compare their numbers.
 
-    FIGURE is fig5, fig6, fig7, fig8, fig9, factors (effect of each assumption on runout and height) or all (default).
-    Each figure gives a table (CSV), charts, and a list of comparisons: computed, stated by the paper, met or missed.
-    Repeating the command completes missing runs.
+    The paper is Coetzee & Purvance 2026, doi:10.20944/preprints202605.0398.v1. FIGURE is fig5, fig6, fig7, fig8, fig9,
+    factors (effect of each assumption on runout and height) or all (default). Each figure gives a table (CSV), charts,
+    and a list of comparisons: computed, stated by the paper, met or missed. Repeating the command completes missing
+    runs.
     """
-    from mpmcol.cli.sweep_display import Display
+    from mpmcol.cli.sweep_display import SweepDisplay
     from mpmcol.studies.frame import RUNS, carry_out_study
     from mpmcol.studies.paper import FIGURES, PaperStudy
     from mpmcol.sweep.engine import exit_code
@@ -35,7 +36,7 @@ def paper(
         raise click.BadParameter(f"{unknown[0]!r}: expected {', '.join(FIGURES)} or all", param_hint="figures")
     names = [name for name in FIGURES if name in figures or "all" in figures or not figures]
     folder = out or Path("paper-quick" if quick else "paper")
-    with Display(folder / RUNS, quiet) as display:
+    with SweepDisplay(folder / RUNS, quiet) as display:
         result = carry_out_study(PaperStudy(names, quick), folder, jobs=jobs, threads=threads, observer=display)
     for name, figure in result.evaluation.items():
         click.echo(FIGURES[name].TITLE)

@@ -1,4 +1,4 @@
-"""mpmcol pareto: cost against error of many configurations."""
+"""`mpmcol pareto`: cost against error of many configurations."""
 
 from __future__ import annotations
 
@@ -6,22 +6,24 @@ from pathlib import Path
 
 import click
 
-from mpmcol.cli.option_types import JOBS
+from mpmcol.cli.options import jobs_option, out_option, quiet_option
 
 
 @click.command()
 @click.argument("study", default="default")
-@click.option("--out", type=click.Path(path_type=Path), help="Folder (default: pareto/NAME of the study).")
-@click.option("--jobs", type=JOBS, help="Simultaneous runs (default: chosen from their sizes).")
-@click.option("--report-only", is_flag=True, help="Run nothing: report on the runs that have ended.")
-@click.option("--quiet", is_flag=True, help="Print only errors.")
+@out_option("pareto/NAME of the study")
+@jobs_option
+@click.option("--report-only", is_flag=True, help="Run nothing; write tables and charts from the finished runs.")
+@quiet_option
 def pareto(study: str, out: Path | None, jobs: int | None, report_only: bool, quiet: bool) -> None:
-    """Run STUDY, a TOML file or a shipped study (default, choices, quick), and chart error against cost.
+    """Run a study of cost against error, and chart it.
 
-    Discretisation errors are relative to grid-converged values with stated uncertainties; model errors are relative to
-    the experiment with its scatter. Repeating the command completes missing runs.
+    STUDY is a TOML file or a shipped study (default, choices, quick). The chart shows the error of each configuration
+    over its cost in core-seconds. Discretisation errors are relative to grid-converged values with stated
+    uncertainties; model errors are relative to the experiment with its scatter. Repeating the command completes missing
+    runs.
     """
-    from mpmcol.cli.sweep_display import Display
+    from mpmcol.cli.sweep_display import SweepDisplay
     from mpmcol.studies.frame import RUNS, carry_out_study
     from mpmcol.studies.pareto import ParetoStudy
     from mpmcol.studies.pareto.report import closing_lines
@@ -30,7 +32,7 @@ def pareto(study: str, out: Path | None, jobs: int | None, report_only: bool, qu
 
     definition = load_study(study)
     folder = out or Path("pareto") / Path(study).stem
-    with Display(folder / RUNS, quiet) as display:
+    with SweepDisplay(folder / RUNS, quiet) as display:
         result = carry_out_study(
             ParetoStudy(definition), folder, jobs=jobs, threads=1, observer=display, report_only=report_only
         )

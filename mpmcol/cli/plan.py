@@ -1,4 +1,4 @@
-"""mpmcol plan: what would make a case cheaper without leaving an accuracy."""
+"""`mpmcol plan`: changes that make a case cheaper within an accuracy."""
 
 from __future__ import annotations
 
@@ -8,27 +8,29 @@ from shlex import quote
 
 import click
 
-from mpmcol.cli.accuracy import ACCURACY
+from mpmcol.cli.options import ACCURACY, PATH, overrides_option
 
 
 @click.command()
 @click.argument("case")
-@click.option("--set", "overrides", multiple=True, metavar="KEY=VALUE", help="Replace a value, e.g. geometry.aspect=5.")
+@overrides_option
 @click.option(
-    "--accuracy", type=ACCURACY, default="5%", show_default=True, help="Error that runout and height may have."
+    "--accuracy", type=ACCURACY, default="5%", show_default=True, help="Allowed relative error of runout and height."
 )
-@click.option("--apply", "target", type=click.Path(path_type=Path), help="Write the case as proposed to this file.")
+@click.option("--apply", "target", metavar="FILE", type=PATH, help="Write the case as recommended to this TOML file.")
 def plan(case: str, overrides: tuple[str, ...], accuracy: float, target: Path | None) -> None:
-    """List what would make CASE cheaper, and propose the cheapest setting that keeps to an accuracy.
+    """List changes that make a case cheaper within an accuracy.
 
-    Savings are estimated from points and steps; effects were measured on columns like this one by `mpmcol pareto`.
+    CASE is a TOML file or the name of a shipped case (mpmcol cases). Each change is listed with its saving and with its
+    effect on runout (zeta) and height (beta); then the cheapest configuration within the accuracy is recommended.
+    Savings are estimated from points and steps; effects were measured on similar columns by mpmcol pareto.
     """
     from mpmcol.case import load_case, resolved_toml
     from mpmcol.io.atomic import atomic_write
     from mpmcol.studies.pareto.recommend import recommend
     from mpmcol.studies.pareto.savings import propose
 
-    click.echo(f"{'change, alone':44s}{'time':>8s}{'zeta':>8s}{'beta':>8s}")
+    click.echo(f"{'single change':44s}{'time':>8s}{'zeta':>8s}{'beta':>8s}")
     for proposal in propose(case, overrides, accuracy):
         click.echo(f"{proposal.name:44s}{f'x {proposal.cost_ratio:.2g}':>8s}{_effects(proposal.effect)}")
     advice = recommend(case, overrides, accuracy)

@@ -6,27 +6,34 @@ from pathlib import Path
 
 import click
 
+from mpmcol.cli.options import PATH
+
 
 def parse_times(context: click.Context, parameter: click.Parameter, text: str | None) -> tuple[float, ...] | None:
     """Seconds since release, separated by commas."""
     try:
         return None if text is None else tuple(float(part) for part in text.split(","))
     except ValueError as error:
-        raise click.BadParameter(f"{text!r}: expected seconds, separated by commas, such as 0.1,0.2") from error
+        message = f"{text!r}: expected seconds since release, separated by commas, for example 0.1,0.2"
+        raise click.BadParameter(message) from error
 
 
 @click.command()
-@click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
+@click.argument("folder", metavar="DIR", type=PATH)
 @click.option(
     "--times",
-    metavar="T1,T2,...",
+    metavar="T,...",
     callback=parse_times,
-    help="Times of the profiles, s; the last state is always drawn too  [default: five, even]",
+    help="Times of the profiles, s since release; the last state is always drawn  [default: five, equally spaced]",
 )
-@click.option("--out", metavar="DIR", type=click.Path(path_type=Path), help="Folder of the charts  [default: DIR].")
+@click.option("--out", metavar="DIR", type=PATH, help="Folder of the charts  [default: the results folder]")
 @click.option("--svg", is_flag=True, help="Also write each chart as SVG.")
 def plot(folder: Path, times: tuple[float, ...] | None, out: Path | None, svg: bool) -> None:
-    """Chart the results in DIR: profiles, front and height over time, energy ledger."""
+    """Draw charts of a run.
+
+    DIR is a results folder. Writes profile.png (profiles of the deposit), front.png (front and height over time) and
+    energy.png (energy balance over time).
+    """
     from mpmcol.io.results import Results
     from mpmcol.plotting.run_charts import chart_run
 

@@ -1,4 +1,4 @@
-"""`mpmcol render`: pictures and animations of a run."""
+"""`mpmcol render`: images and animations of a run."""
 
 from __future__ import annotations
 
@@ -6,29 +6,36 @@ from pathlib import Path
 
 import click
 
-from mpmcol.cli.option_types import whole
+from mpmcol.cli.options import PATH, positive_integer
+
+LEAST_PIXELS, MOST_PIXELS = 200, 8000
 
 
 def parse_size(context: click.Context, parameter: click.Parameter, text: str) -> tuple[int, int]:
-    """WIDTHxHEIGHT in pixels, each from 200 to 8000."""
+    """WIDTHxHEIGHT in pixels."""
     width, _, height = text.partition("x")
-    sizes = [whole(part) for part in (width, height)]
-    if not all(200 <= pixels <= 8000 for pixels in sizes):
-        raise click.BadParameter(f"{text[:50]!r}: expected WIDTHxHEIGHT in pixels, each 200 to 8000, such as 1280x720")
+    sizes = [positive_integer(part) for part in (width, height)]
+    if not all(LEAST_PIXELS <= pixels <= MOST_PIXELS for pixels in sizes):
+        bounds = f"each {LEAST_PIXELS} to {MOST_PIXELS}"
+        raise click.BadParameter(f"{text[:50]!r}: expected WIDTHxHEIGHT in pixels, {bounds}, for example 1280x720")
     return sizes[0], sizes[1]
 
 
 @click.command()
-@click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
-@click.option("--gif", is_flag=True, help="Also make an animation of all snapshots.")
-@click.option("--view", type=click.Choice(["side", "3d", "top"]), help="From where [default: side; in 3D: 3d].")
-@click.option("--snapshot", metavar="N", default=-1, show_default=True, help="Which snapshot; -1 is the last.")
-@click.option("--out", metavar="FILE", type=click.Path(path_type=Path), help="The PNG [default: in DIR].")
-@click.option("--size", default="1280x720", show_default=True, callback=parse_size, help="Size in pixels.")
+@click.argument("folder", metavar="DIR", type=PATH)
+@click.option("--gif", is_flag=True, help="Also write an animation of all snapshots.")
+@click.option("--view", type=click.Choice(["side", "3d", "top"]), help="Camera view  [default: side, in 3D 3d]")
+@click.option("--snapshot", metavar="N", default=-1, show_default=True, help="Snapshot index (-1: last).")
+@click.option("--out", metavar="FILE", type=PATH, help="PNG file to write  [default: in DIR]")
+@click.option(
+    "--size", metavar="WIDTHxHEIGHT", default="1280x720", show_default=True, callback=parse_size,
+    help=f"Size in pixels, each {LEAST_PIXELS} to {MOST_PIXELS}.",
+)  # fmt: skip
 def render(folder: Path, gif: bool, view: str | None, snapshot: int, out: Path | None, size: tuple[int, int]) -> None:
-    """Draw the material points of the results in DIR, coloured by displacement.
+    """Draw the material points of a run, coloured by displacement.
 
-    From above (`--view top`, of a cylinder), in red what moved by 1 mm or more since the release.
+    DIR is a results folder. In the top view of a cylinder (--view top), points that moved by at least 1 mm since the
+    release are red.
     """
     from mpmcol.plotting.render import render as draw
 

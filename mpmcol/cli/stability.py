@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mpmcol.cli.option_types import JOBS
+from mpmcol.cli.options import jobs_option, json_option, out_option
 
 if TYPE_CHECKING:
     from mpmcol.failure_modes import CatalogueOutcome, Observer
@@ -23,32 +23,31 @@ FAILED = 4  # exit code
 @click.command()
 @click.argument("names", nargs=-1, metavar="[SCENARIO]... | --map [MAP]")
 @click.option("--list", "to_list", is_flag=True, help="List the scenarios and their mechanisms; run nothing.")
-@click.option(
-    "--map", "to_map", is_flag=True, help="Draw a map instead: a TOML file or a shipped one (default, quick)."
-)
-@click.option("--out", type=click.Path(path_type=Path), help="Folder; stability or stability/map-NAME by default.")
-@click.option("--jobs", type=JOBS, help="Runs of a map at a time; chosen from their sizes by default.")
-@click.option("--report-only", is_flag=True, help="Run nothing: the map from the runs that have ended.")
-@click.option("--quiet", is_flag=True, help="Print nothing but the verdicts; of a map nothing.")
-@click.option("--json", "to_json", is_flag=True, help="Print outcomes and files as one line on stdout.")
+@click.option("--map", "to_map", is_flag=True, help="Compute a map of the method instead of the scenarios.")
+@out_option("stability, with --map stability/map-NAME")
+@jobs_option
+@click.option("--report-only", is_flag=True, help="With --map: run nothing, draw the map from the finished runs.")
+@click.option("--quiet", is_flag=True, help="Print the verdicts only; with --map, errors only.")
+@json_option("outcomes and names of files")
 def stability(
     names: tuple[str, ...], to_list: bool, to_map: bool, out: Path | None, jobs: int | None, report_only: bool,
     quiet: bool, to_json: bool,
 ) -> None:  # fmt: skip
-    """Run small benchmark problems, each with methods expected to fail and to pass, and report the metric.
+    """Run benchmarks of failure modes, or map where methods fail.
 
-    SCENARIO is the name of a scenario or of a group (time-step, wall, axis, ...); all by default. Both expectations are
-    asserted: a method that passes although it should fail is a defect. Exit code 4 if an outcome is unexpected.
+    Each scenario has methods that are expected to fail and methods that are expected to pass, and reports the metric
+    that distinguishes them. SCENARIO is the name of a scenario or of a group (time-step, wall, axis, ...); all by
+    default. The exit code is 4 if an outcome is unexpected, also if a method passes that should fail.
 
-    With --map many short collapses over choices of method are run, and a chart and tables show where each stands,
-    degrades or fails. The same command again completes what is missing.
+    With --map, short collapses with many combinations of method are run; a chart and tables show where they pass,
+    degrade or fail. MAP is a TOML file or a shipped map (default, quick). Repeating the command completes missing runs.
     """
     if to_map:
         if to_list or len(names) > 1:
-            raise click.UsageError("--map takes one map and no --list")
+            raise click.UsageError("--map requires at most one MAP and excludes --list")
         click.get_current_context().exit(_map(names[0] if names else "default", out, jobs, report_only, quiet, to_json))
     if jobs is not None or report_only:
-        raise click.UsageError("--jobs and --report-only go with --map")
+        raise click.UsageError("--jobs and --report-only require --map")
     out = out or Path("stability")
     from mpmcol.failure_modes import run_catalogue
     from mpmcol.failure_modes.scenarios import select_scenarios
@@ -60,9 +59,7 @@ def stability(
         for scenario in scenarios:
             click.echo(f"{scenario.name:{width}}  {scenario.mechanism}{' (slow)' if scenario.slow else ''}")
         return
-    found = run_catalogue(
-        names, out, lambda outcome: None if to_json else click.echo("\n".join(_lines(outcome, quiet)))
-    )
+    found = run_catalogue(names, out, _observer(quiet, to_json))
     if to_json:
         click.echo(as_json(_record(found)))
     elif not quiet:
@@ -72,7 +69,7 @@ def stability(
 
 def _map(name: str, out: Path | None, jobs: int | None, report_only: bool, quiet: bool, to_json: bool) -> int:
     """Run a map and return the exit code; a diverging run is a result of the map, other failures are not."""
-    from mpmcol.cli.sweep_display import Display
+    from mpmcol.cli.sweep_display import SweepDisplay
     from mpmcol.studies.frame import RUNS, carry_out_study
     from mpmcol.studies.method_map import MapStudy
     from mpmcol.studies.method_map.definition import load_map
@@ -82,7 +79,7 @@ def _map(name: str, out: Path | None, jobs: int | None, report_only: bool, quiet
 
     folder = out or Path("stability") / f"map-{Path(name).stem}"
     study = MapStudy(load_map(name))
-    with Display(folder / RUNS, quiet or to_json) as display:
+    with SweepDisplay(folder / RUNS, quiet or to_json) as display:
         result = carry_out_study(study, folder, jobs=jobs, threads=1, observer=display, report_only=report_only)
     if to_json:
         click.echo(as_json(_map_record(result)))
@@ -100,7 +97,7 @@ def _map_record(result: StudyResult[MethodMap]) -> dict[str, Any]:
 
 
 def _observer(quiet: bool, to_json: bool) -> Observer:
-    """Prints each outcome, unless it is printed as JSON at the end."""
+    """Print each outcome, unless JSON is printed at the end."""
     if to_json:
         return lambda outcome: None
     return lambda outcome: click.echo("\n".join(_lines(outcome, quiet)))

@@ -1,4 +1,4 @@
-"""mpmcol status: how far a sweep or a run is."""
+"""`mpmcol status`: progress of a sweep or a run."""
 
 from __future__ import annotations
 
@@ -8,82 +8,85 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mpmcol.cli.duration import duration
+from mpmcol.cli.options import PATH, format_duration, json_option
 
 if TYPE_CHECKING:
     from mpmcol.sweep.plan import Plan
-    from mpmcol.sweep.progress import Part
+    from mpmcol.sweep.progress import TrackedRun
 
-STATUS_SCHEMA = 1
-WORDS = {
-    "unfinished": "unfinished: its process was killed",
-    "stopped": "stopped   by a signal",
-    "damaged": "damaged: its result.json cannot be read",
+STATUS_SCHEMA = 2
+STATUS_TEXT = {
+    "unfinished": "unfinished: the process was killed",
+    "stopped": "stopped   by a signal or the wall-clock limit",
+    "damaged": "damaged: result.json cannot be read",
+    "missing": "not started",
 }
 
 
 @click.command()
-@click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
-@click.option("--json", "to_json", is_flag=True, help="Print one line of JSON.")
+@click.argument("folder", metavar="DIR", type=PATH)
+@json_option("the status")
 def status(folder: Path, to_json: bool) -> None:
-    """Say what of the sweep in DIR is done, running, failed or missing, and how long it will still take.
+    """Show progress and remaining time of a sweep, study or run.
 
-    DIR may also be the folder of a single run.
+    DIR is the folder of a sweep or of a single run; the runs of a study are in the folder "runs" inside of the study's
+    folder.
     """
     from mpmcol.sweep.plan import as_json
-    from mpmcol.sweep.progress import Progress, plan_of
+    from mpmcol.sweep.progress import ProgressTracker, find_plan
 
-    plan, root = plan_of(folder)
-    parts = Progress(root, plan).parts()
+    plan, root = find_plan(folder)
+    runs = ProgressTracker(root, plan).runs()
     if to_json:
-        click.echo(as_json(_record(folder, plan, parts)))
+        click.echo(as_json(_record(folder, plan, runs)))
     else:
-        click.echo("\n".join(_lines(folder, plan, parts)))
+        click.echo("\n".join(_lines(folder, plan, runs)))
 
 
-def _record(folder: Path, plan: Plan, parts: list[Part]) -> dict[str, Any]:
-    from mpmcol.sweep.progress import counts, time_left
+def _record(folder: Path, plan: Plan, runs: list[TrackedRun]) -> dict[str, Any]:
+    from mpmcol.sweep.progress import count_by_status, time_left
 
-    points = [
-        {"folder": part.point.folder, "inputs": part.point.inputs, "state": part.state.name, "share": part.share,
-         "seconds": part.seconds, "message": part.state.failure}
-        for part in parts
-    ]  # fmt: skip
     return {
         "schema": STATUS_SCHEMA,
         "folder": str(folder),
         "version": plan.version,
-        "counts": counts(parts),
-        "seconds_left": time_left(parts, plan.jobs),
-        "points": points,
-    }
+        "counts": count_by_status(runs),
+        "seconds_left": time_left(runs, plan.jobs),
+        "runs": [
+            {"folder": run.entry.folder, "inputs": run.entry.inputs, "status": run.status.name,
+             "progress": run.progress, "seconds": run.seconds, "message": run.status.failure}
+            for run in runs
+        ],
+    }  # fmt: skip
 
 
-def _lines(folder: Path, plan: Plan, parts: list[Part]) -> Iterator[str]:
+def _lines(folder: Path, plan: Plan, runs: list[TrackedRun]) -> Iterator[str]:
     from mpmcol.provenance import code_version
-    from mpmcol.sweep.progress import counts, time_left
+    from mpmcol.sweep.progress import count_by_status, time_left
 
-    told = ", ".join(f"{count} {name}" for name, count in counts(parts).items())
-    yield f"{folder}: {plan.title or 'untitled'}, {told}"
-    width = max(len(part.point.folder) for part in parts)
-    for part in parts:
-        yield f"  {part.point.folder:{width}}  {_state(part)}".rstrip()
-    states, left = {part.state.name for part in parts}, time_left(parts, plan.jobs)
-    if "running" in states and left is not None:
-        yield f"about {duration(left)} left"
-    elif "running" not in states and states - {"done", "failed"}:
-        again = "" if left is None else f" and takes about {duration(left)}"
-        yield f"nothing is running; the same command again completes it{again}"
+    counts = ", ".join(f"{count} {name}" for name, count in count_by_status(runs).items())
+    yield f"{folder}: {plan.title or 'untitled'}, {counts}"
+    width = max(len(run.entry.folder) for run in runs)
+    for run in runs:
+        yield f"  {run.entry.folder:{width}}  {_status_text(run)}".rstrip()
+    found, left = {run.status.name for run in runs}, time_left(runs, plan.jobs)
+    if "running" in found and left is not None:
+        yield f"about {format_duration(left)} left"
+    elif "running" not in found and found - {"done", "failed"}:
+        cost = "" if left is None else f", in about {format_duration(left)}"
+        yield f"no run is being executed; repeat the command to complete the missing ones{cost}"
     if plan.version not in ("", code_version()):
-        yield f"note: made by mpmcol {plan.version}, this is {code_version()}, with which a sweep begins anew"
+        yield (
+            f"note: planned by mpmcol {plan.version}; this is {code_version()}, with which the same command starts new "
+            "runs"
+        )
 
 
-def _state(part: Part) -> str:
-    state = part.state
-    if state.name == "running":
-        return f"running   {part.share:.0%} in {duration(part.seconds)}"
-    if state.name == "failed":
-        return f"failed    {state.failure}"
-    if state.name == "done":
-        return f"done      {duration(part.seconds)}"
-    return WORDS.get(state.name, state.name)
+def _status_text(run: TrackedRun) -> str:
+    if run.status.name == "running":
+        return f"running   {run.progress:.0%} in {format_duration(run.seconds)}"
+    if run.status.name == "failed":
+        return f"failed    {run.status.failure}"
+    if run.status.name == "done":
+        return f"done      {format_duration(run.seconds)}"
+    return STATUS_TEXT.get(run.status.name, run.status.name)

@@ -1,36 +1,48 @@
-"""mpmcol sweep: many runs that differ in some values, as one."""
+"""`mpmcol sweep`: runs for many values of some keys, with a table, fits and charts."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from mpmcol.cli.duration import duration
-from mpmcol.cli.option_types import JOBS, THREADS
+from mpmcol.cli.options import (
+    format_duration,
+    jobs_option,
+    json_option,
+    out_option,
+    quiet_option,
+    threads_option,
+)
 
 if TYPE_CHECKING:
     from mpmcol.sweep.runs import PlannedRun
 
+FORECAST_SCHEMA = 1
+
 
 @click.command()
 @click.argument("case", default="lube-cylinder")
-@click.option("--aspect", metavar="VALUES", help="Aspect ratios, e.g. 0.5:7, the same as --set geometry.aspect=0.5:7.")
-@click.option("--set", "settings", multiple=True, metavar="KEY=VALUES", help="Vary or replace a value of the case.")
-@click.option("--zip", "zipped", is_flag=True, help="First values of all axes, second of all, ...; not all with all.")
-@click.option("--out", type=click.Path(path_type=Path), help="Folder of the sweep; sweeps/NAME by default.")
-@click.option("--jobs", type=JOBS, help="Points at a time; chosen from their sizes by default.")
-@click.option("--threads", type=THREADS, help="Threads of each point; chosen from their sizes by default.")
+@click.option("--aspect", metavar="VALUES", help="Aspect ratios h_i/r_i, the same as --set geometry.aspect=VALUES.")
+@click.option(
+    "--set", "settings", multiple=True, metavar="KEY=VALUES",
+    help="Vary or replace a value of the case. May be repeated.",
+)  # fmt: skip
+@click.option("--zip", "zipped", is_flag=True, help="Combine the first values of all keys, then the second, and so on.")
+@out_option("sweeps/NAME")
+@jobs_option
+@threads_option
 @click.option(
     "--engine", type=click.Choice(["local", "dask", "commands"]), default="local", show_default=True,
-    help="This machine, a dask cluster, or only print the shell lines and write a Slurm array script.",
+    help="Where to run: this machine; a dask cluster; or nowhere: print shell commands and write a Slurm array job.",
 )  # fmt: skip
-@click.option("--scheduler", metavar="ADDRESS", help="Of the dask cluster, e.g. tcp://10.0.0.1:8786.")
-@click.option("--dry-run", is_flag=True, help="Check everything and say what the sweep will cost; write nothing.")
-@click.option("--json", "to_json", is_flag=True, help="Print table, slopes and files as one line on stdout.")
-@click.option("--quiet", is_flag=True, help="Print nothing but errors.")
+@click.option("--scheduler", metavar="ADDRESS", help="Scheduler of the dask cluster, for example tcp://10.0.0.1:8786.")
+@click.option("--dry-run", is_flag=True, help="Check all runs and estimate their cost; run and write nothing.")
+@json_option("table, fits and names of files")
+@quiet_option
 def sweep(
     case: str,
     aspect: str | None,
@@ -45,41 +57,51 @@ def sweep(
     to_json: bool,
     quiet: bool,
 ) -> None:
-    """Run CASE (default: the paper's cylinder) for many values, and table and chart runout and height.
+    """Run a case for many values of its keys.
 
-    VALUES are single ones and ranges, separated by commas: 0.5:7 (steps of 0.5), 0.5:7:0.25, 0.5:7/14 (14 values),
-    0.55,0.9,1.7:3:0.1, plane,axisymmetric. Several axes: all with all.
+    CASE is a TOML file or the name of a shipped case; by default the cylinder of the paper. Writes a table, power-law
+    fits and charts of runout and height.
 
-    The same command again completes what is missing. Every point is the folder of a run.
+    VALUES are single values and ranges, separated by commas: 0.5:7 (steps of 0.5), 0.5:7:0.25 (steps of 0.25), 0.5:7/14
+    (14 values), 0.55,0.9,1.7:3:0.1, plane,axisymmetric. The values of several keys are combined in all ways, unless
+    --zip is given.
+
+    Each run has its own results folder. Repeating the command completes missing runs. Ctrl-C and SIGTERM stop the runs
+    with a checkpoint (exit code 75).
     """
-    if (engine == "dask") != (scheduler is not None):
-        raise click.UsageError("--engine dask and --scheduler ADDRESS go together")
-    if engine != "local" and jobs is not None:
-        raise click.UsageError("--jobs is for --engine local; a cluster chooses the points at a time itself")
-    if engine == "commands" and to_json:
-        raise click.UsageError("--json tells what the points became, and --engine commands runs none; leave one out")
+    _check_engine(engine, scheduler, jobs, to_json)
     from mpmcol.sweep.axes import parse_axes
     from mpmcol.sweep.runs import plan_runs
 
     axes, problems = parse_axes(aspect, settings)
     folder = out or _default_folder(case, settings, zipped)
-    points = plan_runs(case, axes, folder, zipped, problems)
+    runs = plan_runs(case, axes, folder, zipped, problems)
     if dry_run:
-        _print_forecast(points, jobs, threads, to_json)
+        _print_forecast(runs, jobs, threads, to_json)
     elif engine == "commands":
-        _print_commands(points, folder, threads, quiet)
+        _print_commands(runs, folder, threads, quiet)
     else:
-        _run(points, folder, jobs, threads, scheduler, to_json, quiet)
+        _execute(runs, folder, jobs, threads, scheduler, to_json, quiet)
+
+
+def _check_engine(engine: str, scheduler: str | None, jobs: int | None, to_json: bool) -> None:
+    """Refuse options that contradict the engine."""
+    if (engine == "dask") != (scheduler is not None):
+        raise click.UsageError("--engine dask requires --scheduler ADDRESS, and --scheduler requires --engine dask")
+    if engine != "local" and jobs is not None:
+        raise click.UsageError("--jobs requires --engine local; a cluster schedules its runs itself")
+    if engine == "commands" and to_json:
+        raise click.UsageError("--json prints results, and --engine commands runs nothing; omit one of them")
 
 
 def _default_folder(case: str, settings: tuple[str, ...], zipped: bool) -> Path:
-    """One for each case and, as of a run, one for each set of other values."""
+    """A folder for each case and each set of values other than the aspect ratio."""
     digest = sha256(repr((sorted(settings), zipped)).encode()).hexdigest()[:6]
     return Path("sweeps") / (f"{Path(case).stem}-{digest}" if settings else Path(case).stem)
 
 
-def _run(
-    points: list[PlannedRun],
+def _execute(
+    runs: list[PlannedRun],
     out: Path,
     jobs: int | None,
     threads: int | None,
@@ -87,72 +109,79 @@ def _run(
     to_json: bool,
     quiet: bool,
 ) -> None:
-    from mpmcol.cli.sweep_display import Display, as_record, closing_lines, failures
+    from mpmcol.cli.sweep_display import SweepDisplay, as_record, failures, summary_lines
     from mpmcol.sweep.engine import exit_code
     from mpmcol.sweep.plan import as_json
     from mpmcol.sweep.report import write_report
     from mpmcol.sweep.runner import run_sweep
     from mpmcol.sweep.runs import notes
 
-    with Display(out, quiet) as display:
-        for note in notes(points):
-            display.say(f"note: {note}")
-        outcomes = run_sweep(points, out, jobs, threads, scheduler, display)
-    published = write_report(outcomes, out)
+    with SweepDisplay(out, quiet) as display:
+        for note in notes(runs):
+            display.notify(f"note: {note}")
+        outcomes = run_sweep(runs, out, jobs, threads, scheduler, display)
+    report = write_report(outcomes, out)
     if to_json:
-        click.echo(as_json(as_record(published)))
+        click.echo(as_json(as_record(report)))
     elif quiet:
-        for line in failures(published):
+        for line in failures(report):
             click.echo(line, err=True)
     else:
-        click.echo("\n".join(closing_lines(published)))
+        click.echo("\n".join(summary_lines(report)))
     click.get_current_context().exit(exit_code(outcomes))
 
 
-def _print_forecast(points: list[PlannedRun], jobs: int | None, threads: int | None, to_json: bool) -> None:
-    from mpmcol.sweep.forecast import forecast
+def _print_forecast(runs: list[PlannedRun], jobs: int | None, threads: int | None, to_json: bool) -> None:
+    from mpmcol.cli.run_display import MEASURING_SPEED
     from mpmcol.sweep.plan import as_json
-    from mpmcol.sweep.runner import introduce, todo
+    from mpmcol.sweep.runner import overview, pending_runs
     from mpmcol.sweep.runs import notes
-    from mpmcol.sweep.scheduling import allocate, finish
+    from mpmcol.sweep.scheduling import allocate, estimate_seconds, makespan
 
-    click.echo("measuring the pace of this machine (about a second, more if kernels must be compiled) ...", err=True)
-    left = todo(points)
-    shares = allocate(left or points, jobs, threads)
-    seconds = dict(zip((point.folder for point in left), forecast(left, shares.threads), strict=True))
-    total = finish(list(seconds.values()), shares.jobs)
-    rows: list[dict[str, Any]] = [
-        {"folder": point.folder.name, "inputs": point.inputs, "points": point.discretization.most_points,
-         "steps": point.steps, "seconds": seconds.get(point.folder)}
-        for point in points
-    ]  # fmt: skip
+    click.echo(MEASURING_SPEED, err=True)
+    pending = pending_runs(runs)
+    allocation = allocate(pending or runs, jobs, threads)
+    times = estimate_seconds(pending, allocation.threads)
+    seconds = dict(zip((run.folder for run in pending), times, strict=True))
+    total = makespan(times, allocation.jobs)
     if to_json:
-        click.echo(as_json({"jobs": shares.jobs, "threads": shares.threads, "seconds": total, "points": rows}))
+        rows = [
+            {"folder": run.folder.name, "inputs": run.inputs, "points": run.discretization.most_points,
+             "steps": run.steps, "seconds": seconds.get(run.folder)}
+            for run in runs
+        ]  # fmt: skip
+        counts = {"jobs": allocation.jobs, "threads": allocation.threads, "seconds": total}
+        click.echo(as_json({"schema": FORECAST_SCHEMA, **counts, "runs": rows}))
         return
-    width = max(len(point.name) for point in points)
-    for point, row in zip(points, rows, strict=True):
-        cost = "has ended" if row["seconds"] is None else f"about {duration(row['seconds'])}"
-        click.echo(f"{point.name:{width}}  {row['points']:10,} points  {row['steps']:9,} steps  {cost}")
-    for note in notes(points):
+    click.echo("\n".join(_forecast_lines(runs, seconds)))
+    for note in notes(runs):
         click.echo(f"note: {note}")
-    click.echo(introduce(points, left, shares))
-    click.echo(f"about {duration(total)} in all; nothing was run" if left else "nothing was run")
+    click.echo(overview(runs, pending, allocation))
+    click.echo(f"about {format_duration(total)} in total; nothing was run" if pending else "nothing was run")
 
 
-def _print_commands(points: list[PlannedRun], out: Path, threads: int | None, quiet: bool) -> None:
-    """The lines on stdout; all else on stderr, so that they can be piped."""
+def _forecast_lines(runs: list[PlannedRun], seconds: dict[Path, float]) -> Iterator[str]:
+    width = max(len(run.name) for run in runs)
+    for run in runs:
+        time: Any = seconds.get(run.folder)
+        cost = "finished" if time is None else f"about {format_duration(time)}"
+        yield f"{run.name:{width}}  {run.discretization.most_points:10,} points  {run.steps:9,} steps  {cost}"
+
+
+def _print_commands(runs: list[PlannedRun], out: Path, threads: int | None, quiet: bool) -> None:
+    """Print the commands on stdout and messages on stderr, so that the commands can be piped."""
     from mpmcol.sweep.commands import SLURM_FILE, write_commands
     from mpmcol.sweep.plan import prepare_out, write_plan
-    from mpmcol.sweep.runner import make_plan, todo
+    from mpmcol.sweep.runner import make_plan, pending_runs
     from mpmcol.sweep.scheduling import Allocation
 
-    left = todo(points)
-    if not left:
-        click.echo("all points have ended; the same command without --engine makes table and charts", err=True)
+    pending = pending_runs(runs)
+    if not pending:
+        click.echo("all runs are finished; for table and charts repeat the command without --engine", err=True)
         return
-    shares = Allocation(len(left), threads or 1)
-    write_plan(prepare_out(out), make_plan(points, shares))
-    click.echo("\n".join(write_commands(left, shares.threads, out)))
+    allocation = Allocation(len(pending), threads or 1)
+    write_plan(prepare_out(out), make_plan(runs, allocation))
+    click.echo("\n".join(write_commands(pending, allocation.threads, out)))
     if not quiet:
-        click.echo(f"{len(left)} points to run; on Slurm: sbatch {out / SLURM_FILE}", err=True)
-        click.echo("afterwards the same command without --engine makes table and charts", err=True)
+        click.echo(f"{len(pending)} runs to execute; with Slurm: sbatch {out / SLURM_FILE}", err=True)
+        click.echo("then, for table and charts, repeat the command without --engine", err=True)

@@ -1,4 +1,4 @@
-"""mpmcol validate: comparison with published experiments."""
+"""`mpmcol validate`: comparison with published experiments."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mpmcol.cli.option_types import JOBS, THREADS
+from mpmcol.cli.options import jobs_option, json_option, out_option, threads_option
 
 if TYPE_CHECKING:
     from mpmcol.studies.frame import StudyResult
@@ -20,12 +20,12 @@ FAILED = 4  # exit code
 
 @click.command()
 @click.argument("names", nargs=-1, metavar="[NAME]...")
-@click.option("--quick", is_flag=True, help="Coarse grids, each column once: a minute or two instead of half an hour.")
-@click.option("--out", type=click.Path(path_type=Path), help="Folder; validation, or validation-quick, by default.")
-@click.option("--jobs", type=JOBS, help="Runs at a time; chosen from their sizes by default.")
-@click.option("--threads", type=THREADS, help="Threads of each run; chosen from their sizes by default.")
-@click.option("--quiet", is_flag=True, help="Print nothing but the checks.")
-@click.option("--json", "to_json", is_flag=True, help="Print checks and files as one line on stdout.")
+@click.option("--quick", is_flag=True, help="Coarse grids, each column once: minutes instead of half an hour.")
+@out_option("validation, with --quick validation-quick")
+@jobs_option
+@threads_option
+@click.option("--quiet", is_flag=True, help="Print the checks only.")
+@json_option("checks and names of files")
 def validate(
     names: tuple[str, ...],
     quick: bool,
@@ -35,16 +35,15 @@ def validate(
     quiet: bool,
     to_json: bool,
 ) -> None:
-    """Check runout, height, surface, failure line and stop time against published experiments.
+    """Validate the simulation against published experiments.
 
-    NAME is a check or a group of checks (rods, channel, cylinder); all by default. A check measures one quantity, which
-    must be inside a band taken from the experiment, and runs negative controls, whose values must be outside. The bands
-    are the same with --quick, so that some checks may fail on its coarse grids. Checks with unverified bands are shown
-    for information. Repeating the command completes missing runs.
-
-    Exit code 4 if a check fails.
+    NAME is a check or a group of checks (rods, channel, cylinder); all by default. A check measures one quantity
+    (runout, height, surface, failure line or stop time), which must be inside a band taken from the experiment, and
+    runs negative controls, whose values must be outside. The bands are the same with --quick, so that some checks may
+    fail on its coarse grids. Checks with unverified bands are shown for information. Repeating the command completes
+    missing runs. The exit code is 4 if a check fails.
     """
-    from mpmcol.cli.sweep_display import Display
+    from mpmcol.cli.sweep_display import SweepDisplay
     from mpmcol.studies.frame import RUNS, carry_out_study
     from mpmcol.studies.validation import ValidationStudy, select_checks
     from mpmcol.sweep.engine import exit_code
@@ -52,7 +51,7 @@ def validate(
 
     folder = out or Path("validation-quick" if quick else "validation")
     study = ValidationStudy(select_checks(names), quick)
-    with Display(folder / RUNS, quiet) as display:
+    with SweepDisplay(folder / RUNS, quiet) as display:
         result = carry_out_study(study, folder, jobs=jobs, threads=threads, observer=display)
     click.echo(as_json(_record(result, quick)) if to_json else "\n".join(_lines(result.evaluation)))
     if not quiet and not to_json:

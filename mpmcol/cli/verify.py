@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from mpmcol.cli.options import PATH, json_option
 from mpmcol.errors import OutputError
 
 if TYPE_CHECKING:
@@ -22,14 +23,15 @@ STATUS_TEXTS = {
 
 
 @click.command()
-@click.argument("folders", metavar="DIR...", nargs=-1, required=True, type=click.Path(path_type=Path))
-@click.option("--json", "as_json", is_flag=True, help="Print one line of JSON.")
+@click.argument("folders", metavar="DIR...", nargs=-1, required=True, type=PATH)
+@json_option("the report")
 @click.pass_context
-def verify(context: click.Context, folders: tuple[Path, ...], as_json: bool) -> None:
-    """Check every file of the runs in DIR and below; print one line for each folder and for each problem.
+def verify(context: click.Context, folders: tuple[Path, ...], to_json: bool) -> None:
+    """Check the files of runs for damage.
 
-    Every file of a completed run is compared with its checksum in SHA256SUMS, which reveals any changed byte. DIR may
-    be the folder of a run, a sweep or a study. The exit code is 5 if a file is damaged or missing.
+    DIR is the folder of a run, of a sweep or of a study. Every file of a completed run is compared with its checksum in
+    SHA256SUMS, which reveals any changed byte. Prints one line for each folder and for each problem. The exit code is 5
+    if a file is damaged or missing.
     """
     import json
 
@@ -37,7 +39,7 @@ def verify(context: click.Context, folders: tuple[Path, ...], as_json: bool) -> 
 
     reports = [report for folder in folders for report in check(folder)]
     is_intact = all(report.is_intact for report in reports)
-    if as_json:
+    if to_json:
         found = [report.as_dict() for report in reports]
         click.echo(json.dumps({"schema": VERIFY_SCHEMA, "intact": is_intact, "folders": found}))
     else:

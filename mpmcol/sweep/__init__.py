@@ -1,9 +1,9 @@
-"""Many runs as one: the points of a sweep, the engines that carry them out, and what comes out as tables and charts.
+"""Parameter sweeps: plan runs over the values of case keys, execute them, and report tables, fits and charts.
 
-    points = plan_runs("lube-cylinder", [Axis("geometry.aspect", parse_values("0.5:7"))], Path("sweeps/cylinder"))
-    for outcome in execute_runs(points):
+    runs = plan_runs("lube-cylinder", [Axis("geometry.aspect", parse_values("0.5:7"))], Path("sweeps/cylinder"))
+    for outcome in execute_runs(runs):
         print(outcome.run.name, outcome.status)
 
-Every point is the folder of a run, named by the hash of its resolved case and of the code's version. Its result.json
-marks it as done; what is done is never run again.
+Each run has its own results folder, named by its values and by a hash of its resolved case and of the version of the
+code. A run whose result.json states that it has ended is not repeated.
 """

@@ -1,4 +1,4 @@
-"""Charts of a sweep: runout and height over the aspect ratio, or over what was varied instead, beside experiments."""
+"""Charts of a sweep: runout and height over the aspect ratio or another varied key, beside experiments."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ ASPECT_LABEL = r"aspect ratio $a = h_i/r_i$ (-)"
 LABELS = {"zeta": r"runout $\zeta = (r_f - r_i)/r_i$ (-)", "beta": r"final height $\beta = h_f/h_i$ (-)"}
 COLOURS = ("black", "#2166ac", "#1b7837", "#762a83", "#b35806", "#01665e")
 DASHES: tuple[Any, ...] = ("--", "-.", (0, (1, 1)), (0, (8, 3)))
-LAW_COLOURS = ("0.5", "#8073ac", "#5aae61", "#e08214", "#4393c3")  # with the dashes, twenty laws apart
-MARGIN = 1.15  # of a logarithmic axis beyond the points
+LAW_COLOURS = ("0.5", "#8073ac", "#5aae61", "#e08214", "#4393c3")  # with DASHES, twenty distinct styles
+MARGIN = 1.15  # factor by which a logarithmic axis extends beyond the data
 _CURVE = 100
 
 
@@ -38,14 +38,14 @@ def sweep_chart(
     title: str = "",
     svg: bool = False,
 ) -> list[Path]:
-    """Draw "zeta" or "beta" over `axis`; returns the paths written.
+    """Draw "zeta" or "beta" over `axis`; return the paths written.
 
     Args:
-        path: of the PNG; with `svg`, an SVG is written beside it.
-        axis: a column of the rows: "a", or a key of the case. Words are set side by side.
-        series: their points that are not at rest are drawn in grey. One series shows each front definition, several
-            show front_connected with a bar over the three.
-        experiment: drawn with its scatter; other laws on columns of its kind in thin lines.
+        path: PNG to write; with `svg`, an SVG is written beside it.
+        axis: a column of the rows: "a", or a key of the case. Text values get equidistant ticks.
+        series: rows that are not at rest are drawn in grey. A single series shows each definition of the front,
+            several series show front_connected with a bar over the three definitions.
+        experiment: drawn with its scatter; laws of other experiments on this kind of column are thin lines.
         slopes: fitted lines.
     """
     figure = Figure(figsize=(7.0, 6.6), layout="constrained")
@@ -57,9 +57,9 @@ def sweep_chart(
     else:
         _frame_other(axes, axis, values)
         _draw_bands(axes, quantity, experiment, {row["a"] for line in series for row in line.rows})
-    places = {value: i for i, value in enumerate(dict.fromkeys(values))} if _are_words(values) else {}
+    ticks = {value: i for i, value in enumerate(dict.fromkeys(values))} if _are_text(values) else {}
     for line, colour in zip(series, COLOURS * len(series), strict=False):
-        _draw_series(axes, quantity, axis, line, colour if len(series) > 1 else "black", places, len(series) == 1)
+        _draw_series(axes, quantity, axis, line, colour if len(series) > 1 else "black", ticks, len(series) == 1)
     for slope in slopes:
         _draw_slope(axes, slope, series)
     axes.set(ylabel=LABELS[quantity], title=title)
@@ -68,12 +68,12 @@ def sweep_chart(
     return save_figure(figure, path, svg)
 
 
-def _are_words(values: Sequence[Any]) -> bool:
+def _are_text(values: Sequence[Any]) -> bool:
     return any(isinstance(value, (str, bool)) for value in values)
 
 
 def _frame_aspect(axes: Axes, values: Sequence[float]) -> None:
-    """Logarithmic axes with plain numbers."""
+    """Logarithmic axes with plain tick labels."""
     axes.set(xscale="log", yscale="log", xlim=(min(values) / MARGIN, max(values) * MARGIN), xlabel=ASPECT_LABEL)
     for one in (axes.xaxis, axes.yaxis):
         one.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0, 7.0)))
@@ -84,13 +84,13 @@ def _frame_aspect(axes: Axes, values: Sequence[float]) -> None:
 def _frame_other(axes: Axes, axis: str, values: Sequence[Any]) -> None:
     unit = unit_of(axis)
     axes.set(xlabel=axis if unit == "1" else f"{axis} ({unit})")
-    if _are_words(values):
-        words = list(dict.fromkeys(map(str, values)))
-        axes.set_xticks(range(len(words)), words)
+    if _are_text(values):
+        texts = list(dict.fromkeys(map(str, values)))
+        axes.set_xticks(range(len(texts)), texts)
 
 
 def _draw_laws(axes: Axes, quantity: str, experiment: Experiment, low: float, high: float) -> None:
-    """The experiment with its scatter and the ranges without a law between its pieces; then all other laws."""
+    """The experiment with its scatter and the gaps between the pieces of its law; then all other laws."""
     law = experiment.law(quantity)
     if law and law.pieces:
         bold: dict[str, Any] = {"color": EXPERIMENT_COLOUR, "linewidth": 1.6}
@@ -110,7 +110,7 @@ def _draw_laws(axes: Axes, quantity: str, experiment: Experiment, low: float, hi
 
 
 def _others(quantity: str, experiment: Experiment, law: Law | None) -> dict[str, Law]:
-    """Every other law on columns of this kind, each once, under the first name that has it."""
+    """All other laws for this kind of column, each once, under the first experiment that has it."""
     found: dict[Law, str] = {}
     for other in EXPERIMENTS.values():
         own = other.law(quantity) if other.model == experiment.model else None
@@ -120,14 +120,14 @@ def _others(quantity: str, experiment: Experiment, law: Law | None) -> dict[str,
 
 
 def _curves(law: Law, low: float, high: float) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Each piece of a law as far as it lies between two aspect ratios: a (n,) and value (n,)."""
+    """Each piece of a law between two aspect ratios: a (n,) and value (n,)."""
     inside = [piece for piece in law.pieces if piece.lo < high and piece.hi > low]
     aspects = [np.geomspace(max(piece.lo, low), min(piece.hi, high), _CURVE) for piece in inside]
     return [(a, piece.prefactor * a**piece.exponent) for a, piece in zip(aspects, inside, strict=True)]
 
 
 def _draw_bands(axes: Axes, quantity: str, experiment: Experiment, aspects: set[float]) -> None:
-    """The experiment's value for each aspect ratio, level."""
+    """The experiment's value for each aspect ratio, as a horizontal line with its scatter."""
     for a in sorted(aspects):
         if expected := experiment.expected(quantity, a):
             value, half = expected
@@ -137,19 +137,19 @@ def _draw_bands(axes: Axes, quantity: str, experiment: Experiment, aspects: set[
 
 
 def _draw_series(
-    axes: Axes, quantity: str, axis: str, line: Series, colour: str, places: Mapping[Any, int], alone: bool
+    axes: Axes, quantity: str, axis: str, line: Series, colour: str, ticks: Mapping[Any, int], is_single: bool
 ) -> None:
-    """Markers of a series; hollow for all but the definition that is drawn alone."""
+    """Markers of a series, grey for runs that are not at rest."""
     for at_rest, paint in ((True, colour), (False, "0.65")):
         rows = [row for row in line.rows if bool(row["at_rest"]) is at_rest]
         if not rows:
             continue
-        x = [places.get(row[axis], row[axis]) for row in rows]
+        x = [ticks.get(row[axis], row[axis]) for row in rows]
         suffix = "" if at_rest else " (not at rest)"
         mark: dict[str, Any] = {"color": paint, "linestyle": "none", "fillstyle": "none"}
         if quantity == "beta":
             axes.plot(x, [row["beta"] for row in rows], marker="o", label=f"{line.label or 'beta'}{suffix}", **mark)
-        elif alone:
+        elif is_single:
             for front in FRONTS:
                 y = [row[f"zeta.{front}"] for row in rows]
                 axes.plot(x, y, marker=FRONT_STYLES[front]["marker"], label=f"{front}{suffix}", **mark)
@@ -161,18 +161,18 @@ def _draw_series(
 
 
 def _draw_slope(axes: Axes, slope: Slope, series: Sequence[Series]) -> None:
-    """A fitted line over the points that it was fitted to."""
+    """A fitted line over the range of the data that it was fitted to."""
     index = next(i for i, line in enumerate(series) if line.label == slope.series)
     inside = [row["a"] for row in series[index].rows if row["at_rest"] and slope.lo <= row["a"] < slope.hi]
     a = np.geomspace(min(inside), max(inside), 2)
     colour = COLOURS[index % len(COLOURS)] if len(series) > 1 else "black"
     dashes = FRONT_STYLES.get(slope.front, {}).get("linestyle", "-")
     name = ", ".join(filter(None, (slope.series, slope.front)))
-    label = f"{name}: {_in_signs(slope)}" if name else _in_signs(slope)
+    label = f"{name}: {_formula(slope)}" if name else _formula(slope)
     axes.plot(a, slope.prefactor * a**slope.exponent, color=colour, linewidth=0.9, linestyle=dashes, label=label)
 
 
-def _in_signs(slope: Slope) -> str:
+def _formula(slope: Slope) -> str:
     width = "" if slope.half_width is None else rf" \pm {slope.half_width:.2f}"
     law = "" if slope.law_exponent is None else rf" (law $a^{{{slope.law_exponent:.2f}}}$)"
     return rf"$\{slope.quantity.partition('.')[0]} \propto a^{{{slope.exponent:.2f}{width}}}$" + law

@@ -1,4 +1,4 @@
-"""`--engine commands`: the points as shell lines and as a Slurm array, for whatever else shall run them."""
+"""`--engine commands`: the runs as shell commands and as a Slurm array job."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from pathlib import Path
 
 from mpmcol.io.atomic import atomic_write
 from mpmcol.setup.memory import memory_bytes
-from mpmcol.sweep.runs import PlannedRun, freeze
-from mpmcol.sweep.scheduling import BYTES_OF_PROCESS
+from mpmcol.sweep.runs import PlannedRun, write_case
+from mpmcol.sweep.scheduling import PROCESS_BYTES
 from mpmcol.sweep.task import run_command
 
 COMMANDS_FILE, SLURM_FILE = "commands.sh", "slurm.sh"
 
 SLURM = """\
 #!/bin/bash
-# One task for each line of {commands}; afterwards the same `mpmcol sweep` command makes table and charts.
+# One task for each line of {commands}; afterwards the same `mpmcol sweep` command writes table and charts.
 #SBATCH --job-name={name}
 #SBATCH --array=1-{count}
 #SBATCH --cpus-per-task={threads}
@@ -29,16 +29,16 @@ eval "$(sed -n "${{SLURM_ARRAY_TASK_ID}}p" {quoted})"
 """
 
 
-def write_commands(points: Sequence[PlannedRun], threads: int, out: Path) -> list[str]:
-    """Freeze the cases of the points, write commands.sh and slurm.sh into the folder, and return the shell lines.
+def write_commands(runs: Sequence[PlannedRun], threads: int, out: Path) -> list[str]:
+    """Write the cases of the runs, commands.sh and slurm.sh; return the shell commands, largest run first.
 
-    The lines name the interpreter and the folders in full and the resolved cases, so that they can be run from
-    anywhere and later edits of the case file change nothing. Largest points first.
+    The commands contain absolute paths of the interpreter and of the resolved cases, so that they work from any folder
+    and later edits of the case file have no effect on them.
     """
-    ordered = sorted(points, key=lambda point: point.work, reverse=True)
-    for point in ordered:
-        freeze(point)
-    lines = [shlex.join(run_command(point.folder.resolve(), threads)) for point in ordered]
+    ordered = sorted(runs, key=lambda run: run.work, reverse=True)
+    for run in ordered:
+        write_case(run)
+    lines = [shlex.join(run_command(run.folder.resolve(), threads)) for run in ordered]
     commands = out.resolve() / COMMANDS_FILE
     atomic_write(commands, os.fsencode("".join(line + "\n" for line in lines)))
     script = SLURM.format(
@@ -47,7 +47,7 @@ def write_commands(points: Sequence[PlannedRun], threads: int, out: Path) -> lis
         name=f"mpmcol-{out.name}",
         count=len(lines),
         threads=threads,
-        megabytes=ceil(max(memory_bytes(point.discretization) + BYTES_OF_PROCESS for point in ordered) / 1e6),
+        megabytes=ceil(max(memory_bytes(run.discretization) + PROCESS_BYTES for run in ordered) / 1e6),
         out=out.resolve(),
     )
     atomic_write(out.resolve() / SLURM_FILE, os.fsencode(script))

@@ -1,4 +1,4 @@
-"""`python -m mpmcol.sweep.compile_cache CASE...`: compile the kernels of cases once before many runs start."""
+"""Compile kernels once before several runs start: `python -m mpmcol.sweep.compile_cache CASE...`."""
 
 from __future__ import annotations
 
@@ -10,21 +10,21 @@ if TYPE_CHECKING:
     from mpmcol.sweep.runs import PlannedRun
 
 
-def kernels_of(point: PlannedRun) -> tuple[object, ...]:
-    """What decides which kernels a run needs: points of equal value share them."""
-    case, method = point.case, point.case.method
+def kernel_variant(run: PlannedRun) -> tuple[object, ...]:
+    """Identify the compiled kernels that a run needs: runs with equal values share them."""
+    case, method = run.case, run.case.method
     scheme = method.basis, method.stress_order, method.transfer == "apic"
     return case.geometry.dimension, case.material.law, case.stages.equilibrate.law, *scheme
 
 
-def smallest_of_each(points: Sequence[PlannedRun]) -> list[PlannedRun]:
-    """The least point for each set of kernels."""
-    by_kernels = {kernels_of(point): point for point in sorted(points, key=lambda point: point.work, reverse=True)}
-    return list(by_kernels.values())
+def smallest_per_variant(runs: Sequence[PlannedRun]) -> list[PlannedRun]:
+    """The smallest run of each kernel variant."""
+    by_variant = {kernel_variant(run): run for run in sorted(runs, key=lambda run: run.work, reverse=True)}
+    return list(by_variant.values())
 
 
-def warm(source: str) -> None:
-    """Compile, or load if they are kept, the kernels of both stages of a case."""
+def compile_kernels(source: str) -> None:
+    """Compile the kernels of both stages of a case, or load them from the cache."""
     from mpmcol.case import load_case
     from mpmcol.mpm.solver import Solver
     from mpmcol.setup.model import build_model
@@ -36,4 +36,4 @@ def warm(source: str) -> None:
 
 if __name__ == "__main__":
     for name in sys.argv[1:]:
-        warm(name)
+        compile_kernels(name)

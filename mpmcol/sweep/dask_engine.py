@@ -1,7 +1,7 @@
-"""Sweeps on an existing dask.distributed cluster whose workers share a file system with this machine.
+"""Sweeps on a dask.distributed cluster whose workers share a file system with this machine.
 
-A task is a process on a worker, so that the worker's heartbeat goes on while it computes. A worker runs as many points
-at a time as it has threads: `dask worker ADDRESS --nthreads 4` for four.
+Each run is a child process of a worker, so that the worker's heartbeat continues. A worker executes as many runs at a
+time as it has threads: `dask worker ADDRESS --nthreads 4` for four.
 """
 
 from __future__ import annotations
@@ -15,44 +15,44 @@ from pathlib import Path
 from mpmcol.errors import OutputError, UsageError
 from mpmcol.io.atomic import atomic_write, remove
 from mpmcol.sweep.engine import Pool
-from mpmcol.sweep.task import RETRIES
+from mpmcol.sweep.task import CONTINUE, RETRIES
 
 CONNECT_SECONDS = 10
 
 
 @dataclass(frozen=True)
-class FileHalt:
-    """Tells tasks on other machines to halt, by a file that holds the urgency."""
+class FileStopRequest:
+    """A stop request for tasks on other machines: a file that contains its level."""
 
     path: Path
 
     def __call__(self) -> int:
-        """What the file says; 0 while it is not there."""
+        """The level in the file; CONTINUE while it does not exist."""
         try:
             return int(self.path.read_text())
         except (OSError, ValueError):
-            return 0
+            return CONTINUE
 
-    def stop(self, urgent: int) -> None:
-        """Write the file, or remove it at 0."""
-        if urgent:
-            atomic_write(self.path, str(urgent).encode())
-        else:
+    def set_level(self, level: int) -> None:
+        """Write the file, or remove it for CONTINUE."""
+        if level == CONTINUE:
             remove(self.path)
+        else:
+            atomic_write(self.path, str(level).encode())
 
 
 @contextmanager
 def dask_pool(scheduler: str, out: Path) -> Iterator[Pool]:
-    """The cluster of a scheduler, such as tcp://10.0.0.1:8786, for a sweep in the folder `out`.
+    """Workers of the cluster with a scheduler at an address such as tcp://10.0.0.1:8786, for a sweep in `out`.
 
     Raises:
-        UsageError: dask.distributed is not installed, or the address is none.
+        UsageError: dask.distributed is not installed, or the address is invalid.
         OutputError: no scheduler answers.
     """
     try:
         from distributed import Client
     except ImportError:
-        raise UsageError("--engine dask needs dask.distributed: pip install 'mpmcol[dask]'") from None
+        raise UsageError("--engine dask requires dask.distributed: pip install 'mpmcol[dask]'") from None
     try:
         client = Client(scheduler, timeout=CONNECT_SECONDS, set_as_default=False)
     except (OSError, TimeoutError) as error:
@@ -61,8 +61,8 @@ def dask_pool(scheduler: str, out: Path) -> Iterator[Pool]:
         ) from None
     except ValueError as error:
         raise UsageError(f"--scheduler {scheduler}: {error}; expected an address such as tcp://10.0.0.1:8786") from None
-    halt = FileHalt(out.resolve() / f".halt-{uuid.uuid4().hex}")
+    stop = FileStopRequest(out.resolve() / f".stop-{uuid.uuid4().hex}")
     with client:
         executor = client.get_executor(pure=False, retries=RETRIES)
         slots = max(sum(client.nthreads().values()), 1)  # an adaptive cluster starts without workers
-        yield Pool(executor, slots, halt, halt.stop)
+        yield Pool(executor, slots, stop, stop.set_level)

@@ -1,4 +1,4 @@
-"""The engine of sweeps: takes a list of points and yields an outcome for each as it ends."""
+"""Execution of planned runs on a pool of workers; yields an outcome for each run as it ends."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from dataclasses import dataclass
 from mpmcol.errors import Interrupted, MpmcolError, NumericalFailure, OutputError, UsageError
 from mpmcol.io.run_status import read_status
 from mpmcol.provenance import code_version
-from mpmcol.sweep.compile_cache import smallest_of_each
-from mpmcol.sweep.runs import PlannedRun, freeze
+from mpmcol.sweep.compile_cache import smallest_per_variant
+from mpmcol.sweep.runs import PlannedRun, write_case
 from mpmcol.sweep.scheduling import Allocation, allocate
-from mpmcol.sweep.task import Halt, Task, TaskResult, carry_out
+from mpmcol.sweep.task import ABORT, CONTINUE, STOP, StopRequest, Task, TaskResult, execute_task
 
 TICK = 0.25  # s
 
-Say = Callable[[str], None]
+Notify = Callable[[str], None]
 Tick = Callable[[], None]
 
 
@@ -39,60 +39,64 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Pool:
-    """Where tasks are carried out: any executor, what its tasks ask whether to halt, and how they are told (`Halt`)."""
+    """Workers: an executor, the stop request that its tasks poll, and the function that sets its level."""
 
     executor: Executor
-    slots: int  # tasks at a time
-    halt: Halt
-    stop: Callable[[int], None]
+    slots: int  # concurrent tasks
+    stop: StopRequest
+    request_stop: Callable[[int], None]
 
 
 def execute_runs(
-    points: Sequence[PlannedRun],
-    shares: Allocation | None = None,
+    runs: Sequence[PlannedRun],
+    allocation: Allocation | None = None,
     *,
     pool: Pool | None = None,
-    say: Say = lambda line: None,
+    notify: Notify = lambda line: None,
     tick: Tick = lambda: None,
 ) -> Generator[Outcome]:
-    """Carry out all points, largest first, and yield the outcome of each as it ends; first those that had ended before.
+    """Execute runs, largest first, and yield the outcome of each as it ends, beginning with those that ended before.
 
-    No point that goes wrong stops the others. When the iterator is closed, or Ctrl-C comes while it waits, the runs are
-    ended in good order, and at once at a second Ctrl-C: use `contextlib.closing` where the loop may be left early.
+    A run that fails does not stop the others. When the generator is closed, or Ctrl-C is pressed while it waits, the
+    runs are stopped with a checkpoint; a second Ctrl-C kills them. Use `contextlib.closing` where the loop may be left
+    early.
 
     Args:
-        points: made by `plan_runs` or `plan_run`.
-        shares: points at a time and threads of each (default: chosen from the sizes).
-        pool: where to run (default: processes on this machine); see `mpmcol.sweep.dask_engine`.
-        say: is told what happens, in one line.
-        tick: is called some times a second while runs go on.
+        runs: from `plan_runs` or `plan_run`.
+        allocation: concurrent runs and threads per run (default: chosen from the sizes).
+        pool: workers (default: processes on this machine); see `mpmcol.sweep.dask_engine`.
+        notify: called with one-line messages.
+        tick: called several times a second while runs are executed.
     """
-    left = []
-    for point in points:
-        freeze(point)
-        if read_status(point.folder).has_ended:
-            yield Outcome(point, carry_out(Task(point.folder, 1, code_version())))
+    pending = []
+    for run in runs:
+        write_case(run)
+        if read_status(run.folder).has_ended:
+            yield Outcome(run, execute_task(Task(run.folder, 1, code_version())))
         else:
-            left.append(point)
-    if not left:
+            pending.append(run)
+    if not pending:
         return
-    shares = shares or allocate(left)
-    if pool is None and min(shares.jobs, len(left)) > 1:
-        say("compiling kernels where they are not kept from before ...")
-        _compile(left)
-    with nullcontext(pool) if pool else local_pool(shares.jobs) as opened:
-        yield from _carry_out_all(left, shares.threads, opened, say, tick)
+    allocation = allocation or allocate(pending)
+    if pool is None and min(allocation.jobs, len(pending)) > 1:
+        notify("compiling kernels that are not in the cache ...")
+        _compile_kernels(pending)
+    with nullcontext(pool) if pool else local_pool(allocation.jobs) as opened:
+        yield from _execute_on(opened, pending, allocation.threads, notify, tick)
 
 
 def exit_code(outcomes: Sequence[Outcome]) -> int:
-    """Of a sweep, the first that is true of a point: 75 halted, 5 files, 3 diverged, 2 refused, 1 else; 0 all done."""
+    """Exit code of a sweep: the first that applies of 75 interrupted, 5 files, 3 diverged, 2 refused, 1 other error.
+
+    0 if all runs are done.
+    """
     codes = {outcome.result.exit_code for outcome in outcomes if outcome.status != "done"}
     known = (Interrupted.exit_code, OutputError.exit_code, NumericalFailure.exit_code, UsageError.exit_code)
     return next((code for code in known if code in codes), 1) if codes else 0
 
 
 def unsuccessful(outcomes: Sequence[Outcome], message: str) -> MpmcolError:
-    """The error of a report that too few runs ended well for; it has their exit code."""
+    """The error of a report for which too few runs are done; it has the exit code of the runs."""
     error = OutputError(message)
     error.exit_code = exit_code(outcomes) or OutputError.exit_code
     return error
@@ -100,58 +104,57 @@ def unsuccessful(outcomes: Sequence[Outcome], message: str) -> MpmcolError:
 
 @contextmanager
 def local_pool(jobs: int) -> Iterator[Pool]:
-    """Threads of this process, each of which looks after one run in a process of its own."""
-    urgency = [0]
+    """Threads of this process, each of which supervises one child process at a time."""
+    level = [CONTINUE]
 
-    def stop(urgent: int) -> None:
-        urgency[0] = urgent
+    def request_stop(requested: int) -> None:
+        level[0] = requested
 
     with ThreadPoolExecutor(jobs) as executor:
-        yield Pool(executor, jobs, lambda: urgency[0], stop)
+        yield Pool(executor, jobs, lambda: level[0], request_stop)
 
 
-def _carry_out_all(points: Sequence[PlannedRun], threads: int, pool: Pool, say: Say, tick: Tick) -> Iterator[Outcome]:
-    ordered = sorted(points, key=lambda point: point.work, reverse=True)
+def _execute_on(pool: Pool, runs: Sequence[PlannedRun], threads: int, notify: Notify, tick: Tick) -> Iterator[Outcome]:
     pending: dict[Future[TaskResult], PlannedRun] = {}
-    for point in ordered:
-        task = Task(point.folder.resolve(), threads, code_version())
-        pending[pool.executor.submit(carry_out, task, pool.halt)] = point
+    for run in sorted(runs, key=lambda run: run.work, reverse=True):
+        task = Task(run.folder.resolve(), threads, code_version())
+        pending[pool.executor.submit(execute_task, task, pool.stop)] = run
     try:
         while pending:
             ended, _ = wait(pending, timeout=TICK, return_when=FIRST_COMPLETED)
             for future in ended:
-                yield Outcome(pending.pop(future), _ending(future))
+                yield Outcome(pending.pop(future), _task_result(future))
             tick()
     finally:
         if pending:
-            _halt(pending, pool, say)
+            _stop(pending, pool, notify)
 
 
-def _ending(future: Future[TaskResult]) -> TaskResult:
-    """The task's own, or one that tells why there is none, such as workers that died."""
+def _task_result(future: Future[TaskResult]) -> TaskResult:
+    """The result of a task, or the reason why there is none, for example a worker that died."""
     try:
         return future.result()
     except CancelledError:
-        return TaskResult("error", 1, 1, "the scheduler has dropped it")
+        return TaskResult("error", 1, 1, "the scheduler cancelled the run")
     except Exception as error:
         return TaskResult("error", 1, 1, f"{type(error).__name__}: {error}")
 
 
-def _halt(pending: dict[Future[TaskResult], PlannedRun], pool: Pool, say: Say) -> None:
-    """End all runs and wait for them; KeyboardInterrupt ends them at once."""
-    say("ending the runs (Ctrl-C again: at once) ...")
-    pool.stop(1)
+def _stop(pending: dict[Future[TaskResult], PlannedRun], pool: Pool, notify: Notify) -> None:
+    """Stop all runs and wait for them; a KeyboardInterrupt kills them."""
+    notify("stopping the runs (press Ctrl-C again to abort) ...")
+    pool.request_stop(STOP)
     try:
         wait(pending)
     except KeyboardInterrupt:
-        pool.stop(2)
+        pool.request_stop(ABORT)
         wait(pending)
-    pool.stop(0)
+    pool.request_stop(CONTINUE)
 
 
-def _compile(points: Sequence[PlannedRun]) -> None:
-    """Compile what the points need once, in a process that is left behind; what goes wrong there, the runs tell."""
-    cases = [str(freeze(point)) for point in smallest_of_each(points)]
+def _compile_kernels(runs: Sequence[PlannedRun]) -> None:
+    """Compile each kernel variant once in a child process; its errors are ignored, because the runs report them."""
+    cases = [str(write_case(run)) for run in smallest_per_variant(runs)]
     command = [sys.executable, "-m", "mpmcol.sweep.compile_cache", *cases]
     environment = {**os.environ, "NUMBA_NUM_THREADS": "1"}
     subprocess.run(command, env=environment, stdin=subprocess.DEVNULL, capture_output=True, start_new_session=True)

@@ -1,33 +1,31 @@
-"""Power laws fitted to runout and height over the aspect ratio, on each side of the published laws' transitions."""
+"""Power-law fits of runout and height over the aspect ratio, on each side of the transitions of the published laws."""
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
-from functools import cache
+from dataclasses import asdict, dataclass
 from math import inf
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.special import stdtrit
 
 from mpmcol.experiments import Experiment
 from mpmcol.io.atomic import atomic_write
 from mpmcol.measure import FRONTS
+from mpmcol.sweep.table import csv_text
 
 SLOPES_FILE = "slopes.csv"
 QUANTITIES = (*(f"zeta.{front}" for front in FRONTS), "beta")
 CONFIDENCE = 0.95
-FEWEST = 2
-_ANGLES = 200_001  # of the quadrature of Student's distribution
+FEWEST = 2  # runs in a fit
 
 
 @dataclass(frozen=True)
 class PowerFit:
-    """y = prefactor x**exponent; without uncertainty, None, where two points leave none to be seen."""
+    """y = prefactor x**exponent; the uncertainty of a fit through two points is None."""
 
     prefactor: float
     exponent: float
@@ -37,13 +35,13 @@ class PowerFit:
 
 @dataclass(frozen=True)
 class Slope:
-    """A quantity fitted over aspect ratios lo <= a < hi, and what the experiment's law has there."""
+    """A quantity fitted over aspect ratios lo <= a < hi, beside the exponent of the experiment's law there."""
 
-    series: str  # what else was varied; "" if nothing
+    series: str  # values of the other keys that vary; "" if none does
     quantity: str
     lo: float
     hi: float
-    count: int  # points
+    count: int  # runs
     prefactor: float
     exponent: float
     standard_error: float | None
@@ -53,21 +51,21 @@ class Slope:
 
     @property
     def front(self) -> str:
-        """The front's definition, "" for a quantity that has none."""
+        """Definition of the front; "" for a quantity without one."""
         return self.quantity.partition(".")[2]
 
     def __str__(self) -> str:
         width = "" if self.half_width is None else f" +- {self.half_width:.2f}"
         law = "" if self.law_exponent is None else f", law {self.law_exponent:.2f}"
-        where = f"{self.count} points in {self.lo:g} <= a < {self.hi:g}"
+        where = f"{self.count} runs in {self.lo:g} <= a < {self.hi:g}"
         return f"{self.quantity} ~ a^{self.exponent:.2f}{width} ({where}{law})"
 
 
 def fit_power(x: ArrayLike, y: ArrayLike) -> PowerFit:
     """Least-squares line through log y over log x, both (n,) and above 0, n >= 2, not all x equal.
 
-    The 95 % interval of the exponent is Student's with n - 2 degrees of freedom: it holds if the logarithms scatter
-    normally and alike, and tells nothing of an error that all points share.
+    The 95 % interval of the exponent is that of Student's t distribution with n - 2 degrees of freedom. It assumes
+    normally distributed errors of equal variance in the logarithms and excludes systematic errors.
     """
     u, w = np.log(np.asarray(x, dtype=float)), np.log(np.asarray(y, dtype=float))
     spread = float(np.sum((u - u.mean()) ** 2))
@@ -77,42 +75,26 @@ def fit_power(x: ArrayLike, y: ArrayLike) -> PowerFit:
     if freedom == 0:
         return PowerFit(prefactor, exponent, None, None)
     error = float(np.sqrt(np.sum(residual**2) / freedom / spread))
-    return PowerFit(prefactor, exponent, error, error * student(freedom))
+    return PowerFit(prefactor, exponent, error, error * student_t(freedom))
 
 
-@cache
-def student(freedom: int) -> float:
-    """Half the width of the 95 % interval of Student's distribution, in standard errors.
-
-    With t = sqrt(n) tan(angle) its density is cos(angle)**(n - 1), which is summed here.
-    """
-    angle = np.linspace(-np.pi / 2.0, np.pi / 2.0, _ANGLES)
-    density = np.cos(angle) ** (freedom - 1)
-    total = np.concatenate([[0.0], np.cumsum(density[1:] + density[:-1])])
-    return float(np.sqrt(freedom) * np.tan(np.interp((1.0 + CONFIDENCE) / 2.0, total / total[-1], angle)))
+def student_t(freedom: int) -> float:
+    """Half the width of the 95 % interval of Student's t distribution, in standard errors."""
+    return float(stdtrit(freedom, (1.0 + CONFIDENCE) / 2.0))
 
 
 def fit_slopes(rows: Sequence[Mapping[str, Any]], experiment: Experiment, series: str = "") -> list[Slope]:
-    """Every quantity over the aspect ratio, in each range of the experiment's law, or over all without a law.
+    """Fit every quantity over the aspect ratio, in each range of the experiment's law, or over all rows without a law.
 
-    Points that did not come to rest are left out, and so are values that have no logarithm.
+    Rows that are not at rest and values that are not positive are excluded.
     """
     rest = [row for row in rows if row.get("at_rest")]
     return [slope for quantity in QUANTITIES for slope in _slopes(rest, quantity, experiment, series)]
 
 
-def slopes_text(slopes: Sequence[Slope]) -> str:
-    """The slopes as CSV."""
-    text = io.StringIO()
-    writer = csv.DictWriter(text, [field.name for field in fields(Slope)], lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(asdict(slope) for slope in slopes)
-    return text.getvalue()
-
-
 def write_slopes(out: Path, slopes: Sequence[Slope]) -> Path:
-    """Write slopes.csv whole."""
-    atomic_write(out / SLOPES_FILE, slopes_text(slopes).encode())
+    """Write slopes.csv."""
+    atomic_write(out / SLOPES_FILE, csv_text([asdict(slope) for slope in slopes]).encode())
     return out / SLOPES_FILE
 
 

@@ -1,4 +1,4 @@
-"""sweep.json: which points a sweep in a folder has, for whoever looks on or comes later."""
+"""sweep.json, the plan of a sweep: its runs, and how many are executed at a time."""
 
 from __future__ import annotations
 
@@ -13,37 +13,37 @@ from mpmcol.io.atomic import atomic_write, make_folder
 from mpmcol.io.values import to_json, toml_word
 
 PLAN_FILE = "sweep.json"
-PLAN_SCHEMA = 1
+PLAN_SCHEMA = 2
 
 
 @dataclass(frozen=True)
 class PlanEntry:
-    """A point as the plan keeps it."""
+    """A run in the plan."""
 
-    folder: str  # inside the sweep's
+    folder: str  # name of its folder in the sweep's folder
     inputs: Mapping[str, Any]
     work: float  # material points times steps, estimated
-    end: float  # s since release at which the collapse usually ends
+    end: float  # estimated end of the collapse, s since release
 
 
 @dataclass(frozen=True)
 class Plan:
-    """What a sweep is: the case's title, its points, and how many run at a time."""
+    """A sweep: title of its case, version of the code, concurrent runs, threads per run, and its runs."""
 
     title: str
     version: str
     jobs: int
     threads: int
-    points: tuple[PlanEntry, ...]
+    runs: tuple[PlanEntry, ...]
 
 
 def as_json(value: Any) -> str:
-    """JSON of a plan or a report on one line; inputs that are not finite become the TOML words inf and nan."""
+    """One line of JSON; numbers that are not finite, such as an infinite input, become the TOML words inf and nan."""
     return to_json(value, toml_word)
 
 
 def write_plan(out: Path, plan: Plan) -> None:
-    """Write sweep.json, unless it says the same already."""
+    """Write sweep.json, unless the same content is there already."""
     text = as_json({"schema": PLAN_SCHEMA, **asdict(plan)}).encode() + b"\n"
     path = out / PLAN_FILE
     if not path.exists() or path.read_bytes() != text:
@@ -51,21 +51,21 @@ def write_plan(out: Path, plan: Plan) -> None:
 
 
 def read_plan(out: Path) -> Plan:
-    """Read sweep.json; OutputError if it cannot be."""
+    """Read sweep.json; OutputError if that fails."""
     path = out / PLAN_FILE
     try:
         content = json.loads(path.read_bytes())
         if content.pop("schema") != PLAN_SCHEMA:
-            raise ValueError("it is of another version of mpmcol")
-        content["points"] = tuple(PlanEntry(**point) for point in content["points"])
+            raise ValueError("written by another version of mpmcol")
+        content["runs"] = tuple(PlanEntry(**run) for run in content["runs"])
         return Plan(**content)
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-        raise OutputError(f"{path} cannot be read ({error}); run the sweep again") from None
+        raise OutputError(f"{path} cannot be read ({error}); repeat the sweep command") from None
 
 
 def prepare_out(out: Path) -> Path:
-    """Make the sweep's folder; UsageError if it holds something else than a sweep."""
+    """Create the sweep's folder; UsageError if it contains something other than a sweep."""
     found = {path.name for path in out.iterdir() if path.name[0] != "."} if out.is_dir() else set()
     if found and PLAN_FILE not in found:
-        raise UsageError(f"{out} is not empty and holds no sweep; use --out for another folder")
+        raise UsageError(f"{out}: the folder is not empty and contains no sweep; give another folder with --out")
     return make_folder(out)

@@ -1,4 +1,4 @@
-"""How far a sweep is and how long it will still take, from the files of its runs alone."""
+"""Progress of a sweep and its remaining time, from the files of its runs."""
 
 from __future__ import annotations
 
@@ -11,84 +11,85 @@ from mpmcol.io.names import CASE_FILE, GIVEN_CASE_FILE
 from mpmcol.io.run_status import RunStatus, read_status, running_for, time_reached
 from mpmcol.sweep.plan import PLAN_FILE, Plan, PlanEntry, read_plan
 
-MOST_SHARE = 0.95  # a run that takes longer than usual is never told as over
+MOST_PROGRESS = 0.95  # of a run that has not ended, also if it takes longer than estimated
 
 
 @dataclass(frozen=True)
-class Part:
-    """A point on its way."""
+class TrackedRun:
+    """A run of the plan with its present status."""
 
-    point: PlanEntry
-    state: RunStatus
-    share: float  # of its work that is done
-    seconds: float  # that it took so far
+    entry: PlanEntry
+    status: RunStatus
+    progress: float  # share of its work that is done, 0 to 1
+    seconds: float  # wall-clock time so far
 
     @property
-    def left(self) -> float:
-        """Work that is left."""
-        return self.point.work * (1.0 - self.share)
+    def work_left(self) -> float:
+        """Remaining work, material points times steps."""
+        return self.entry.work * (1.0 - self.progress)
 
 
 @dataclass
-class Progress:
-    """Looks at the runs of a plan; those that have ended are looked at once."""
+class ProgressTracker:
+    """Reads the status of the runs of a plan; runs that have ended are read once."""
 
     out: Path
     plan: Plan
-    _ended: dict[str, Part] = field(default_factory=dict)
+    _ended: dict[str, TrackedRun] = field(default_factory=dict)
 
-    def parts(self) -> list[Part]:
-        """Every point as it is now."""
-        return [self._ended.get(point.folder) or self._look(point) for point in self.plan.points]
+    def runs(self) -> list[TrackedRun]:
+        """Every run with its present status."""
+        return [self._ended.get(entry.folder) or self._read(entry) for entry in self.plan.runs]
 
-    def _look(self, point: PlanEntry) -> Part:
-        folder = self.out / point.folder
-        state = read_status(folder)
-        if state.has_ended:
-            self._ended[point.folder] = Part(point, state, 1.0, state.seconds)
-            return self._ended[point.folder]
-        if state.name != "running":
-            return Part(point, state, 0.0, 0.0)
+    def _read(self, entry: PlanEntry) -> TrackedRun:
+        folder = self.out / entry.folder
+        status = read_status(folder)
+        if status.has_ended:
+            self._ended[entry.folder] = TrackedRun(entry, status, 1.0, status.seconds)
+            return self._ended[entry.folder]
+        if status.name != "running":
+            return TrackedRun(entry, status, 0.0, 0.0)
         time = max(time_reached(folder) or 0.0, 0.0)
-        return Part(point, state, min(time / point.end, MOST_SHARE), running_for(folder))
+        return TrackedRun(entry, status, min(time / entry.end, MOST_PROGRESS), running_for(folder))
 
 
-def plan_of(folder: Path) -> tuple[Plan, Path]:
-    """The plan of a sweep, or of a single run as if it were one, and the folder that it is in.
+def find_plan(folder: Path) -> tuple[Plan, Path]:
+    """The plan of a sweep, or a plan with the single run in this folder, and the folder that the runs are in.
 
-    Raises OutputError if the folder holds neither.
+    Raises:
+        OutputError: the folder contains neither.
     """
-    case = next((folder / name for name in (CASE_FILE, GIVEN_CASE_FILE) if (folder / name).exists()), None)
     if (folder / PLAN_FILE).exists():
         return read_plan(folder), folder
+    case = next((folder / name for name in (CASE_FILE, GIVEN_CASE_FILE) if (folder / name).exists()), None)
     if case is None:
-        raise OutputError(f"{folder}: neither the folder of a sweep ({PLAN_FILE}) nor of a run ({CASE_FILE})")
+        raise OutputError(f"{folder}: expected the folder of a sweep (with {PLAN_FILE}) or of a run (with {CASE_FILE})")
     from mpmcol.case import load_case
     from mpmcol.sweep.runs import PlannedRun
 
-    point = PlannedRun({}, load_case(case), folder.resolve())
-    run = PlanEntry(point.folder.name, {}, point.work, point.end)
-    return Plan(point.case.title, "", 1, 1, (run,)), point.folder.parent
+    run = PlannedRun({}, load_case(case), folder.resolve())
+    entry = PlanEntry(run.folder.name, {}, run.work, run.end)
+    return Plan(run.case.title, "", 1, 1, (entry,)), run.folder.parent
 
 
-def share_done(parts: list[Part]) -> float:
-    """Share of all work that is done."""
-    return 1.0 - sum(part.left for part in parts) / sum(part.point.work for part in parts)
+def total_progress(runs: list[TrackedRun]) -> float:
+    """Share of the work of all runs that is done, 0 to 1."""
+    return 1.0 - sum(run.work_left for run in runs) / sum(run.entry.work for run in runs)
 
 
-def time_left(parts: list[Part], jobs: int) -> float | None:
-    """Seconds until all is done at the pace of the points so far; None while nothing tells it.
+def time_left(runs: list[TrackedRun], jobs: int) -> float | None:
+    """Estimated seconds until all runs have ended, from the mean speed so far; None without any progress.
 
-    The work that is left is shared evenly, but a point is never shared.
+    The remaining work is distributed evenly over the jobs, but a single run is never split.
     """
-    seen = [part for part in parts if part.seconds > 0.0 and part.share > 0.0 and part.state.name != "failed"]
-    done = sum(part.point.work * part.share for part in seen)
+    timed = [run for run in runs if run.seconds > 0.0 and run.progress > 0.0 and run.status.name != "failed"]
+    done = sum(run.entry.work * run.progress for run in timed)
     if not done:
         return None
-    left = [part.left for part in parts]
-    return max(sum(left) / jobs, max(left)) * sum(part.seconds for part in seen) / done
+    left = [run.work_left for run in runs]
+    return max(sum(left) / jobs, max(left)) * sum(run.seconds for run in timed) / done
 
 
-def counts(parts: list[Part]) -> dict[str, int]:
-    """Points in each state."""
-    return dict(Counter(part.state.name for part in parts))
+def count_by_status(runs: list[TrackedRun]) -> dict[str, int]:
+    """Number of runs with each status."""
+    return dict(Counter(run.status.name for run in runs))

@@ -1,4 +1,4 @@
-"""What a sweep leaves behind in its folder: table, slopes and charts."""
+"""Report of a sweep in its folder: table, slopes and charts."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from mpmcol.experiments import Experiment, column_kind, find_experiment
 from mpmcol.io.atomic import atomic_write
 from mpmcol.sweep.engine import Outcome
 from mpmcol.sweep.fits import SLOPES_FILE, Slope, fit_slopes, write_slopes
-from mpmcol.sweep.series import ASPECT_COLUMN, Series, arrange, choose_axis
+from mpmcol.sweep.series import ASPECT_COLUMN, Series, choose_axis, group_rows
 from mpmcol.sweep.table import CSV_FILE, HDF5_FILE, Row, csv_text, make_rows, write_hdf5
 
 CHARTED = ("zeta", "beta")
-FRONT_OF_MANY = "zeta.front_connected"  # where several series share a chart, only this definition is fitted in it
+FRONT_OF_MANY = "zeta.front_connected"  # the only front with fitted lines in a chart of several series
 
 
 @dataclass(frozen=True)
 class SweepReport:
-    """Rows of all points, fitted slopes, and the files in the sweep's folder that hold them."""
+    """Rows of all runs, fitted slopes, and the files that contain them."""
 
     folder: Path
     rows: list[Row]
@@ -28,8 +28,8 @@ class SweepReport:
 
 
 @dataclass(frozen=True)
-class Kind:
-    """The points on one kind of column, which share experiments and charts."""
+class ChartGroup:
+    """The runs on one kind of column, which share experiments and charts."""
 
     name: str
     title: str
@@ -40,55 +40,55 @@ class Kind:
 
 
 def write_report(outcomes: Sequence[Outcome], out: Path) -> SweepReport:
-    """Write table.csv, table.h5, slopes.csv and the charts into the sweep's folder, unless they are as they should be.
+    """Write table.csv, table.h5, slopes.csv and the charts into the sweep's folder, unless they are up to date.
 
-    table.csv is written last: where it is right, the others are, too.
+    table.csv is written last, so that an up-to-date table implies up-to-date other files.
     """
     rows = make_rows(outcomes)
-    kinds = _kinds(outcomes, rows)
-    slopes = [slope for kind in kinds for slope in kind.slopes]
-    charts = {out / _chart_file(quantity, kind, kinds): (quantity, kind) for kind in kinds for quantity in CHARTED}
+    groups = _chart_groups(outcomes, rows)
+    slopes = [slope for group in groups for slope in group.slopes]
+    charts = {out / _chart_file(quantity, group, groups): (quantity, group) for group in groups for quantity in CHARTED}
     files = [out / CSV_FILE, out / HDF5_FILE, *([out / SLOPES_FILE] if slopes else []), *charts]
     text = csv_text(rows).encode()
     if not (all(path.exists() for path in files) and (out / CSV_FILE).read_bytes() == text):
         write_hdf5(out, rows, outcomes)
         if slopes:
             write_slopes(out, slopes)
-        for path, (quantity, kind) in charts.items():
-            _draw(path, quantity, kind)
+        for path, (quantity, group) in charts.items():
+            _draw(path, quantity, group)
         atomic_write(out / CSV_FILE, text)
     return SweepReport(out, rows, slopes, files)
 
 
-def _kinds(outcomes: Sequence[Outcome], rows: Sequence[Row]) -> list[Kind]:
-    """The points that are done, by kind of column."""
+def _chart_groups(outcomes: Sequence[Outcome], rows: Sequence[Row]) -> list[ChartGroup]:
+    """The runs that are done, by kind of column."""
     groups: dict[str, list[tuple[Outcome, Row]]] = {}
     for outcome, row in zip(outcomes, rows, strict=True):
         geometry = outcome.run.case.geometry
         if outcome.status == "done":
             groups.setdefault(column_kind(geometry.model, geometry.section), []).append((outcome, row))
-    return [_kind(name, group) for name, group in groups.items()]
+    return [_chart_group(name, group) for name, group in groups.items()]
 
 
-def _kind(name: str, group: list[tuple[Outcome, Row]]) -> Kind:
-    point, rows = group[0][0].run, [row for _, row in group]
-    geometry, keys = point.case.geometry, list(point.inputs)
-    experiment = find_experiment(point.case.score.experiment, geometry.model, geometry.section)
+def _chart_group(name: str, group: list[tuple[Outcome, Row]]) -> ChartGroup:
+    run, rows = group[0][0].run, [row for _, row in group]
+    geometry, keys = run.case.geometry, list(run.inputs)
+    experiment = find_experiment(run.case.score.experiment, geometry.model, geometry.section)
     axis = choose_axis(rows, keys)
-    series = arrange(rows, keys, axis)
+    series = group_rows(rows, keys, axis)
     fitted = series if axis == ASPECT_COLUMN else []
     slopes = [slope for line in fitted for slope in fit_slopes(line.rows, experiment, line.label)]
-    return Kind(name, point.case.title, experiment, axis, series, slopes)
+    return ChartGroup(name, run.case.title, experiment, axis, series, slopes)
 
 
-def _chart_file(quantity: str, kind: Kind, kinds: Sequence[Kind]) -> str:
-    return f"{quantity}.png" if len(kinds) == 1 else f"{quantity}-{kind.name}.png"
+def _chart_file(quantity: str, group: ChartGroup, groups: Sequence[ChartGroup]) -> str:
+    return f"{quantity}.png" if len(groups) == 1 else f"{quantity}-{group.name}.png"
 
 
-def _draw(path: Path, quantity: str, kind: Kind) -> None:
+def _draw(path: Path, quantity: str, group: ChartGroup) -> None:
     from mpmcol.sweep.charts import sweep_chart
 
-    shown = [slope for slope in kind.slopes if slope.quantity.startswith(quantity)]
-    if len(kind.series) > 1:
+    shown = [slope for slope in group.slopes if slope.quantity.startswith(quantity)]
+    if len(group.series) > 1:
         shown = [slope for slope in shown if slope.quantity in ("beta", FRONT_OF_MANY)]
-    sweep_chart(path, quantity, kind.axis, kind.series, kind.experiment, shown, kind.title)
+    sweep_chart(path, quantity, group.axis, group.series, group.experiment, shown, group.title)

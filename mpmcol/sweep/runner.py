@@ -1,4 +1,4 @@
-"""A sweep from its points to their outcomes, in a folder that says what it is doing."""
+"""A sweep from its planned runs to their outcomes, with its plan in the sweep's folder and reports to an observer."""
 
 from __future__ import annotations
 
@@ -12,79 +12,80 @@ from mpmcol.sweep.dask_engine import dask_pool
 from mpmcol.sweep.engine import Outcome, execute_runs
 from mpmcol.sweep.plan import Plan, PlanEntry, prepare_out, write_plan
 from mpmcol.sweep.runs import PlannedRun
-from mpmcol.sweep.scheduling import Allocation, allocate, cores
+from mpmcol.sweep.scheduling import Allocation, allocate, available_cores
 
 
 class SweepObserver:
-    """Is told what happens; this one does nothing with it."""
+    """Receives the events of a sweep; this base class ignores them."""
 
-    def say(self, line: str) -> None:
-        """One line for a person."""
+    def notify(self, line: str) -> None:
+        """Receive a one-line message."""
 
-    def begin(self, plan: Plan) -> None:
+    def started(self, plan: Plan) -> None:
         """The runs are about to start."""
 
-    def ended(self, outcome: Outcome) -> None:
-        """A point has ended, or had before."""
+    def run_ended(self, outcome: Outcome) -> None:
+        """A run has ended, now or before this sweep."""
 
     def tick(self) -> None:
-        """Some time has gone by."""
+        """Called several times a second while runs are executed."""
 
 
 def run_sweep(
-    points: Sequence[PlannedRun],
+    runs: Sequence[PlannedRun],
     out: Path,
     jobs: int | None = None,
     threads: int | None = None,
     scheduler: str | None = None,
     observer: SweepObserver | None = None,
 ) -> list[Outcome]:
-    """Carry out all points in the folder `out`, on this machine or on the cluster of a dask scheduler.
+    """Execute all runs in the folder `out`, on this machine or on the cluster of a dask scheduler.
 
-    Returns the outcomes in the order of the points. Raises UsageError if the folder holds something else, OutputError
-    if nothing can be written there or no scheduler answers.
+    Returns the outcomes in the order of the runs.
+
+    Raises:
+        UsageError: the folder contains other files.
+        OutputError: the folder cannot be written, or no scheduler answers.
     """
     prepare_out(out)
     observer = observer or SweepObserver()
-    left = todo(points)
+    pending = pending_runs(runs)
     with ExitStack() as stack:
-        pool = stack.enter_context(dask_pool(scheduler, out)) if scheduler and left else None
-        shares = Allocation(pool.slots, threads or 1) if pool else allocate(left or points, jobs, threads)
-        plan = make_plan(points, shares)
+        pool = stack.enter_context(dask_pool(scheduler, out)) if scheduler and pending else None
+        allocation = Allocation(pool.slots, threads or 1) if pool else allocate(pending or runs, jobs, threads)
+        plan = make_plan(runs, allocation)
         write_plan(out, plan)
-        observer.begin(plan)
-        observer.say(introduce(points, left, shares, scheduler))
-        runs = stack.enter_context(
-            closing(execute_runs(points, shares, pool=pool, say=observer.say, tick=observer.tick))
-        )
+        observer.started(plan)
+        observer.notify(overview(runs, pending, allocation, scheduler))
+        executing = execute_runs(runs, allocation, pool=pool, notify=observer.notify, tick=observer.tick)
         outcomes: dict[Path, Outcome] = {}
-        for outcome in runs:
+        for outcome in stack.enter_context(closing(executing)):
             outcomes[outcome.run.folder] = outcome
-            observer.ended(outcome)
-    return [outcomes[point.folder] for point in points]
+            observer.run_ended(outcome)
+    return [outcomes[run.folder] for run in runs]
 
 
-def todo(points: Sequence[PlannedRun]) -> list[PlannedRun]:
-    """The points that have not ended yet."""
-    return [point for point in points if not read_status(point.folder).has_ended]
+def pending_runs(runs: Sequence[PlannedRun]) -> list[PlannedRun]:
+    """The runs that have not ended."""
+    return [run for run in runs if not read_status(run.folder).has_ended]
 
 
-def make_plan(points: Sequence[PlannedRun], shares: Allocation) -> Plan:
-    """What the sweep's folder keeps of the points."""
-    kept = tuple(PlanEntry(point.folder.name, point.inputs, point.work, point.end) for point in points)
-    return Plan(points[0].case.title, code_version(), shares.jobs, shares.threads, kept)
+def make_plan(runs: Sequence[PlannedRun], allocation: Allocation) -> Plan:
+    """The plan that is stored in the sweep's folder."""
+    entries = tuple(PlanEntry(run.folder.name, run.inputs, run.work, run.end) for run in runs)
+    return Plan(runs[0].case.title, code_version(), allocation.jobs, allocation.threads, entries)
 
 
-def introduce(
-    points: Sequence[PlannedRun], left: Sequence[PlannedRun], shares: Allocation, scheduler: str | None = None
+def overview(
+    runs: Sequence[PlannedRun], pending: Sequence[PlannedRun], allocation: Allocation, scheduler: str | None = None
 ) -> str:
-    """One line: how many points there are, and how they will be run."""
-    ended = len(points) - len(left)
-    told = f"{len(points)} point{'s' if len(points) > 1 else ''}" + (f", {ended} of them ended before" if ended else "")
-    if not left:
-        return f"{told}: nothing to run"
+    """One line: the number of runs, and how they are executed."""
+    ended = len(runs) - len(pending)
+    counts = f"{len(runs)} run{'s' if len(runs) > 1 else ''}" + (f", {ended} already finished" if ended else "")
+    if not pending:
+        return f"{counts}: nothing to run"
     if scheduler:
-        return f"{told}: {shares}, on the workers of {scheduler}"
-    count = cores()
-    over = " (more than there are)" if shares.jobs * shares.threads > count else ""
-    return f"{told}: {shares}, on {count} core{'s' if count > 1 else ''}{over}"
+        return f"{counts}: {allocation}, on the workers of {scheduler}"
+    cores = available_cores()
+    over = " (more threads than cores)" if allocation.jobs * allocation.threads > cores else ""
+    return f"{counts}: {allocation}, on {cores} core{'s' if cores > 1 else ''}{over}"

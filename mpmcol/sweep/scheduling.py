@@ -1,4 +1,4 @@
-"""How many points run at a time, and with how many threads each."""
+"""Allocation of cores to the runs of a sweep, and estimates of their duration."""
 
 from __future__ import annotations
 
@@ -7,78 +7,92 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from mpmcol.setup.cost import estimate
 from mpmcol.setup.memory import memory_bytes
+from mpmcol.sweep.compile_cache import kernel_variant
 from mpmcol.sweep.runs import PlannedRun
 
-POINTS_PER_THREAD = 10_000  # with fewer a further thread gains nothing
-GAIN = 0.9  # threads are as fast as threads**GAIN
-MEMORY_SHARE = 0.8  # of the machine's
-BYTES_OF_PROCESS = 250e6  # interpreter, compiler and kernels
+POINTS_PER_THREAD = 10_000  # material points; with fewer, another thread gains nothing
+SPEEDUP_EXPONENT = 0.9  # n threads are as fast as n**0.9 single threads
+MEMORY_SHARE = 0.8  # of the machine's memory that runs may use together
+PROCESS_BYTES = 250e6  # interpreter, compiler and kernels
 
 
 @dataclass(frozen=True)
 class Allocation:
-    """Points at a time and threads of each."""
+    """Number of concurrent runs and number of threads per run."""
 
     jobs: int
     threads: int
 
     def __str__(self) -> str:
-        points = "1 point" if self.jobs == 1 else f"{self.jobs} points"
-        return f"{points} at a time, {self.threads} thread{'s' if self.threads > 1 else ' each'}"
+        jobs = "1 run" if self.jobs == 1 else f"{self.jobs} runs"
+        return f"{jobs} at a time, {self.threads} thread{'s' if self.threads > 1 else ''} per run"
 
 
-def cores() -> int:
-    """Cores that this process may use."""
+def available_cores() -> int:
+    """Number of cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def allocate(
-    points: Sequence[PlannedRun],
+    runs: Sequence[PlannedRun],
     jobs: int | None = None,
     threads: int | None = None,
-    available: int | None = None,
+    cores: int | None = None,
     memory: float | None = None,
 ) -> Allocation:
-    """The shares with which all points are done soonest, within the cores and the memory of the machine.
+    """Choose the allocation with the shortest total time, within the cores and the memory of the machine.
 
-    Many small points run side by side with one thread each; few large ones, or one that is larger than all others
-    together, get more threads.
+    Many small runs are executed concurrently with one thread each; few large runs, or one that dominates, get more
+    threads.
 
     Args:
-        points: those that are still to run.
-        jobs, threads: keep to these, even beyond the number of cores.
-        available: cores (default: all that this process may use).
-        memory: bytes (default: that of the machine).
+        runs: those that remain to be executed.
+        jobs, threads: prescribed values, kept even beyond the number of cores.
+        cores: number of cores (default: all that this process may use).
+        memory: bytes (default: memory of the machine).
     """
-    count = available or cores()
-    room = MEMORY_SHARE * (memory or os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
-    choices = []
-    for used in [threads] if threads else range(1, count + 1):
-        side_by_side = jobs or max(min(count // used, len(points), _fitting(points, room)), 1)
-        if jobs is None or threads is not None or used == 1 or jobs * used <= count:
-            choices.append(Allocation(side_by_side, used))
-    return min(choices, key=lambda shares: (_duration(points, shares), shares.threads))
+    cores = cores or available_cores()
+    budget = MEMORY_SHARE * (memory or os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
+    candidates = []
+    for per_run in [threads] if threads else range(1, cores + 1):
+        concurrent = jobs or max(min(cores // per_run, len(runs), _fitting(runs, budget)), 1)
+        if jobs is None or threads is not None or per_run == 1 or jobs * per_run <= cores:
+            candidates.append(Allocation(concurrent, per_run))
+    return min(candidates, key=lambda candidate: (_total_work(runs, candidate), candidate.threads))
 
 
-def _fitting(points: Sequence[PlannedRun], room: float) -> int:
-    """How many of the largest points fit into the memory together."""
-    taken, fitting = 0.0, 0
-    for size in sorted((memory_bytes(point.discretization) + BYTES_OF_PROCESS for point in points), reverse=True):
-        taken += size
-        fitting += taken <= room
-    return fitting
-
-
-def finish(durations: Sequence[float], jobs: int) -> float:
-    """When the last of tasks ends if `jobs` run side by side, the longest begun first."""
+def makespan(durations: Sequence[float], jobs: int) -> float:
+    """Time until the last of the tasks ends if `jobs` run concurrently, the longest first."""
     ends = [0.0] * jobs
     for duration in sorted(durations, reverse=True):
         heapq.heapreplace(ends, ends[0] + duration)
     return max(ends)
 
 
-def _duration(points: Sequence[PlannedRun], shares: Allocation) -> float:
-    """When the last point ends, in units of work."""
-    useful = (min(float(shares.threads), max(p.discretization.most_points / POINTS_PER_THREAD, 1.0)) for p in points)
-    return finish([point.work / used**GAIN for point, used in zip(points, useful, strict=True)], shares.jobs)
+def estimate_seconds(runs: Sequence[PlannedRun], threads: int) -> list[float]:
+    """Estimated seconds of each run, from the measured speed of the median run of each kernel variant."""
+    variants: dict[tuple[object, ...], list[PlannedRun]] = {}
+    for run in sorted(runs, key=lambda run: run.work):
+        variants.setdefault(kernel_variant(run), []).append(run)
+    pace = {key: estimate(group[len(group) // 2].case, threads).ns_per_point_step for key, group in variants.items()}
+    return [1e-9 * pace[kernel_variant(run)] * run.work for run in runs]
+
+
+def _fitting(runs: Sequence[PlannedRun], budget: float) -> int:
+    """How many of the largest runs fit into the memory together."""
+    taken, fitting = 0.0, 0
+    for size in sorted((memory_bytes(run.discretization) + PROCESS_BYTES for run in runs), reverse=True):
+        taken += size
+        fitting += taken <= budget
+    return fitting
+
+
+def _total_work(runs: Sequence[PlannedRun], allocation: Allocation) -> float:
+    """Time until the last run ends, in units of work."""
+    useful = (
+        min(float(allocation.threads), max(run.discretization.most_points / POINTS_PER_THREAD, 1.0)) for run in runs
+    )
+    work = [run.work / threads**SPEEDUP_EXPONENT for run, threads in zip(runs, useful, strict=True)]
+    return makespan(work, allocation.jobs)

@@ -1,10 +1,10 @@
-"""The table of a sweep: a row for every point with its inputs, measurements, errors against every law, and cost."""
+"""Table of a sweep: a row for each run with its inputs, measurements, errors relative to published laws, and cost."""
 
 from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +24,7 @@ from mpmcol.sweep.engine import Outcome
 CSV_FILE, HDF5_FILE = "table.csv", "table.h5"
 TABLE_SCHEMA = 1
 
-SCENE = ("spacing_used", "r_i", "h_i", "base_used")
+SIZES = ("spacing_used", "r_i", "h_i", "base_used")
 MEASURED = (
     "front", "zeta", "spread", "height", "beta", "area_factor", "undisturbed_radius", "stop_time", "at_rest",
     "time_over_tau",
@@ -32,7 +32,7 @@ MEASURED = (
 COST = ("points", "column_points", "steps", "dt", "ns_per_point_step", "core_seconds", "peak_memory_bytes", "threads")
 UNITS = {
     "front": "m", "height": "m", "undisturbed_radius": "m", "stop_time": "sqrt(h_i/g)", "time_over_tau": "sqrt(h_i/g)",
-    **dict.fromkeys(SCENE, "m"), "rms_mm": "mm", "seconds": "s", "compile_seconds": "s", "dt": "s",
+    **dict.fromkeys(SIZES, "m"), "rms_mm": "mm", "seconds": "s", "compile_seconds": "s", "dt": "s",
     "ns_per_point_step": "ns", "peak_memory_bytes": "B",
     "core_seconds": "s",
 }  # fmt: skip
@@ -41,11 +41,11 @@ Row = dict[str, Any]
 
 
 def make_rows(outcomes: Sequence[Outcome]) -> list[Row]:
-    """A row for each point, all with the same columns, in the order given; None where there is no value.
+    """A row for each run, in the given order, all with the same columns; None where there is no value.
 
-    Only points that are done have measurements. In three dimensions a front's column is the mean around the axis, and
-    two more, .min and .max, hold its range. Errors are relative, under the names of the law's experiment, the quantity
-    and the front; law.zeta and law.beta are the values that the case's own experiment expects.
+    Only runs that are done have measurements. In three dimensions the column of a front is the mean around the axis,
+    and the columns .min and .max are its range. Errors are relative; their columns are named by the experiment, the
+    quantity and the front. law.zeta and law.beta are the values expected by the experiment of the case.
     """
     parts = [_parts(outcome) for outcome in outcomes]
     columns = dict.fromkeys(name for alike in zip(*parts, strict=True) for part in alike for name in part)
@@ -54,7 +54,7 @@ def make_rows(outcomes: Sequence[Outcome]) -> list[Row]:
 
 
 def csv_text(rows: Sequence[Row]) -> str:
-    """The table as text, numbers in full."""
+    """The table as CSV, with all digits."""
     text = io.StringIO()
     writer = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
     writer.writeheader()
@@ -63,7 +63,7 @@ def csv_text(rows: Sequence[Row]) -> str:
 
 
 def write_hdf5(out: Path, rows: Sequence[Row], outcomes: Sequence[Outcome]) -> Path:
-    """Write table.h5 whole: a dataset for each column with its unit, and `case`, every point's resolved case."""
+    """Write table.h5: a dataset with its unit for each column, and `case`, the resolved case of each run."""
     with h5py.File("memory", "w", driver="core", backing_store=False) as file:
         file.attrs["schema"] = TABLE_SCHEMA
         for name in rows[0]:
@@ -75,24 +75,27 @@ def write_hdf5(out: Path, rows: Sequence[Row], outcomes: Sequence[Outcome]) -> P
 
 
 def _parts(outcome: Outcome) -> tuple[Row, ...]:
-    """The row in parts: inputs, scene, measurements, laws, errors, cost, versions, how it ended."""
-    point, ending = outcome.run, outcome.result
-    geometry = point.case.geometry
-    result = read_status(point.folder).result or {}
+    """Parts of a row: inputs, sizes, measurements, laws, errors, cost, versions, message."""
+    run = outcome.run
+    geometry = run.case.geometry
+    result = read_status(run.folder).result or {}
     measured = result if outcome.status == "done" else {}
     wall = result.get("wall_s", {})
-    inputs = {"folder": point.folder.name, "status": ending.status, **point.inputs}
+    inputs = {"folder": run.folder.name, "status": outcome.status, **run.inputs}
     seconds = {"seconds": sum(wall.values()) if wall else None, "compile_seconds": wall.get("compile")}
     return (
         inputs | {"model": geometry.model, "a": geometry.a},
-        {name: result.get(name) for name in SCENE},
+        {name: result.get(name) for name in SIZES},
         dict(flatten({name: measured[name] for name in MEASURED if name in measured}, unnamed=("mean",))),
         _laws(outcome),
-        {_error_name(error): error["error"] for error in measured.get("errors", ())},
+        {
+            error_column(error["experiment"], error["quantity"], error["front_definition"]): error["error"]
+            for error in measured.get("errors", ())
+        },
         {f"rms_mm.{score['experiment']}": score["rms_mm"] for score in measured.get("profile_scores", ())},
         seconds | {name: result.get(name) for name in COST},
         {f"version.{name}": version for name, version in result.get("versions", {}).items()},
-        {"message": ending.message},
+        {"message": outcome.result.message},
     )
 
 
@@ -106,8 +109,9 @@ def _laws(outcome: Outcome) -> Row:
     return {**values, "law.unverified": ";".join(unverified)}
 
 
-def _error_name(error: Mapping[str, Any]) -> str:
-    return ".".join(filter(None, ("error", error["experiment"], error["quantity"], error["front_definition"])))
+def error_column(experiment: str, quantity: str, front: str) -> str:
+    """Column of the error of a quantity relative to an experiment's law; `front` is "" for a quantity without one."""
+    return ".".join(filter(None, ("error", experiment, quantity, front)))
 
 
 def _cell(value: Any) -> Any:
@@ -115,7 +119,7 @@ def _cell(value: Any) -> Any:
 
 
 def _column(values: list[Any]) -> Any:
-    """Numbers as they are, with NaN for those that are missing; anything else as text."""
+    """Numbers, NaN where they are missing; anything else as text."""
     if all(isinstance(value, (int, float)) for value in values):
         return np.array(values)
     if all(value is None or isinstance(value, (int, float)) for value in values):
@@ -124,6 +128,6 @@ def _column(values: list[Any]) -> Any:
 
 
 def unit_of(column: str) -> str:
-    """Of a column, or of the case's key that it is."""
+    """Unit of a column, which may be a key of the case; "1" if it has none."""
     number = number_of(field_at(tuple(column.split(".")), ""))
     return UNITS.get(column.partition(".")[0]) or (number.unit if number else "") or "1"

@@ -1,4 +1,4 @@
-"""One point of a sweep carried out from beginning to end, in a process of its own that may die alone."""
+"""Execution of one run of a sweep as a child process, with retries."""
 
 from __future__ import annotations
 
@@ -19,15 +19,16 @@ from mpmcol.io.run_status import RunStatus, read_status
 from mpmcol.provenance import code_version
 
 RETRIES = 2
-GRACE = 30.0  # s that a run has to write its last state
+GRACE = 30.0  # s for a stopped run to write its checkpoint, before it is killed
 POLL = 0.1  # s
 
-Halt = Callable[[], int]  # 0 go on, 1 end the run in good order, 2 end it at once
+CONTINUE, STOP, ABORT = range(3)  # levels of a stop request: none, stop with a checkpoint, kill
+StopRequest = Callable[[], int]  # returns the level
 
 
 @dataclass(frozen=True)
 class Task:
-    """What a worker has to know; it needs no more than this and the folder."""
+    """What a worker needs to execute a run, besides the run's folder."""
 
     folder: Path
     threads: int
@@ -38,8 +39,10 @@ class Task:
 class TaskResult:
     """How a task ended.
 
-    "done", "failed" (the simulation diverged), "error" (anything else went wrong, as often as it was tried) or
-    "interrupted". `message` says why it is not done; `attempts` is 0 if the run had ended before.
+    status: "done", "failed" (the simulation diverged), "error" (any other failure, after all attempts) or
+        "interrupted".
+    attempts: 0 if the run had ended before.
+    message: the reason if the run is not done.
     """
 
     status: Literal["done", "failed", "error", "interrupted"]
@@ -49,72 +52,71 @@ class TaskResult:
 
 
 def run_command(folder: Path, threads: int, fresh: bool = False) -> list[str]:
-    """The command that runs the case in a point's folder."""
-    words = [sys.executable, "-m", "mpmcol", "run", str(folder / GIVEN_CASE_FILE), "--out", str(folder)]
-    return [*words, "--threads", str(threads), *(["--fresh"] if fresh else [])]
+    """The command that executes the case in the folder of a run."""
+    command = [sys.executable, "-m", "mpmcol", "run", str(folder / GIVEN_CASE_FILE), "--out", str(folder)]
+    return [*command, "--threads", str(threads), *(["--fresh"] if fresh else [])]
 
 
-def carry_out(task: Task, halt: Halt = lambda: 0) -> TaskResult:
-    """Run a task until it is done, has diverged, or has gone wrong more than RETRIES times.
+def execute_task(task: Task, stop: StopRequest = lambda: CONTINUE) -> TaskResult:
+    """Execute a run until it is done, has diverged, or has failed more than RETRIES times.
 
-    A run that another process has in hand is waited for. A simulation that diverges is not tried again: it gives equal
-    bits every time.
+    A run that another process is executing is waited for. A simulation that diverged is not repeated, because it would
+    diverge again with identical numbers.
     """
     if code_version() != task.version:
-        return TaskResult(
-            "error", 0, UsageError.exit_code, f"this worker has mpmcol {code_version()}, not {task.version}"
-        )
+        message = f"the worker has mpmcol {code_version()}, expected {task.version}; install the same version there"
+        return TaskResult("error", 0, UsageError.exit_code, message)
     attempts, code = 0, 0
     while True:
-        state = _when_free(task.folder, halt)
-        if state.has_ended:
-            return _ended(state, attempts)
-        if halt():
+        status = _status_when_unlocked(task.folder, stop)
+        if status.has_ended:
+            return _ended(status, attempts)
+        if stop():
             return TaskResult("interrupted", attempts, Interrupted.exit_code)
         if attempts > RETRIES or code == UsageError.exit_code:
-            return TaskResult("error", attempts, code, _why(task.folder, code, attempts))
+            return TaskResult("error", attempts, code, _failure_message(task.folder, code, attempts))
         try:
-            code = _attempt(task, state.name == "damaged", halt)
+            code = _attempt(task, status.name == "damaged", stop)
         except OSError as error:
-            return TaskResult("error", attempts, OutputError.exit_code, f"it cannot be started: {error}")
+            return TaskResult("error", attempts, OutputError.exit_code, f"the run cannot be started: {error}")
         attempts += 1
 
 
-def _when_free(folder: Path, halt: Halt) -> RunStatus:
-    """The state of a run once no process has it in hand, or when the task is to end."""
-    while is_locked(folder) and not halt():
+def _status_when_unlocked(folder: Path, stop: StopRequest) -> RunStatus:
+    """The status of a run once no process is executing it, or once a stop is requested."""
+    while is_locked(folder) and not stop():
         time.sleep(POLL)
     return read_status(folder)
 
 
-def _attempt(task: Task, fresh: bool, halt: Halt) -> int:
-    """The exit code of one run; negative if a signal ended it."""
+def _attempt(task: Task, fresh: bool, stop: StopRequest) -> int:
+    """Execute the run once; returns its exit code, negative if a signal ended it."""
     environment = {**os.environ, "NUMBA_NUM_THREADS": str(task.threads)}
     with (task.folder / LOG_FILE).open("wb") as log:
         run = subprocess.Popen(
             run_command(task.folder, task.threads, fresh),
             stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT, env=environment,
-            start_new_session=True,  # a Ctrl-C in the terminal reaches the sweep alone, which ends its runs itself
+            start_new_session=True,  # Ctrl-C in the terminal reaches the sweep only, which then stops its runs
         )  # fmt: skip
     deadline = 0.0
     while run.poll() is None:
         time.sleep(POLL)
-        if halt() and not deadline:
+        if stop() and not deadline:
             run.send_signal(signal.SIGTERM)
             deadline = time.monotonic() + GRACE
-        if deadline and (halt() > 1 or time.monotonic() > deadline):
+        if deadline and (stop() >= ABORT or time.monotonic() > deadline):
             run.kill()
     return int(run.returncode)
 
 
-def _ended(state: RunStatus, attempts: int) -> TaskResult:
-    if state.name == "done":
+def _ended(status: RunStatus, attempts: int) -> TaskResult:
+    if status.name == "done":
         return TaskResult("done", attempts)
-    return TaskResult("failed", attempts, NumericalFailure.exit_code, state.failure)
+    return TaskResult("failed", attempts, NumericalFailure.exit_code, status.failure)
 
 
-def _why(folder: Path, code: int, attempts: int) -> str:
-    """The last line that a run said before it went wrong, and how it ended."""
+def _failure_message(folder: Path, code: int, attempts: int) -> str:
+    """How a run ended, with the last line of its log."""
     path = folder / LOG_FILE
     try:
         lines = [line.strip() for line in path.read_text(errors="replace").splitlines() if line.strip()]
@@ -122,5 +124,5 @@ def _why(folder: Path, code: int, attempts: int) -> str:
         lines = []
     ended = f"killed by {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
     tries = "" if attempts == 1 else f", {attempts} times"
-    said = f": {lines[-1]}" if lines and code > 0 else ""
-    return f"{ended}{tries}{said} ({path})"
+    last = f": {lines[-1]}" if lines and code > 0 else ""
+    return f"{ended}{tries}{last} ({path})"

@@ -1,4 +1,4 @@
-"""Bad input of every kind ends in a message with its place: small draws of the soak, and what its large ones found."""
+"""Invalid input ends in a message with its location: small random samples, and cases found by larger ones."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from tests.support.cli import invoke
 pytestmark = pytest.mark.usefixtures("in_empty_folder")
 
 DEEP, LONG = 30_000, 30_000
-TIMES_AND_SHARES = ("--checkpoint", "--max-wall", "--accuracy")
+PARSED_OPTIONS = ("--checkpoint", "--max-wall", "--accuracy")
 
 
 def refusal(text: str) -> str:
-    """What `load_case` says of a file, which it must do soon and without much memory."""
+    """The message of `load_case` for an invalid file; it must take little time and memory."""
     path = Path("my.toml")
     path.write_text(text)
     assert find_failure(lambda: failure_in_reading(path)) is None
@@ -33,11 +33,11 @@ def refusal(text: str) -> str:
     return str(refused.value)
 
 
-# --- small draws
+# --- small random samples
 
 
 @pytest.mark.parametrize(("trials", "count"), [(mutated_files, 600), (case_values, 500), (command_lines, 60)])
-def test_a_small_draw(trials, count: int, tmp_path: Path) -> None:
+def test_a_small_sample(trials, count: int, tmp_path: Path) -> None:
     wrong = {}
     for seed in range(count):
         folder = tmp_path / str(seed)
@@ -47,8 +47,8 @@ def test_a_small_draw(trials, count: int, tmp_path: Path) -> None:
     assert wrong == {}
 
 
-def test_the_draws_reach_far() -> None:
-    """A find_failure that sees nothing, or cases that are all refused at once, would prove nothing."""
+def test_find_failure_reports_errors_memory_and_time() -> None:
+    """Without this test, a `find_failure` that accepts everything would go unnoticed."""
     assert find_failure(lambda: f"{1 / 0}").splitlines()[-1] == "ZeroDivisionError: division by zero"
     assert "MemoryError" in find_failure(lambda: str(len(bytearray(2**31))))
     assert "takes" in find_failure(_slowly)
@@ -60,49 +60,49 @@ def _slowly() -> None:
         pass
 
 
-# --- what was found
+# --- cases found by large samples
 
 
 @pytest.mark.parametrize("name", ["a", '"a"', "'a'", r'"\""'])
 @pytest.mark.parametrize("shape", ["[{}]", "{} = 1", "q = {{ {} = 1 }}"])
-def test_keys_of_very_many_parts_take_no_memory(name: str, shape: str) -> None:
+def test_keys_with_many_parts_take_little_memory(name: str, shape: str) -> None:
     assert "my.toml:2: a key has too many parts" in refusal("\n" + shape.format(".".join([name] * DEEP)))
 
 
 @pytest.mark.parametrize("depth", [21, 100, 330, DEEP])
 @pytest.mark.parametrize("ends", [("[", "]"), ("{a=", "}")])
-def test_deep_nesting_has_its_line(depth: int, ends: tuple[str, str]) -> None:
+def test_deep_nesting_is_reported_with_its_line(depth: int, ends: tuple[str, str]) -> None:
     text = f"a = 1\nb = {ends[0] * depth}1{ends[1] * depth}\n"
     assert "my.toml:2: arrays or tables are nested too deeply" in refusal(text)
 
 
-def test_a_long_integer_has_its_line() -> None:
+def test_a_long_integer_is_reported_with_its_line() -> None:
     for digits in ("9" * 20, "9" * 5000, "0x" + "f" * 20):
         assert "my.toml:3: integer with more than 64 bits" in refusal(f"a = 1\n[q]\nb = {digits}\n")
 
 
 @pytest.mark.parametrize("item", ["k{} = 1\n", "[t{}]\n", "[grid.t{}]\n"])
-def test_floods_of_problems_take_no_time(item: str) -> None:
+def test_many_problems_take_little_time(item: str) -> None:
     assert "1000 problems or more" in refusal("".join(map(item.format, range(10_000))))
 
 
-def test_a_flood_hides_no_value_from_the_rules() -> None:
+def test_many_unknown_keys_hide_no_invalid_value() -> None:
     keys = "".join(f"k{k} = 1\n" for k in range(2000))
     assert "1000 problems or more" in refusal(f"[grid]\n{keys}[[stages.collapse.damping]]\n")
 
 
-def test_a_flood_of_wrong_items_takes_no_time() -> None:
+def test_many_invalid_items_take_little_time() -> None:
     assert "1000 problems or more" in refusal(f"[output]\ntimes = [{'[],' * LONG}]")
 
 
 @pytest.mark.parametrize("text", ["1" * LONG + " m m", "1" + " " * LONG + "m m", "." * LONG, " " * LONG + "x"])
-def test_long_texts_are_no_numbers(text: str) -> None:
+def test_long_texts_are_not_numbers(text: str) -> None:
     def convert() -> None:
         with pytest.raises(ValueError, match="not a number with a unit"):
             to_unit(text, "m")
 
     assert find_failure(convert) is None
-    given = (["sweep", "--aspect", f"{text}:2"], *(["run", "quickstart", option, text] for option in TIMES_AND_SHARES))
+    given = (["sweep", "--aspect", f"{text}:2"], *(["run", "quickstart", option, text] for option in PARSED_OPTIONS))
     for arguments in given:
         codes: list[int] = []
         assert find_failure(partial(_note_code, codes, arguments)) is None
@@ -114,17 +114,16 @@ def _note_code(codes: list[int], arguments: list[str]) -> None:
 
 
 def test_numbers_beyond_any_quantity_are_refused() -> None:
-    """Their products would overflow: E = 1e308 gave a time step of zero, and a run without an end."""
+    """Their products would overflow: E = 1e308 would give a time step of zero and a run that never ends."""
     for value in ("1e308", "1e31", "1e-31", "5e-324"):
-        assert "magnitude not between 1e-30 and 1e+30; expected a number > 0, in Pa" in only_problem(
-            f"material.youngs_modulus={value}"
-        )
+        problem = only_problem(f"material.youngs_modulus={value}")
+        assert "magnitude not between 1e-30 and 1e+30; expected a number > 0, in Pa" in problem
     for value in (LARGEST, SMALLEST):
         assert leaf_values(load_case("quickstart", [f"material.density={value}"]))["material.density"] == value
     assert load_case("quickstart", ["stages.gate_speed=inf"]).stages.gate_speed == float("inf")
 
 
-def test_friction_ends_where_its_sine_is_one() -> None:
+def test_friction_angles_near_90_degrees_are_refused() -> None:
     for angle in ("89.9999999999", "89.1"):
         assert "and <= 89, in deg" in only_problem(f"material.friction_deg={angle}")
 
@@ -137,7 +136,7 @@ def only_problem(override: str) -> str:
 
 
 @pytest.mark.parametrize("text", ["a = " + "[" * DEEP, "a = " + "9" * 5000, "a = \0", ".".join(["a"] * DEEP) + " = 1"])
-def test_studies_are_read_as_cases_are(text: str) -> None:
+def test_studies_are_parsed_like_cases(text: str) -> None:
     Path("my.toml").write_text(text)
 
     def load() -> None:
@@ -147,13 +146,13 @@ def test_studies_are_read_as_cases_are(text: str) -> None:
     assert find_failure(load) is None
 
 
-def test_a_study_that_never_ends_is_refused() -> None:
+def test_an_endless_study_file_is_refused() -> None:
     assert "larger than" in invoke("pareto", "/dev/zero").stderr
     assert "no such study" in invoke("pareto", "x" * 5000).stderr
 
 
 @pytest.mark.parametrize("command", ["status", "measure", "plot", "render", "run", "sweep"])
-def test_a_path_that_the_system_refuses_is_told(command: str) -> None:
+def test_a_path_that_the_system_rejects_is_reported(command: str) -> None:
     path = "x" * 5000
     if command in ("run", "sweep"):
         result = invoke(command, "quickstart", "--out", path, *(("--aspect", "1") if command == "sweep" else ()))
@@ -175,12 +174,12 @@ def test_a_path_that_the_system_refuses_is_told(command: str) -> None:
         ("check", "quickstart", "--set", "title=\udcff"),
     ],
 )
-def test_counts_beyond_all_bounds(arguments: tuple[str, ...]) -> None:
+def test_counts_out_of_bounds_are_refused(arguments: tuple[str, ...]) -> None:
     result = invoke(*arguments)
     assert result.exit_code == 2 and len(result.stderr) < 1000, result.output
 
 
-def test_names_of_files_may_be_in_any_encoding() -> None:
+def test_file_names_may_have_any_encoding() -> None:
     Path("\udcff.toml").write_text('extends = "quickstart"\n')
     result = invoke("check", "\udcff.toml")
     assert result.exit_code == 0 and result.stdout.startswith(r"\udcff.toml: no problems")

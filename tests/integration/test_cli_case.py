@@ -1,8 +1,9 @@
-"""The command line of cases: exit codes, what goes to stdout, and that no user sees a traceback."""
+"""Commands on case files, the help, and errors: exit codes, stdout and stderr, never a traceback."""
 
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -13,7 +14,7 @@ from click.testing import CliRunner
 
 import mpmcol
 from mpmcol.case import load_case, shipped_cases
-from mpmcol.cli import COMMANDS, main
+from mpmcol.cli import COMMANDS, GROUPS, main
 from tests.support.cli import invoke
 
 pytestmark = pytest.mark.usefixtures("in_empty_folder")
@@ -21,14 +22,14 @@ pytestmark = pytest.mark.usefixtures("in_empty_folder")
 ROOT = Path(mpmcol.__file__).parents[1]
 
 
-def test_check_of_a_good_case() -> None:
+def test_check_of_a_valid_case() -> None:
     result = invoke("check", "lube-channel", "--set", "geometry.aspect=5")
     assert result.exit_code == 0
     assert result.stdout.startswith("lube-channel: no problems.")
     assert "a = 5" in result.stdout and result.stderr == ""
 
 
-def test_check_fits_the_grid() -> None:
+def test_check_notes_values_rounded_to_the_grid() -> None:
     result = invoke("check", "quickstart", "--set", "grid.spacing=0.0031")
     assert result.exit_code == 0
     assert "h = 0.00310345 m" in result.stdout
@@ -44,13 +45,13 @@ def test_check_refuses_a_domain_that_is_too_small_for_its_column() -> None:
     assert "too small for the column" in result.stderr
 
 
-def test_check_of_nothing() -> None:
+def test_check_of_an_empty_name() -> None:
     result = invoke("check", "")
     assert result.exit_code == 2
     assert "expected the path of a case file or the name of a shipped case" in result.stderr
 
 
-def test_a_name_without_toml_is_completed() -> None:
+def test_a_name_without_its_extension_is_corrected() -> None:
     Path("folder").mkdir()
     Path("folder/mine.toml").write_text(invoke("init", "quickstart").stdout)
     Path("folder/child.toml").write_text('extends = "mine"\n')
@@ -58,7 +59,7 @@ def test_a_name_without_toml_is_completed() -> None:
     assert 'did you mean "folder/mine.toml"?' in invoke("check", "folder/mine").stderr
 
 
-def test_check_of_a_bad_case_exits_with_2() -> None:
+def test_check_of_an_invalid_case_exits_with_2() -> None:
     Path("my.toml").write_text("[grid]\nspacng = 1\n")
     result = invoke("check", "my.toml")
     assert (result.exit_code, result.stdout) == (2, "")
@@ -67,7 +68,7 @@ def test_check_of_a_bad_case_exits_with_2() -> None:
     assert "Traceback" not in result.output
 
 
-def test_check_prints_the_resolved_case_alone_on_stdout() -> None:
+def test_check_prints_only_the_resolved_case_on_stdout() -> None:
     result = invoke("check", "quickstart", "--resolved")
     Path("resolved.toml").write_text(result.stdout)
     assert load_case("resolved.toml") == load_case("quickstart")
@@ -81,13 +82,13 @@ def test_cases_lists_name_and_title() -> None:
 
 
 @pytest.mark.parametrize("name", shipped_cases())
-def test_init_gives_a_file_that_works_alone(name: str) -> None:
+def test_init_prints_a_complete_file(name: str) -> None:
     result = invoke("init", name)
     Path("my.toml").write_text(result.stdout)
     assert load_case("my.toml") == load_case(name)
 
 
-def test_init_of_an_unknown_case_names_the_nearest() -> None:
+def test_init_of_an_unknown_case_suggests_the_nearest() -> None:
     result = invoke("init", "quikstart")
     assert (result.exit_code, result.stdout) == (2, "")
     assert 'Did you mean "quickstart"?' in result.stderr
@@ -105,7 +106,7 @@ def test_schema_is_json() -> None:
     assert json.loads(invoke("schema").stdout)["title"] == "mpmcol case"
 
 
-def test_unknown_command_names_the_nearest() -> None:
+def test_an_unknown_command_suggests_the_nearest() -> None:
     result = invoke("chek", "quickstart")
     assert result.exit_code == 2
     assert 'Did you mean "check"?' in result.stderr
@@ -115,12 +116,21 @@ def test_version() -> None:
     assert invoke("--version").stdout == f"mpmcol, version {mpmcol.__version__}\n"
 
 
-def test_every_command_exists_and_help_lists_it() -> None:
+def test_every_command_exists_and_help_lists_it_with_its_summary() -> None:
     listed = invoke("--help").stdout
     for name in COMMANDS:
         command = main.get_command(click.Context(main), name)
-        assert isinstance(command, click.Command)
-        assert f"  {name} " in listed
+        assert isinstance(command, click.Command) and command.help
+        assert re.search(rf"^  {name} +{re.escape(command.help.splitlines()[0])}$", listed, re.MULTILINE), name
+    assert re.findall(r"^(\w.*):$", listed, re.MULTILINE) == ["Options", *GROUPS]
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_option_has_a_help_text(name: str) -> None:
+    command = main.get_command(click.Context(main), name)
+    assert isinstance(command, click.Command)
+    for option in command.params:
+        assert isinstance(option, click.Argument) or option.help, option.name
 
 
 def break_case_loading(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -162,7 +172,7 @@ def test_no_color_is_honoured(monkeypatch: pytest.MonkeyPatch, no_color: str) ->
     assert ("\x1b" in result.stdout) == (no_color == "")
 
 
-def test_help_needs_no_heavy_imports() -> None:
+def test_help_imports_no_large_packages() -> None:
     code = "import sys; from mpmcol.cli import *; [main.get_command(None, name) for name in COMMANDS]"
     done = subprocess.run(
         [sys.executable, "-c", f"{code}; print(*sys.modules)"], capture_output=True, text=True, cwd=ROOT

@@ -1,4 +1,4 @@
-"""`measure` and `plot` on the folders of runs that did not end well, or that are damaged."""
+"""`measure` and `plot` on results of stopped, failed, unfinished and damaged runs."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def column(case: Case) -> np.ndarray:
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """A finished run, at rest, in which the column becomes 2.5 times as long."""
+    """Results of a finished run, at rest, in which the column becomes 2.5 times as long."""
     case = load_case("quickstart", [f"grid.spacing={2 * SIZE}"])
     released = column(case)
     for i, time in enumerate(TIMES):
@@ -56,7 +56,7 @@ def folder(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def profiles(monkeypatch: pytest.MonkeyPatch) -> Profiles:
-    """What `plot` hands to the chart of the profiles: the time of the last one, and whether it is at rest."""
+    """Arguments of the chart of profiles: the time of the last one, and whether it is at rest."""
     drawn: Profiles = []
     draw: Callable[..., list[Path]] = run_charts.profile_chart
 
@@ -70,7 +70,7 @@ def profiles(monkeypatch: pytest.MonkeyPatch) -> Profiles:
 
 ENDINGS = [
     ({"status": "done", "at_rest": True}, "done, at rest"),
-    ({"status": "done", "at_rest": False}, "done, still moving"),
+    ({"status": "done", "at_rest": False}, "done, not at rest"),
     ({"status": "stopped", "at_rest": False}, "stopped"),
     ({"status": "failed", "at_rest": False}, "failed"),
     (None, "unfinished (no result.json)"),
@@ -84,31 +84,36 @@ def end(folder: Path, result: dict | None) -> None:
 
 
 @pytest.mark.parametrize(("result", "text"), ENDINGS)
-def test_measure_says_first_how_the_run_ended(folder: Path, result: dict | None, text: str):
+def test_measure_begins_with_the_status_of_the_run(folder: Path, result: dict | None, text: str):
     end(folder, result)
     measured = invoke("measure", folder)
     assert measured.exit_code == 0
     assert measured.stdout.splitlines()[0] == f"status: {text}"
-    rests = text == "done, at rest"
-    assert ("front stops at" in measured.stdout) == rests
-    assert ("not the final deposit" in measured.stdout) == (not rests)
-    assert ("\nthis is no deposit at rest" in measured.stdout) == (not rests)
+    is_at_rest = text == "done, at rest"
+    assert ("front stops at" in measured.stdout) == is_at_rest
+    assert ("not the final deposit" in measured.stdout) == (not is_at_rest)
+    assert ("\nnot a deposit at rest" in measured.stdout) == (not is_at_rest)
 
 
 @pytest.mark.parametrize(("result", "text"), ENDINGS)
-def test_tables_carry_the_state_of_the_run(folder: Path, result: dict | None, text: str):
+def test_json_and_csv_contain_the_status_of_the_run(folder: Path, result: dict | None, text: str):
     end(folder, result)
     record = json.loads(invoke("measure", folder, "--json").stdout)
     (row,) = csv.DictReader(io.StringIO(invoke("measure", folder, "--csv").stdout))
-    status, rests = text.split()[0].strip(","), text == "done, at rest"
-    assert [record[name] for name in ("status", "at_rest", "stage", "time")] == [status, rests, "rest", 0.3]
-    assert [row[name] for name in ("status", "at_rest", "stage", "time")] == [status, str(rests).lower(), "rest", "0.3"]
-    assert (record["stop_time"] is not None) == bool(row["stop_time"]) == rests
+    status, is_at_rest = text.split()[0].strip(","), text == "done, at rest"
+    assert [record[name] for name in ("status", "at_rest", "stage", "time")] == [status, is_at_rest, "rest", 0.3]
+    assert [row[name] for name in ("status", "at_rest", "stage", "time")] == [
+        status,
+        str(is_at_rest).lower(),
+        "rest",
+        "0.3",
+    ]
+    assert (record["stop_time"] is not None) == bool(row["stop_time"]) == is_at_rest
 
 
-def test_an_earlier_snapshot_is_no_deposit(folder: Path):
+def test_an_earlier_snapshot_is_not_a_deposit(folder: Path):
     text = invoke("measure", folder, "--snapshot", 1).stdout
-    assert "t = 0.1 s, not the final deposit" in text and "this is no deposit at rest" in text
+    assert "t = 0.1 s, not the final deposit" in text and "not a deposit at rest" in text
     assert "front stops at" not in text
     assert "t = 0.3 s, the final deposit" in invoke("measure", folder, "--snapshot", 3).stdout
 
@@ -117,7 +122,7 @@ def test_an_earlier_snapshot_is_no_deposit(folder: Path):
     ("content", "wrong"),
     [(None, "is missing"), ("", "is damaged"), ("stage,time\n", "is damaged"), ("cut", "is damaged")],
 )
-def test_measure_does_without_a_history(folder: Path, content: str | None, wrong: str):
+def test_measure_works_without_a_history(folder: Path, content: str | None, wrong: str):
     history = folder / "history.csv"
     whole = history.read_text()
     history.unlink()
@@ -133,7 +138,7 @@ def damage(folder: Path, *numbers: int) -> None:
         (folder / f"snapshots/{number:06d}.vtkhdf").write_bytes(b"damaged")
 
 
-def test_plot_leaves_out_a_damaged_snapshot(folder: Path, profiles: Profiles):
+def test_plot_skips_a_damaged_snapshot(folder: Path, profiles: Profiles):
     damage(folder, 1)
     plotted = invoke("plot", folder)
     assert plotted.exit_code == 0 and len(plotted.stdout.split()) == 3
@@ -141,13 +146,13 @@ def test_plot_leaves_out_a_damaged_snapshot(folder: Path, profiles: Profiles):
     assert profiles == [(0.3, True)]
 
 
-def test_without_the_last_snapshot_there_is_no_deposit(folder: Path, profiles: Profiles):
+def test_without_the_last_snapshot_no_profile_is_the_deposit(folder: Path, profiles: Profiles):
     damage(folder, 3)
     assert invoke("plot", folder).exit_code == 0
     assert profiles == [(0.2, False)]
 
 
-def test_plot_needs_one_snapshot(folder: Path):
+def test_plot_requires_a_valid_snapshot(folder: Path):
     damage(folder, 0, 1, 2, 3)
     plotted = invoke("plot", folder)
     assert plotted.exit_code == 5 and "all 4 snapshots are damaged" in plotted.stderr
@@ -157,17 +162,17 @@ def test_plot_needs_one_snapshot(folder: Path):
 def test_only_a_column_at_rest_is_called_the_deposit(folder: Path, profiles: Profiles, result: dict | None, text: str):
     end(folder, result)
     assert invoke("plot", folder, "--times", "0.1").exit_code == 0
-    assert profiles == [(0.3, text == "done, at rest")]  # the last state too, though it was not asked for
+    assert profiles == [(0.3, text == "done, at rest")]  # the last state is always included
 
 
 @pytest.mark.parametrize("time", ["0.45", "-0.2", "nan", "inf"])
-def test_plot_refuses_a_time_without_a_snapshot(folder: Path, time: str):
+def test_plot_refuses_times_outside_the_run(folder: Path, time: str):
     plotted = invoke("plot", folder, "--times", f"0.1,{time}")
     assert plotted.exit_code == 2
     assert "from 0 s to 0.3 s" in plotted.stderr
 
 
-def test_plot_writes_elsewhere(folder: Path, tmp_path_factory: pytest.TempPathFactory):
+def test_plot_writes_into_another_folder(folder: Path, tmp_path_factory: pytest.TempPathFactory):
     out = tmp_path_factory.mktemp("charts") / "new"
     before = set(folder.iterdir())
     assert invoke("plot", folder, "--out", out).exit_code == 0

@@ -1,4 +1,4 @@
-"""`mpmcol sweep` and `mpmcol status` with real runs, tiny and cut short: killed, run again, interrupted."""
+"""`mpmcol sweep` and `mpmcol status` with small, short runs: repeated, killed, interrupted."""
 
 from __future__ import annotations
 
@@ -35,11 +35,11 @@ def modified(folder: Path) -> dict[str, int]:
     return {str(path): path.stat().st_mtime_ns for path in folder.rglob("*") if path.is_file()}
 
 
-def test_a_sweep_its_files_and_its_rerun() -> None:
+def test_files_of_a_sweep_and_its_repetition() -> None:
     out = Path("sweeps/x")
     first = invoke(*SWEEP, "--out", out, "--jobs", "2")
     assert first.exit_code == 0, first.output
-    assert "2 points: 2 points at a time, 1 thread each" in first.stderr
+    assert "2 runs: 2 runs at a time, 1 thread per run" in first.stderr
     assert "a1 done" in first.stderr and "a2 done" in first.stderr
     assert first.stdout.splitlines()[1].split()[0] == "a1" and "not at rest" in first.stdout
     assert f"in {out}: table.csv, table.h5, zeta.png, beta.png" in first.stdout
@@ -53,11 +53,9 @@ def test_a_sweep_its_files_and_its_rerun() -> None:
     before = modified(out)
     again = invoke(*SWEEP, "--out", out, "--jobs", "2", "--json")
     assert again.exit_code == 0 and modified(out) == before
-    assert "2 of them ended before: nothing to run" in again.stderr
+    assert "2 already finished: nothing to run" in again.stderr
     record = json.loads(again.stdout)
-    assert [point["zeta.front_max"] for point in record["points"]] == [
-        float(row["zeta.front_max"]) for row in (one, two)
-    ]
+    assert [row["zeta.front_max"] for row in record["runs"]] == [float(row["zeta.front_max"]) for row in (one, two)]
     more = invoke("sweep", "--aspect", "1,2,1.5", *TINY, "--out", out, "--quiet")
     assert (more.exit_code, more.output) == (0, "")
     assert {path: time for path, time in modified(out).items() if path in before and "/a" in path} == {
@@ -68,7 +66,7 @@ def test_a_sweep_its_files_and_its_rerun() -> None:
 
 
 @pytest.mark.skipif(not Path("/proc").is_dir(), reason="finds the runs through /proc")
-def test_killed_with_all_its_runs_it_completes_with_equal_results() -> None:
+def test_a_killed_sweep_completes_with_equal_results() -> None:
     words = ("sweep", "--aspect", "2,3", *TINY[:-1], "output.snapshots=40", "--jobs", "2")
     killed, whole = Path("killed"), Path("whole")
     with started(*words, "--out", str(killed)) as sweep:
@@ -80,8 +78,8 @@ def test_killed_with_all_its_runs_it_completes_with_equal_results() -> None:
     wait_until(lambda: not any(map(is_locked, killed.glob("a*"))))
     states = [read_status(path).name for path in killed.glob("a*")]
     assert runs and "unfinished" in states, states
-    told = invoke("status", killed)
-    assert told.exit_code == 0 and "nothing is running; the same command again completes it" in told.stdout
+    status = invoke("status", killed)
+    assert status.exit_code == 0 and "no run is being executed; repeat the command" in status.stdout
     for out in (killed, whole):
         done = invoke(*words, "--out", out)
         assert done.exit_code == 0, done.output
@@ -91,18 +89,18 @@ def test_killed_with_all_its_runs_it_completes_with_equal_results() -> None:
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGUSR1])
-def test_interrupted_it_ends_its_runs(number: signal.Signals) -> None:
+def test_signals_stop_the_runs_of_a_sweep(number: signal.Signals) -> None:
     out = Path("out")
     with started("sweep", "--aspect", "3,4", *ENDLESS, "--jobs", "2", "--out", str(out)) as sweep:
         wait_until(lambda: len(list(out.glob("*/run.vtkhdf"))) == 2)
         state = json.loads(invoke("status", out, "--json").stdout)
-        assert state["counts"] == {"running": 2} and all(point["share"] < 0.5 for point in state["points"])
+        assert state["counts"] == {"running": 2} and all(run["progress"] < 0.5 for run in state["runs"])
         (run,) = {path.parent for path in out.glob("a3-*/run.vtkhdf")}
         assert "running" in invoke("status", run).stdout
         sweep.send_signal(number)
         _, err = sweep.communicate(timeout=60)
     assert sweep.returncode == 75 and "Traceback" not in err
-    assert "ending the runs" in err and "the same command again completes the sweep" in err
+    assert "stopping the runs" in err and "repeat the command to complete the sweep" in err
     assert [read_status(path).name for path in out.glob("a*")] == ["stopped", "stopped"]
     assert Results(run).snapshot(-1).stage == "stopped"
 
@@ -115,13 +113,13 @@ def test_two_sweeps_in_one_folder_at_once() -> None:
     assert len(measured_table(Path("out"))) == 2
 
 
-def test_a_point_that_diverges_does_not_stop_the_others() -> None:
+def test_a_run_that_diverges_does_not_stop_the_others() -> None:
     words = ("sweep", "--aspect", "2", *TINY, "--set", "time.cfl=0.5,1.9", "--out", "out")
     for attempt in range(2):
         done = invoke(*words)
         assert done.exit_code == 3, done.output
         assert "cfl1.9-" in done.stdout and " failed: " in done.stdout and "lower time.cfl" in done.stdout
-        assert ("2 of them ended before" in done.stderr) == (attempt == 1)
+        assert ("2 already finished" in done.stderr) == (attempt == 1)
     quiet = invoke(*words, "--quiet")
     assert (quiet.exit_code, quiet.stdout) == (3, "") and " failed: " in quiet.stderr
     good, bad = measured_table(Path("out"))
@@ -129,7 +127,7 @@ def test_a_point_that_diverges_does_not_stop_the_others() -> None:
     assert "1 done, 1 failed" in invoke("status", "out").stdout
 
 
-def test_commands_are_frozen_and_can_be_run_by_a_shell() -> None:
+def test_commands_have_copies_of_their_cases_and_run_in_a_shell() -> None:
     Path("mine.toml").write_text('extends = "lube-cylinder"\n')
     words = ("sweep", "mine.toml", "--aspect", "1,2", *TINY, "--out", "out")
     printed = invoke(*words, "--engine", "commands", "--threads", "1")
@@ -144,46 +142,46 @@ def test_commands_are_frozen_and_can_be_run_by_a_shell() -> None:
     assert subprocess.run(shlex.split(lines[0]), capture_output=True).returncode == 0
     Path("mine.toml").write_text('extends = "lube-cylinder"\n')
     done = invoke(*words)
-    assert done.exit_code == 0 and "2 of them ended before" in done.stderr
-    assert "all points have ended" in invoke(*words, "--engine", "commands").stderr
+    assert done.exit_code == 0 and "2 already finished" in done.stderr
+    assert "all runs are finished" in invoke(*words, "--engine", "commands").stderr
 
 
 def test_a_dry_run_writes_nothing() -> None:
-    told = invoke(*SWEEP, "--dry-run", "--out", "out")
-    assert told.exit_code == 0, told.output
-    assert "a1 " in told.stdout and "at a time, 1 thread each" in told.stdout and "nothing was run" in told.stdout
+    done = invoke(*SWEEP, "--dry-run", "--out", "out")
+    assert done.exit_code == 0, done.output
+    assert "a1 " in done.stdout and "at a time, 1 thread per run" in done.stdout and "nothing was run" in done.stdout
     record = json.loads(invoke(*SWEEP, "--dry-run", "--json").stdout)
-    assert record["threads"] == 1 and [point["points"] for point in record["points"]] == [188, 304]
+    assert record["threads"] == 1 and [run["points"] for run in record["runs"]] == [188, 304]
     assert list(Path().iterdir()) == []
 
 
-def test_json_is_json_for_infinite_values_too() -> None:
-    told = invoke("sweep", "--aspect", "1", *TINY, "--set", "stages.gate_speed=inf,2", "--dry-run", "--json")
-    record = json.loads(told.stdout, parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))
-    assert [point["inputs"]["stages.gate_speed"] for point in record["points"]] == ["inf", 2.0]
+def test_json_of_infinite_values_is_valid() -> None:
+    done = invoke("sweep", "--aspect", "1", *TINY, "--set", "stages.gate_speed=inf,2", "--dry-run", "--json")
+    record = json.loads(done.stdout, parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))
+    assert [run["inputs"]["stages.gate_speed"] for run in record["runs"]] == ["inf", 2.0]
 
 
 @pytest.mark.parametrize(
-    ("words", "code", "told"),
+    ("words", "code", "message"),
     [
-        (("sweep",), 2, "there is nothing to vary"),
-        (("sweep", "--aspect", "7:1"), 2, "--aspect 7:1: 7:1: a range must rise"),
-        (("sweep", "--aspect", "1", "--engine", "dask"), 2, "--engine dask and --scheduler ADDRESS go together"),
+        (("sweep",), 2, "no key to vary"),
+        (("sweep", "--aspect", "7:1"), 2, "--aspect 7:1: 7:1: the end of a range must be greater than its start"),
+        (("sweep", "--aspect", "1", "--engine", "dask"), 2, "--engine dask requires --scheduler ADDRESS"),
         (
             ("sweep", "--aspect", "1", "--scheduler", "tcp://x:1"),
             2,
-            "--engine dask and --scheduler ADDRESS go together",
+            "--engine dask requires --scheduler ADDRESS",
         ),
-        (("sweep", "--aspect", "1", "--engine", "commands", "--jobs", "2"), 2, "--jobs is for --engine local"),
-        (("sweep", "--aspect", "1", "--engine", "commands", "--json"), 2, "--engine commands runs none"),
+        (("sweep", "--aspect", "1", "--engine", "commands", "--jobs", "2"), 2, "--jobs requires --engine local"),
+        (("sweep", "--aspect", "1", "--engine", "commands", "--json"), 2, "--engine commands runs nothing"),
         (("sweep", "quikstart", "--aspect", "1"), 2, 'did you mean the shipped case "quickstart"?'),
-        (("sweep", "--aspect", "1", "--out", "full"), 2, "full is not empty and holds no sweep"),
-        (("status", "full"), 5, "full: neither the folder of a sweep (sweep.json) nor of a run"),
+        (("sweep", "--aspect", "1", "--out", "full"), 2, "full: the folder is not empty and contains no sweep"),
+        (("status", "full"), 5, "full: expected the folder of a sweep (with sweep.json) or of a run"),
     ],
 )
-def test_what_cannot_be_done_is_told(words: tuple[str, ...], code: int, told: str) -> None:
+def test_invalid_commands_are_refused(words: tuple[str, ...], code: int, message: str) -> None:
     Path("full").mkdir()
     Path("full/other").touch()
     result = invoke(*words)
-    assert (result.exit_code, result.stdout) == (code, "") and told in result.stderr
+    assert (result.exit_code, result.stdout) == (code, "") and message in result.stderr
     assert {path.name for path in Path().iterdir()} == {"full"}

@@ -1,4 +1,4 @@
-"""What charts, `measure` and the closing table say of a 3D deposit: means, and what lies around the axis."""
+"""Charts, `measure` and the summary table of a 3D deposit: means around the axis, and their ranges."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from mpmcol.cli.measure import measure as measure_command
-from mpmcol.cli.report import closing_table
+from mpmcol.cli.run_summary import summary_table
 from mpmcol.experiments import EXPERIMENTS, score
 from mpmcol.io import results
 from mpmcol.measure import FRONTS, ColumnShape, Measurement, measure
@@ -37,7 +37,7 @@ def deposit(shape: ColumnShape, spread: float = 0.9) -> Measurement:
 
 
 def run_of(shape: ColumnShape, folder: Path) -> SimpleNamespace:
-    """A run at rest that was never simulated; `summary` holds what its result.json would."""
+    """A synthetic run at rest; `summary` is the content of its result.json."""
     measured, ones = deposit(shape), np.ones(3)
     summary = measured.scalars() | {
         "errors": [entry.as_dict() for entry in score(measured, shape.a, shape.model, shape.section)],
@@ -56,7 +56,7 @@ def run_of(shape: ColumnShape, folder: Path) -> SimpleNamespace:
 
 @pytest.fixture
 def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
-    """Of a quarter, that the commands find in every folder."""
+    """A synthetic run of a quarter, which the commands find in every folder."""
     synthetic = run_of(QUARTER, tmp_path)
     monkeypatch.setattr(results, "Results", lambda folder: synthetic)
     return synthetic
@@ -76,7 +76,7 @@ def invoke(run: SimpleNamespace, *options: str) -> str:
     return outcome.output
 
 
-def test_measure_says_the_mean_and_what_lies_around_the_axis(run: SimpleNamespace) -> None:
+def test_measure_prints_the_mean_and_the_range_around_the_axis(run: SimpleNamespace) -> None:
     measured, lines = run.measure(-1), invoke(run).splitlines()
     low, high = measured.zeta_range["front_height"]
     assert low < measured.zeta["front_height"] - 0.05 and high > measured.zeta["front_height"] + 0.05
@@ -86,7 +86,7 @@ def test_measure_says_the_mean_and_what_lies_around_the_axis(run: SimpleNamespac
     assert any(text.startswith("paper-axisymmetric") and "1.116" in text for text in lines)
 
 
-def test_json_and_csv_have_mean_and_ends(run: SimpleNamespace) -> None:
+def test_json_and_csv_contain_mean_and_range(run: SimpleNamespace) -> None:
     record = json.loads(invoke(run, "--json"))
     (row,) = csv.DictReader(io.StringIO(invoke(run, "--csv")))
     for name in FRONTS:
@@ -96,8 +96,8 @@ def test_json_and_csv_have_mean_and_ends(run: SimpleNamespace) -> None:
     assert float(row["beta"]) == pytest.approx(record["beta"], rel=1e-5)
 
 
-def test_closing_table_says_the_mean_and_what_lies_around_the_axis(run: SimpleNamespace) -> None:
-    table = closing_table(run).splitlines()  # type: ignore[arg-type]
+def test_summary_table_has_the_mean_and_the_range_around_the_axis(run: SimpleNamespace) -> None:
+    table = summary_table(run).splitlines()  # type: ignore[arg-type]
     number = next(i for i, text in enumerate(table) if text.startswith("zeta, front_max"))
     zeta, front = (run.summary[name]["front_max"] for name in ("zeta", "front"))
     assert f"{front['mean']:.4f}" in table[number] and f"{zeta['mean']:8.3f}   1.116 (" in table[number]
@@ -105,7 +105,7 @@ def test_closing_table_says_the_mean_and_what_lies_around_the_axis(run: SimpleNa
     assert sum(text.startswith("zeta, ") for text in table) == 3
 
 
-def test_profile_chart_shows_where_the_front_is_around_the_axis(tmp_path: Path, figures: list[Figure]) -> None:
+def test_profile_chart_shows_the_range_of_the_front_around_the_axis(tmp_path: Path, figures: list[Figure]) -> None:
     final = deposit(QUARTER, 1.3)
     charts.profile_chart(tmp_path / "p.png", QUARTER, [(0.3, final)], EXPERIMENTS["paper-axisymmetric"])
     axes = figures[0].axes[0]
@@ -129,15 +129,15 @@ def test_a_box_is_drawn_along_x_and_without_an_experiment(tmp_path: Path, figure
     assert axes.get_xlabel() == "distance from the axis along x (mm)" and axes.get_ylabel() == "height (mm)"
 
 
-def test_closing_table_of_a_box_speaks_of_x_and_of_no_law(tmp_path: Path) -> None:
+def test_summary_table_of_a_box_has_ranges_along_x_and_no_law(tmp_path: Path) -> None:
     box = run_of(BOX, tmp_path)
-    table = closing_table(box)  # type: ignore[arg-type]
-    assert "against none" in table and table.count("no law for this") == 4
+    table = summary_table(box)  # type: ignore[arg-type]
+    assert "relative to none" in table and table.count("no law") == 4
     zeta = box.summary["zeta"]["front_height"]
     assert f"{zeta['mean']:8.3f}   no law" in table and f"{zeta['min']:.3f} to {zeta['max']:.3f} along x" in table
 
 
-def test_measure_scores_a_box_against_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_measure_of_a_box_has_no_errors(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     box = run_of(BOX, tmp_path)
     monkeypatch.setattr(results, "Results", lambda folder: box)
     assert json.loads(invoke(box, "--json"))["scores"] == []

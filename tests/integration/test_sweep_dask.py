@@ -1,4 +1,4 @@
-"""A sweep on a real dask cluster whose workers are killed in the middle, with the runs that they had in hand."""
+"""A sweep on a dask cluster whose workers and runs are killed."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ import pytest
 
 from mpmcol.errors import OutputError, UsageError
 from mpmcol.sweep.axes import parse_axes
-from mpmcol.sweep.dask_engine import FileHalt, dask_pool
+from mpmcol.sweep.dask_engine import FileStopRequest, dask_pool
 from mpmcol.sweep.runner import run_sweep
 from mpmcol.sweep.runs import PlannedRun, plan_runs
 
 distributed = pytest.importorskip("distributed")
 psutil = pytest.importorskip("psutil")
 
-pytestmark = pytest.mark.filterwarnings("ignore")  # theirs are not ours to mend
+pytestmark = pytest.mark.filterwarnings("ignore")  # warnings of dask
 TINY = ("grid.spacing=0.0194", "stages.collapse.max_time_factor=0.5", "output.snapshots=40")
 
 
@@ -28,7 +28,7 @@ def make_runs(out: Path) -> list[PlannedRun]:
 
 
 def kill(cluster: distributed.LocalCluster, out: Path, killed: list[int]) -> None:
-    """Kill both workers and their runs, once both have something to show."""
+    """Kill both workers and their runs, once both runs have written a snapshot."""
     while len(list(out.glob("*/run.vtkhdf"))) < 2:
         time.sleep(0.02)
     for worker in [psutil.Process(worker.pid) for worker in cluster.workers.values()]:
@@ -37,26 +37,26 @@ def kill(cluster: distributed.LocalCluster, out: Path, killed: list[int]) -> Non
             killed.append(process.pid)
 
 
-def test_workers_that_are_killed_lose_no_point(tmp_path: Path) -> None:
-    points, killed = make_runs(tmp_path), []
+def test_killed_workers_lose_no_run(tmp_path: Path) -> None:
+    runs, killed = make_runs(tmp_path), []
     with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
         killer = threading.Thread(target=kill, args=(cluster, tmp_path, killed))
         killer.start()
-        outcomes = run_sweep(points, tmp_path, scheduler=cluster.scheduler_address)
+        outcomes = run_sweep(runs, tmp_path, scheduler=cluster.scheduler_address)
         killer.join()
     assert len(killed) >= 4
     assert [outcome.status for outcome in outcomes] == ["done"] * 3
 
 
-def test_halting_reaches_the_workers(tmp_path: Path) -> None:
-    halt = FileHalt(tmp_path / "halt")
-    assert halt() == 0
-    halt.stop(1)
-    assert FileHalt(tmp_path / "halt")() == 1
-    halt.stop(2)
-    assert halt() == 2
-    halt.stop(0)
-    assert halt() == 0 and list(tmp_path.iterdir()) == []
+def test_a_stop_request_reaches_the_workers(tmp_path: Path) -> None:
+    stop = FileStopRequest(tmp_path / "stop")
+    assert stop() == 0
+    stop.set_level(1)
+    assert FileStopRequest(tmp_path / "stop")() == 1
+    stop.set_level(2)
+    assert stop() == 2
+    stop.set_level(0)
+    assert stop() == 0 and list(tmp_path.iterdir()) == []
 
 
 def test_no_scheduler(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,4 +1,7 @@
-"""The engine with runs that only pretend: order, retries, failures, locks, halting. Real ones: test_cli_sweep.py."""
+"""The engine of sweeps with simulated child processes: order, retries, failures, locks, stopping.
+
+Real runs are in test_cli_sweep.py.
+"""
 
 from __future__ import annotations
 
@@ -23,16 +26,17 @@ from mpmcol.io.run_status import read_status, time_reached
 from mpmcol.provenance import code_version
 from mpmcol.sweep import engine, task
 from mpmcol.sweep.axes import parse_axes
-from mpmcol.sweep.compile_cache import smallest_of_each
+from mpmcol.sweep.compile_cache import smallest_per_variant
 from mpmcol.sweep.engine import Outcome, execute_runs, exit_code, local_pool
 from mpmcol.sweep.plan import Plan, PlanEntry, read_plan
-from mpmcol.sweep.progress import Progress, counts, plan_of, share_done, time_left
-from mpmcol.sweep.runner import introduce, run_sweep
-from mpmcol.sweep.runs import PlannedRun, freeze, plan_runs
+from mpmcol.sweep.progress import ProgressTracker, count_by_status, find_plan, time_left, total_progress
+from mpmcol.sweep.runner import overview, run_sweep
+from mpmcol.sweep.runs import PlannedRun, plan_runs, write_case
 from mpmcol.sweep.scheduling import Allocation
-from mpmcol.sweep.task import Task, TaskResult, carry_out, run_command
+from mpmcol.sweep.task import Task, TaskResult, execute_task, run_command
+from tests.support.processes import wait_until
 
-# What a run does, as far as the engine sees it: argv is the folder, then what is to happen
+# What a run does as seen by the engine. Arguments: its folder, and its behaviour.
 RUN = """
 import fcntl, json, os, signal, sys, time
 from pathlib import Path
@@ -50,7 +54,7 @@ tries.write_text(str(int(tries.read_text()) + 1 if tries.exists() else 1))
 if what == "killed" or (what == "killed once" and tries.read_text() == "1"):
     os.kill(os.getpid(), signal.SIGKILL)
 if what == "diverges":
-    end("failed", 3, failure={"cause": "a point is too fast", "remedy": "lower time.cfl"})
+    end("failed", 3, failure={"cause": "a run is too fast", "remedy": "lower time.cfl"})
 if what == "disk":
     print("note: ...", "result.json: cannot be written: No space left", sep="\\n")
     sys.exit(5)
@@ -61,7 +65,7 @@ if what == "waits":
     signal.signal(signal.SIGTERM, lambda *_: end("stopped", 75))
     (folder / "begun").touch()
     time.sleep(60)
-if what == "deaf":
+if what == "ignores SIGTERM":
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
     (folder / "begun").touch()
     time.sleep(60)
@@ -75,7 +79,7 @@ Acts = Callable[..., None]
 
 @pytest.fixture
 def acts(monkeypatch: pytest.MonkeyPatch) -> Acts:
-    """Says what the runs of the points of these aspect ratios do; the others are done at once."""
+    """Sets the behaviour of the runs with these aspect ratios; all others are done at once."""
     chosen: dict[str, str] = {}
 
     def command(folder: Path, threads: int, fresh: bool = False) -> list[str]:
@@ -83,7 +87,7 @@ def acts(monkeypatch: pytest.MonkeyPatch) -> Acts:
         return [sys.executable, "-c", RUN, str(folder), what]
 
     monkeypatch.setattr(task, "run_command", command)
-    monkeypatch.setattr(engine, "_compile", lambda points: None)
+    monkeypatch.setattr(engine, "_compile_kernels", lambda runs: None)
     return lambda **what: chosen.update(what)
 
 
@@ -95,16 +99,9 @@ def endings(outcomes: list[Outcome]) -> dict[str, tuple[str, int]]:
     return {outcome.run.name: (outcome.status, outcome.result.attempts) for outcome in outcomes}
 
 
-def tries(point: PlannedRun) -> int:
-    path = point.folder / "tries"
+def tries(run: PlannedRun) -> int:
+    path = run.folder / "tries"
     return int(path.read_text()) if path.exists() else 0
-
-
-def await_(condition: Callable[[], bool]) -> None:
-    deadline = time.monotonic() + 30.0
-    while not condition():
-        assert time.monotonic() < deadline
-        time.sleep(0.02)
 
 
 def test_largest_first_one_at_a_time(tmp_path: Path, acts: Acts) -> None:
@@ -113,53 +110,53 @@ def test_largest_first_one_at_a_time(tmp_path: Path, acts: Acts) -> None:
     assert exit_code(outcomes) == 0
 
 
-def test_as_many_at_a_time_as_were_asked_for(tmp_path: Path, acts: Acts) -> None:
+def test_the_prescribed_number_of_runs_is_concurrent(tmp_path: Path, acts: Acts) -> None:
     acts(a1="waits", a2="waits", a3="waits")
-    points = make_runs(tmp_path)
+    runs = make_runs(tmp_path)
     begun: list[int] = []
 
-    def look() -> None:
-        begun.append(sum((point.folder / "begun").exists() for point in points))
+    def count() -> None:
+        begun.append(sum((run.folder / "begun").exists() for run in runs))
         if begun[-1] == 2 and begun[-5:] == [2] * 5:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        list(execute_runs(points, Allocation(2, 1), tick=look))
+        list(execute_runs(runs, Allocation(2, 1), tick=count))
     assert max(begun) == 2
 
 
-def test_what_is_done_is_not_done_again(tmp_path: Path, acts: Acts) -> None:
-    points = make_runs(tmp_path)
-    first = list(execute_runs(points, Allocation(2, 1)))
-    said: list[str] = []
-    second = list(execute_runs(points, Allocation(2, 1), say=said.append))
-    assert [tries(point) for point in points] == [1, 1, 1]
+def test_finished_runs_are_not_repeated(tmp_path: Path, acts: Acts) -> None:
+    runs = make_runs(tmp_path)
+    first = list(execute_runs(runs, Allocation(2, 1)))
+    messages: list[str] = []
+    second = list(execute_runs(runs, Allocation(2, 1), notify=messages.append))
+    assert [tries(run) for run in runs] == [1, 1, 1]
     assert set(endings(first).values()) == {("done", 1)} and set(endings(second).values()) == {("done", 0)}
-    assert said == []
+    assert messages == []
 
 
-def test_no_point_that_goes_wrong_stops_the_others(tmp_path: Path, acts: Acts) -> None:
+def test_a_run_that_fails_does_not_stop_the_others(tmp_path: Path, acts: Acts) -> None:
     acts(a1="killed", a2="diverges", a3="disk", a4="killed once")
-    points = make_runs(tmp_path, "1,2,3,4,5")
-    outcomes = list(execute_runs(points, Allocation(2, 1)))
+    runs = make_runs(tmp_path, "1,2,3,4,5")
+    outcomes = list(execute_runs(runs, Allocation(2, 1)))
     assert endings(outcomes) == {
         "a1": ("error", 3), "a2": ("failed", 1), "a3": ("error", 3), "a4": ("done", 2), "a5": ("done", 1),
     }  # fmt: skip
     messages = {outcome.run.name: outcome.result.message for outcome in outcomes}
     assert messages["a1"].startswith("killed by SIGKILL, 3 times (")
-    assert messages["a2"] == "a point is too fast; lower time.cfl"
+    assert messages["a2"] == "a run is too fast; lower time.cfl"
     assert messages["a3"].startswith("exit code 5, 3 times: result.json: cannot be written: No space left (")
     assert exit_code(outcomes) == 5
 
 
-def test_a_divergence_is_told_again_but_not_run_again(tmp_path: Path, acts: Acts) -> None:
+def test_a_divergence_is_reported_again_but_not_repeated(tmp_path: Path, acts: Acts) -> None:
     acts(a2="diverges")
-    points = make_runs(tmp_path)
+    runs = make_runs(tmp_path)
     for attempts in (1, 0):
-        outcomes = list(execute_runs(points, Allocation(1, 1)))
+        outcomes = list(execute_runs(runs, Allocation(1, 1)))
         assert endings(outcomes)["a2"] == ("failed", attempts)
         assert exit_code(outcomes) == 3
-    assert tries(points[1]) == 1
+    assert tries(runs[1]) == 1
 
 
 def test_a_refusal_is_not_retried(tmp_path: Path, acts: Acts) -> None:
@@ -173,105 +170,105 @@ def test_a_refusal_is_not_retried(tmp_path: Path, acts: Acts) -> None:
     ("codes", "expected"), [([0], 0), ([0, 1], 1), ([-9], 1), ([1, 3], 3), ([3, 5], 5), ([5, 75], 75)]
 )
 def test_exit_codes(tmp_path: Path, codes: list[int], expected: int) -> None:
-    (point,) = make_runs(tmp_path, "1")
-    assert exit_code([Outcome(point, TaskResult("error" if code else "done", 1, code)) for code in codes]) == expected
+    (run,) = make_runs(tmp_path, "1")
+    assert exit_code([Outcome(run, TaskResult("error" if code else "done", 1, code)) for code in codes]) == expected
 
 
 def test_a_damaged_result_is_replaced(tmp_path: Path) -> None:
-    (point,) = make_runs(tmp_path, "1")
-    point.folder.mkdir()
-    (point.folder / "result.json").write_text("{")
-    assert read_status(point.folder).name == "damaged"
-    assert run_command(point.folder, 2, fresh=True)[-3:] == ["--threads", "2", "--fresh"]
+    (run,) = make_runs(tmp_path, "1")
+    run.folder.mkdir()
+    (run.folder / "result.json").write_text("{")
+    assert read_status(run.folder).name == "damaged"
+    assert run_command(run.folder, 2, fresh=True)[-3:] == ["--threads", "2", "--fresh"]
 
 
-def test_interrupting_ends_the_runs_in_good_order(tmp_path: Path, acts: Acts) -> None:
+def test_an_interruption_stops_the_runs_gracefully(tmp_path: Path, acts: Acts) -> None:
     acts(a1="waits", a2="waits")
-    points = make_runs(tmp_path, "1,2,3")
-    said: list[str] = []
+    runs = make_runs(tmp_path, "1,2,3")
+    messages: list[str] = []
 
     def interrupt() -> None:
-        if all((point.folder / "begun").exists() for point in points[:2]) and read_status(points[2].folder).has_ended:
+        if all((run.folder / "begun").exists() for run in runs[:2]) and read_status(runs[2].folder).has_ended:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        list(execute_runs(points, Allocation(3, 1), say=said.append, tick=interrupt))
-    assert [read_status(point.folder).name for point in points] == ["stopped", "stopped", "done"]
-    assert said[-1] == "ending the runs (Ctrl-C again: at once) ..."
+        list(execute_runs(runs, Allocation(3, 1), notify=messages.append, tick=interrupt))
+    assert [read_status(run.folder).name for run in runs] == ["stopped", "stopped", "done"]
+    assert messages[-1] == "stopping the runs (press Ctrl-C again to abort) ..."
 
 
 def test_a_run_that_does_not_end_is_killed(tmp_path: Path, acts: Acts, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(task, "GRACE", 0.5)
-    acts(a1="deaf")
-    (point,) = make_runs(tmp_path, "1")
-    runs = execute_runs([point], Allocation(1, 1), tick=lambda: None)
-    with closing(runs):
+    acts(a1="ignores SIGTERM")
+    (run,) = make_runs(tmp_path, "1")
+    outcomes = execute_runs([run], Allocation(1, 1), tick=lambda: None)
+    with closing(outcomes):
         threading.Timer(1.0, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
         with pytest.raises(KeyboardInterrupt):
-            next(runs)
-    assert read_status(point.folder).name == "missing" and not is_locked(point.folder)
+            next(outcomes)
+    assert read_status(run.folder).name == "missing" and not is_locked(run.folder)
 
 
-def test_leaving_the_loop_ends_the_runs(tmp_path: Path, acts: Acts) -> None:
+def test_leaving_the_loop_stops_the_runs(tmp_path: Path, acts: Acts) -> None:
     acts(a1="waits")
-    points = make_runs(tmp_path)
-    with closing(execute_runs(points, Allocation(3, 1))) as runs:
-        next(runs)
-        await_(lambda: (points[0].folder / "begun").exists())
-    assert read_status(points[0].folder).name == "stopped"
+    runs = make_runs(tmp_path)
+    with closing(execute_runs(runs, Allocation(3, 1))) as outcomes:
+        next(outcomes)
+        wait_until(lambda: (runs[0].folder / "begun").exists())
+    assert read_status(runs[0].folder).name == "stopped"
 
 
-def test_a_run_in_other_hands_is_waited_for(tmp_path: Path, acts: Acts) -> None:
-    (point,) = make_runs(tmp_path, "1")
+def test_a_run_of_another_process_is_waited_for(tmp_path: Path, acts: Acts) -> None:
+    (run,) = make_runs(tmp_path, "1")
     held = threading.Event()
 
     def other() -> None:
-        with locked(point.folder):
+        with locked(run.folder):
             held.set()
             time.sleep(0.6)
-            (point.folder / "result.json").write_text(DONE)
+            (run.folder / "result.json").write_text(DONE)
 
     thread = threading.Thread(target=other)
     thread.start()
     held.wait()
-    assert read_status(point.folder).name == "running"
-    (outcome,) = execute_runs([point])
+    assert read_status(run.folder).name == "running"
+    (outcome,) = execute_runs([run])
     thread.join()
-    assert (outcome.status, outcome.result.attempts, tries(point)) == ("done", 0, 0)
+    assert (outcome.status, outcome.result.attempts, tries(run)) == ("done", 0, 0)
 
 
-def test_two_sweeps_in_one_folder_run_every_point_once(tmp_path: Path, acts: Acts) -> None:
-    points, found = make_runs(tmp_path, "1,2,3,4,5,6"), []
-    for point in points:
-        freeze(point)
-    sweeps = [threading.Thread(target=lambda: found.extend(execute_runs(points, Allocation(2, 1)))) for _ in range(2)]
+def test_two_sweeps_in_one_folder_execute_every_run_once(tmp_path: Path, acts: Acts) -> None:
+    runs, found = make_runs(tmp_path, "1,2,3,4,5,6"), []
+    for run in runs:
+        write_case(run)
+    sweeps = [threading.Thread(target=lambda: found.extend(execute_runs(runs, Allocation(2, 1)))) for _ in range(2)]
     for sweep in sweeps:
         sweep.start()
     for sweep in sweeps:
         sweep.join()
     assert [outcome.status for outcome in found] == ["done"] * 12
-    assert [tries(point) for point in points] == [1] * 6
+    assert [tries(run) for run in runs] == [1] * 6
 
 
-def test_a_worker_with_other_code_runs_nothing(tmp_path: Path, acts: Acts) -> None:
-    (point,) = make_runs(tmp_path, "1")
-    ending = carry_out(Task(point.folder, 1, "0.0.0+12345678"))
+def test_a_worker_with_another_version_of_the_code_runs_nothing(tmp_path: Path, acts: Acts) -> None:
+    (run,) = make_runs(tmp_path, "1")
+    ending = execute_task(Task(run.folder, 1, "0.0.0+12345678"))
     assert (ending.status, ending.exit_code) == ("error", 2)
-    assert f"this worker has mpmcol {code_version()}, not 0.0.0+12345678" in ending.message
+    assert f"the worker has mpmcol {code_version()}, expected 0.0.0+12345678" in ending.message
 
 
 def test_an_executor_that_loses_a_task(tmp_path: Path, acts: Acts) -> None:
-    points = make_runs(tmp_path)
+    runs = make_runs(tmp_path)
     with local_pool(1) as pool:
 
         class Losing(type(pool.executor)):
             def submit(self, function, given, *rest):
-                if given.folder == points[1].folder.resolve():
+                if given.folder == runs[1].folder.resolve():
                     return super().submit(lambda: 1 / 0)
                 return super().submit(function, given, *rest)
 
         with Losing(1) as executor:
-            outcomes = list(execute_runs(points, Allocation(1, 1), pool=replace(pool, executor=executor)))
+            outcomes = list(execute_runs(runs, Allocation(1, 1), pool=replace(pool, executor=executor)))
     assert {name: status for name, (status, _) in endings(outcomes).items()} == {
         "a1": "done",
         "a2": "error",
@@ -284,29 +281,29 @@ def test_an_executor_that_loses_a_task(tmp_path: Path, acts: Acts) -> None:
 
 
 def test_a_folder_that_cannot_be_written(tmp_path: Path, acts: Acts) -> None:
-    (point,) = make_runs(tmp_path, "1")
-    point.folder.write_text("a file is in the way")
+    (run,) = make_runs(tmp_path, "1")
+    run.folder.write_text("a file is in the way")
     with pytest.raises(OutputError, match="file of that name is in the way"):
-        list(execute_runs([point]))
+        list(execute_runs([run]))
 
 
-def test_the_folder_says_what_it_is_doing(tmp_path: Path, acts: Acts) -> None:
+def test_the_plan_is_written_into_the_folder(tmp_path: Path, acts: Acts) -> None:
     acts(a2="diverges")
-    points = make_runs(tmp_path / "out")
-    assert introduce(points, points, Allocation(2, 1)).startswith("3 points: 2 points at a time, 1 thread each, on ")
-    outcomes = run_sweep(points, tmp_path / "out", jobs=2)
+    runs = make_runs(tmp_path / "out")
+    assert overview(runs, runs, Allocation(2, 1)).startswith("3 runs: 2 runs at a time, 1 thread per run, on ")
+    outcomes = run_sweep(runs, tmp_path / "out", jobs=2)
     assert [outcome.run.name for outcome in outcomes] == ["a1", "a2", "a3"]
     plan = read_plan(tmp_path / "out")
-    assert (plan.version, plan.jobs, plan.points[2].inputs["geometry.aspect"]) == (code_version(), 2, 3.0)
-    parts = Progress(tmp_path / "out", plan).parts()
-    assert counts(parts) == {"done": 2, "failed": 1} and share_done(parts) == 1.0
-    assert introduce(points, [], Allocation(2, 1)) == "3 points, 3 of them ended before: nothing to run"
+    assert (plan.version, plan.jobs, plan.runs[2].inputs["geometry.aspect"]) == (code_version(), 2, 3.0)
+    tracked = ProgressTracker(tmp_path / "out", plan).runs()
+    assert count_by_status(tracked) == {"done": 2, "failed": 1} and total_progress(tracked) == 1.0
+    assert overview(runs, [], Allocation(2, 1)) == "3 runs, 3 already finished: nothing to run"
 
 
-def test_frozen_cases_are_what_runs(tmp_path: Path) -> None:
-    (point,) = make_runs(tmp_path, "1")
-    assert run_command(point.folder, 3)[3:] == [
-        "run", str(point.folder / GIVEN_CASE_FILE), "--out", str(point.folder), "--threads", "3",
+def test_the_command_runs_the_case_in_the_folder(tmp_path: Path) -> None:
+    (run,) = make_runs(tmp_path, "1")
+    assert run_command(run.folder, 3)[3:] == [
+        "run", str(run.folder / GIVEN_CASE_FILE), "--out", str(run.folder), "--threads", "3",
     ]  # fmt: skip
 
 
@@ -319,7 +316,7 @@ def write_run(folder: Path, time_reached: float | None, result: str | None = Non
         (folder / "result.json").write_text(result)
 
 
-def test_time_left_is_told_by_the_pace_so_far(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_time_left_follows_from_the_mean_speed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     names = ("done", "half", "cut", "stopped", "none")
     write_run(tmp_path / "done", 1.0, DONE)
     write_run(tmp_path / "half", 0.5)
@@ -328,35 +325,35 @@ def test_time_left_is_told_by_the_pace_so_far(tmp_path: Path, monkeypatch: pytes
     plan = Plan("", code_version(), 2, 1, tuple(PlanEntry(name, {}, 100.0, 1.0) for name in names))
     monkeypatch.setattr("mpmcol.sweep.progress.running_for", lambda folder: 4.0)
     with locked(tmp_path / "half"):
-        parts = Progress(tmp_path, plan).parts()
-    assert [part.state.name for part in parts] == ["done", "running", "unfinished", "stopped", "missing"]
-    assert [part.share for part in parts] == [1.0, 0.5, 0.0, 0.0, 0.0]
-    assert share_done(parts) == pytest.approx(1.5 / 5)
-    assert time_left(parts, 2) == pytest.approx((2.0 + 4.0) / 150.0 * 350.0 / 2)  # compilation does not count
-    assert time_left(parts, 8) == pytest.approx((2.0 + 4.0) / 150.0 * 100.0)  # no point is shared
-    assert time_left(parts[2:], 2) is None
+        tracked = ProgressTracker(tmp_path, plan).runs()
+    assert [run.status.name for run in tracked] == ["done", "running", "unfinished", "stopped", "missing"]
+    assert [run.progress for run in tracked] == [1.0, 0.5, 0.0, 0.0, 0.0]
+    assert total_progress(tracked) == pytest.approx(1.5 / 5)
+    assert time_left(tracked, 2) == pytest.approx((2.0 + 4.0) / 150.0 * 350.0 / 2)  # without compilation
+    assert time_left(tracked, 8) == pytest.approx((2.0 + 4.0) / 150.0 * 100.0)  # a run is never split
+    assert time_left(tracked[2:], 2) is None
 
 
-def test_a_folder_that_is_none(tmp_path: Path) -> None:
-    with pytest.raises(OutputError, match="neither the folder of a sweep"):
-        plan_of(tmp_path)
+def test_a_folder_without_a_sweep(tmp_path: Path) -> None:
+    with pytest.raises(OutputError, match="expected the folder of a sweep"):
+        find_plan(tmp_path)
     (tmp_path / "sweep.json").write_text('{"schema": 99}')
-    with pytest.raises(OutputError, match="it is of another version of mpmcol"):
-        plan_of(tmp_path)
+    with pytest.raises(OutputError, match="written by another version of mpmcol"):
+        find_plan(tmp_path)
 
 
-def test_compiling_comes_before_the_first_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_kernels_are_compiled_before_the_first_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     commands: list[list[str]] = []
     monkeypatch.setattr(subprocess, "run", lambda command, **_: commands.append(command))
     monkeypatch.setattr(task, "run_command", lambda *_: [sys.executable, "-c", ""])
     monkeypatch.setattr(task, "RETRIES", 0)
-    points = plan_runs(
+    runs = plan_runs(
         "lube-cylinder", parse_axes("1,2", ["grid.spacing=0.02", "geometry.model=axisymmetric,plane"])[0], tmp_path
     )
-    list(execute_runs(points, Allocation(2, 1)))
-    list(execute_runs(points, Allocation(1, 1)))
+    list(execute_runs(runs, Allocation(2, 1)))
+    list(execute_runs(runs, Allocation(1, 1)))
     assert [command[1:3] for command in commands] == [["-m", "mpmcol.sweep.compile_cache"]]
-    assert len(commands[0]) == 4 and "/a1-" in commands[0][3]  # both models share their kernels
+    assert len(commands[0]) == 4 and "/a1-" in commands[0][3]  # both models use the same kernels
 
 
 @pytest.mark.parametrize(
@@ -368,14 +365,12 @@ def test_compiling_comes_before_the_first_runs(tmp_path: Path, monkeypatch: pyte
         ("method.basis=linear,quadratic,cubic", 3),
     ],
 )
-def test_schemes_have_kernels_of_their_own(axis: str, sets: int, tmp_path: Path) -> None:
-    points = plan_runs("lube-cylinder", parse_axes("1", ["grid.spacing=0.02", axis])[0], tmp_path)
-    assert len(smallest_of_each(points)) == sets
+def test_schemes_have_different_kernels(axis: str, sets: int, tmp_path: Path) -> None:
+    runs = plan_runs("lube-cylinder", parse_axes("1", ["grid.spacing=0.02", axis])[0], tmp_path)
+    assert len(smallest_per_variant(runs)) == sets
 
 
 @pytest.mark.parametrize(("stage", "time", "share"), [("equilibrate", 0.3, None), ("collapse", 0.3, 0.3)])
-def test_time_under_gravity_is_no_time_of_the_collapse(
-    stage: str, time: float, share: float | None, tmp_path: Path
-) -> None:
+def test_time_before_the_release_does_not_count(stage: str, time: float, share: float | None, tmp_path: Path) -> None:
     (tmp_path / "history.csv").write_text(f"stage,step,time\nequilibrate,1,0.1\n{stage},9,{time}\n")
     assert time_reached(tmp_path) == share

@@ -1,4 +1,4 @@
-"""The table of a sweep, its HDF5 twin and its charts, from runs that were never made."""
+"""Table of a sweep, as CSV and HDF5, and its charts, from synthetic results."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ from mpmcol.sweep.task import TaskResult
 FRONTS = ("front_max", "front_connected", "front_height")
 
 
-def finish(point: PlannedRun, at_rest: bool = True) -> Outcome:
-    """Write a result that runs 5 % too far by front_max and to the law by front_height."""
-    geometry = point.case.geometry
+def finish(run: PlannedRun, at_rest: bool = True) -> Outcome:
+    """Write a result whose runout is 5 % above the law by front_max and equal to it by front_height."""
+    geometry = run.case.geometry
     law = 1.24 * geometry.a if geometry.a < 1.7 else 1.6 * geometry.a**0.5
     zeta: dict[str, Any] = dict(zip(FRONTS, (1.05 * law, 1.02 * law, law), strict=True))
     measured = {"zeta": zeta, "beta": 0.88 * geometry.a ** (-5 / 6)}
@@ -40,18 +40,16 @@ def finish(point: PlannedRun, at_rest: bool = True) -> Outcome:
         "wall_s": {"compile": 2.0, "collapse": 5.0}, "ns_per_point_step": 50.5, "threads": 1, "r_i": 0.097,
         "versions": {"mpmcol": "0.1.0+00000000", "numpy": "2.0"},
     }  # fmt: skip
-    point.folder.mkdir(parents=True, exist_ok=True)
-    write_result(point.folder, result)
-    return Outcome(point, TaskResult("done", 1))
+    run.folder.mkdir(parents=True, exist_ok=True)
+    write_result(run.folder, result)
+    return Outcome(run, TaskResult("done", 1))
 
 
-def fail(point: PlannedRun) -> Outcome:
-    point.folder.mkdir(parents=True, exist_ok=True)
+def fail(run: PlannedRun) -> Outcome:
+    run.folder.mkdir(parents=True, exist_ok=True)
     failure = {"cause": "too fast", "remedy": "lower time.cfl"}
-    write_result(
-        point.folder, {"status": "failed", "zeta": dict.fromkeys(FRONTS, 9.0), "beta": 9.0, "failure": failure}
-    )
-    return Outcome(point, TaskResult("failed", 1, 3, "too fast; lower time.cfl"))
+    write_result(run.folder, {"status": "failed", "zeta": dict.fromkeys(FRONTS, 9.0), "beta": 9.0, "failure": failure})
+    return Outcome(run, TaskResult("failed", 1, 3, "too fast; lower time.cfl"))
 
 
 def plan(out: Path, *settings: str, aspect: str | None = "1,2,3,4", case: str = "lube-cylinder") -> list[PlannedRun]:
@@ -76,10 +74,10 @@ def labels(figure: Figure) -> list[str]:
 
 
 def test_a_row_has_inputs_measurements_errors_cost_and_versions(tmp_path: Path) -> None:
-    points = plan(tmp_path, "material.friction_deg=33,36", aspect="2")
-    row, _ = make_rows([finish(point) for point in points])
+    runs = plan(tmp_path, "material.friction_deg=33,36", aspect="2")
+    row, _ = make_rows([finish(run) for run in runs])
     zeta = 1.6 * 2**0.5
-    assert row["folder"] == points[0].folder.name and row["status"] == "done"
+    assert row["folder"] == runs[0].folder.name and row["status"] == "done"
     assert (row["geometry.aspect"], row["material.friction_deg"], row["a"]) == (2.0, 33.0, 2.0)
     assert [row[f"zeta.{name}"] for name in FRONTS] == pytest.approx([1.05 * zeta, 1.02 * zeta, zeta])
     assert row["law.zeta"] == pytest.approx(zeta) and row["law.beta"] == pytest.approx(row["beta"])
@@ -91,7 +89,7 @@ def test_a_row_has_inputs_measurements_errors_cost_and_versions(tmp_path: Path) 
     assert (row["ns_per_point_step"], row["version.mpmcol"]) == (50.5, "0.1.0+00000000")
 
 
-def test_a_failed_point_has_no_measurements_but_a_reason(tmp_path: Path) -> None:
+def test_a_failed_run_has_a_message_and_no_measurements(tmp_path: Path) -> None:
     one, two = plan(tmp_path, aspect="1,2")
     rows = make_rows([fail(one), finish(two)])
     assert list(rows[0]) == list(rows[1])
@@ -99,7 +97,7 @@ def test_a_failed_point_has_no_measurements_but_a_reason(tmp_path: Path) -> None
     assert rows[0]["zeta.front_max"] is None and rows[0]["beta"] is None and rows[0]["law.zeta"] == 1.24
 
 
-def test_in_space_the_mean_has_the_same_name_as_in_two_dimensions(tmp_path: Path) -> None:
+def test_the_mean_in_3d_has_the_same_name_as_the_value_in_2d(tmp_path: Path) -> None:
     flat, full = (plan(tmp_path, aspect="2", case=case)[0] for case in ("lube-cylinder", "lube-quarter"))
     rows = make_rows([finish(flat), finish(full)])
     assert rows[0]["zeta.front_max"] == pytest.approx(rows[1]["zeta.front_max"])
@@ -107,9 +105,9 @@ def test_in_space_the_mean_has_the_same_name_as_in_two_dimensions(tmp_path: Path
     assert rows[1]["zeta.front_max.max"] - rows[1]["zeta.front_max.min"] == pytest.approx(0.2)
 
 
-def test_csv_and_hdf5_hold_the_same(tmp_path: Path) -> None:
-    points = plan(tmp_path)
-    published = write_report([fail(points[0]), *map(finish, points[1:])], tmp_path)
+def test_csv_and_hdf5_have_the_same_content(tmp_path: Path) -> None:
+    runs = plan(tmp_path)
+    report = write_report([fail(runs[0]), *map(finish, runs[1:])], tmp_path)
     with (tmp_path / "table.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     with h5py.File(tmp_path / "table.h5") as file:
@@ -120,21 +118,21 @@ def test_csv_and_hdf5_hold_the_same(tmp_path: Path) -> None:
         assert np.isnan(beta[0]) and rows[0]["beta"] == ""
         assert beta[1:].tolist() == [float(row["beta"]) for row in rows[1:]]
         (tmp_path / "one.toml").write_text(file["case"].asstr()[2])
-    assert load_case(tmp_path / "one.toml") == points[2].case
+    assert load_case(tmp_path / "one.toml") == runs[2].case
     assert rows[1]["at_rest"] == "true"
-    assert {path.name for path in published.files} == {"table.csv", "table.h5", "slopes.csv", "zeta.png", "beta.png"}
+    assert {path.name for path in report.files} == {"table.csv", "table.h5", "slopes.csv", "zeta.png", "beta.png"}
 
 
 def test_units_of_inputs_are_those_of_the_case(tmp_path: Path) -> None:
-    points = plan(tmp_path, "material.friction_deg=33", "grid.spacing=5 mm", aspect="1")
-    write_report([finish(point) for point in points], tmp_path)
+    runs = plan(tmp_path, "material.friction_deg=33", "grid.spacing=5 mm", aspect="1")
+    write_report([finish(run) for run in runs], tmp_path)
     with h5py.File(tmp_path / "table.h5") as file:
         assert [file[key].attrs["unit"] for key in ("material.friction_deg", "grid.spacing", "a")] == ["deg", "m", "1"]
         assert file["grid.spacing"][0] == 0.005
 
 
-def test_what_is_as_it_should_be_is_not_written_again(tmp_path: Path) -> None:
-    outcomes = [finish(point) for point in plan(tmp_path)]
+def test_files_that_are_up_to_date_are_not_written_again(tmp_path: Path) -> None:
+    outcomes = [finish(run) for run in plan(tmp_path)]
     files = write_report(outcomes, tmp_path).files
     before = [path.stat().st_mtime_ns for path in files]
     write_report([Outcome(outcome.run, TaskResult("done", 0)) for outcome in outcomes], tmp_path)
@@ -148,26 +146,26 @@ def test_what_is_as_it_should_be_is_not_written_again(tmp_path: Path) -> None:
     assert all(path.stat().st_mtime_ns > old for path, old in zip(files, before, strict=True))
 
 
-def test_without_a_point_that_is_done_there_is_a_table_only(tmp_path: Path) -> None:
-    published = write_report([fail(point) for point in plan(tmp_path)], tmp_path)
-    assert [path.name for path in published.files] == ["table.csv", "table.h5"]
+def test_without_a_finished_run_only_the_table_is_written(tmp_path: Path) -> None:
+    report = write_report([fail(run) for run in plan(tmp_path)], tmp_path)
+    assert [path.name for path in report.files] == ["table.csv", "table.h5"]
 
 
 def test_charts_have_laws_scatter_transition_and_fits(tmp_path: Path, figures: dict[str, Figure]) -> None:
-    points = plan(tmp_path, aspect="0.5,1,2,3,5")
-    write_report([*map(finish, points[:-1]), finish(points[-1], at_rest=False)], tmp_path)
+    runs = plan(tmp_path, aspect="0.5,1,2,3,5")
+    write_report([*map(finish, runs[:-1]), finish(runs[-1], at_rest=False)], tmp_path)
     zeta, beta = labels(figures["zeta.png"]), labels(figures["beta.png"])
     assert "paper-axisymmetric, with scatter of 10%" in zeta and "lajeunesse-2004 (unverified)" in zeta
     assert [name for name in FRONTS if name in zeta] == list(FRONTS)
     assert "front_max (not at rest)" in zeta
-    assert r"front_height: $\zeta \propto a^{0.50}$ (law $a^{0.50}$)" in zeta  # of two points: no uncertainty
+    assert r"front_height: $\zeta \propto a^{0.50}$ (law $a^{0.50}$)" in zeta  # a fit of two runs has no uncertainty
     assert "paper-axisymmetric: transition, no law" in beta
     (span,) = [patch for patch in figures["beta.png"].axes[0].patches if patch.get_zorder() == -2]
     assert [span.get_x(), span.get_x() + span.get_width()] == [1.0, 1.7]
 
 
-def test_the_law_is_drawn_where_it_holds(tmp_path: Path, figures: dict[str, Figure]) -> None:
-    write_report([finish(point) for point in plan(tmp_path, aspect="0.5,1,5")], tmp_path)
+def test_the_law_is_drawn_in_its_range(tmp_path: Path, figures: dict[str, Figure]) -> None:
+    write_report([finish(run) for run in plan(tmp_path, aspect="0.5,1,5")], tmp_path)
     curves = [line for line in figures["beta.png"].axes[0].lines if line.get_color() == charts.EXPERIMENT_COLOUR]
     assert [line.get_xdata()[[0, -1]].tolist() for line in curves] == [
         pytest.approx([0.5 / charts.MARGIN, 1.0]), pytest.approx([1.7, 5 * charts.MARGIN]),
@@ -177,27 +175,29 @@ def test_the_law_is_drawn_where_it_holds(tmp_path: Path, figures: dict[str, Figu
 
 
 def test_several_series_in_one_chart(tmp_path: Path, figures: dict[str, Figure]) -> None:
-    points = plan(tmp_path, "material.friction_deg=30,36", aspect="2,3,5")
-    published = write_report([finish(point) for point in points], tmp_path)
-    told = labels(figures["zeta.png"])
-    assert "friction_deg = 30" in told and "friction_deg = 36" in told
-    assert sum("propto" in label for label in told) == 2 and len(published.slopes) == 8
+    runs = plan(tmp_path, "material.friction_deg=30,36", aspect="2,3,5")
+    report = write_report([finish(run) for run in runs], tmp_path)
+    shown = labels(figures["zeta.png"])
+    assert "friction_deg = 30" in shown and "friction_deg = 36" in shown
+    assert sum("propto" in label for label in shown) == 2 and len(report.slopes) == 8
 
 
-def test_another_axis_than_the_aspect_ratio(tmp_path: Path, figures: dict[str, Figure]) -> None:
-    points = plan(tmp_path, "grid.spacing=0.005,0.01,0.02", aspect="2")
-    published = write_report([finish(point) for point in points], tmp_path)
+def test_an_axis_other_than_the_aspect_ratio(tmp_path: Path, figures: dict[str, Figure]) -> None:
+    runs = plan(tmp_path, "grid.spacing=0.005,0.01,0.02", aspect="2")
+    report = write_report([finish(run) for run in runs], tmp_path)
     axes = figures["zeta.png"].axes[0]
     assert axes.get_xlabel() == "grid.spacing (m)" and axes.get_xscale() == "linear"
     assert "paper-axisymmetric, a = 2, with scatter" in labels(figures["zeta.png"])
-    assert published.slopes == []
+    assert report.slopes == []
 
 
-def test_words_stand_side_by_side_and_kinds_of_column_apart(tmp_path: Path, figures: dict[str, Figure]) -> None:
-    write_report([finish(point) for point in plan(tmp_path, "method.transfer=flip,pic", aspect="2")], tmp_path)
+def test_text_values_get_equidistant_ticks_and_kinds_of_column_get_charts_of_their_own(
+    tmp_path: Path, figures: dict[str, Figure]
+) -> None:
+    write_report([finish(run) for run in plan(tmp_path, "method.transfer=flip,pic", aspect="2")], tmp_path)
     ticks = figures["zeta.png"].axes[0].get_xticklabels()
     assert [tick.get_text() for tick in ticks] == ["flip", "pic"]
-    points = plan(tmp_path / "kinds", "geometry.model=axisymmetric,plane", aspect="2,3")
-    published = write_report([finish(point) for point in points], tmp_path / "kinds")
-    names = {path.name for path in published.files if path.suffix == ".png"}
+    runs = plan(tmp_path / "kinds", "geometry.model=axisymmetric,plane", aspect="2,3")
+    report = write_report([finish(run) for run in runs], tmp_path / "kinds")
+    names = {path.name for path in report.files if path.suffix == ".png"}
     assert names == {f"{name}-{kind}.png" for name in ("zeta", "beta") for kind in ("axisymmetric", "plane")}

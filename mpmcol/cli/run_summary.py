@@ -1,4 +1,4 @@
-"""The table that closes a run."""
+"""Summary table of a run."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from mpmcol.io.results import Results
 FRONT_TEXT = {
     "front_max": "farthest point",
     "front_connected": "farthest without a gap",
-    "front_height": "deposit ends",
+    "front_height": "end of the deposit",
 }
 
 
-def closing_table(results: Results) -> str:
-    """Runout and height with their errors, then what the run took."""
+def summary_table(results: Results) -> str:
+    """Runout and height with their errors, then the cost of the run."""
     return "\n".join([*_measured(results), "", *_cost(results.summary)])
 
 
@@ -24,29 +24,31 @@ def _measured(results: Results) -> Iterator[str]:
     summary, shape = results.summary, results.shape
     experiment = find_experiment(results.case.score.experiment, shape.model, shape.section)
     errors = {
-        (s["quantity"], s["front_definition"]): s for s in summary["errors"] if s["experiment"] == experiment.name
+        (score["quantity"], score["front_definition"]): score
+        for score in summary["errors"]
+        if score["experiment"] == experiment.name
     }
-    yield f"{'':48s}{'m':>8s}{'':>8s}   against {experiment.name}"
+    yield f"{'':48s}{'m':>8s}{'':>8s}   relative to {experiment.name}"
     for name, front in summary["front"].items():
-        against = _against(errors.get(("zeta", name)))
+        comparison = _comparison(errors.get(("zeta", name)))
         zeta, label = summary["zeta"][name], f"zeta, {name} ({FRONT_TEXT[name]})"
         if isinstance(zeta, dict):
-            yield _line(label, f"{front['mean']:.4f}", zeta["mean"], against)
+            yield _line(label, f"{front['mean']:.4f}", zeta["mean"], comparison)
             yield f"{'':64s}   {zeta['min']:.3f} to {zeta['max']:.3f} {shape.range_label}"
         else:
-            yield _line(label, f"{front:.4f}", zeta, against)
-    yield _line("spread of zeta, the uncertainty of the front", "", summary["spread"], "")
-    against = _against(errors.get(("beta", "")))
-    yield _line("beta, height at the wall or axis", f"{summary['height']:.4f}", summary["beta"], against)
+            yield _line(label, f"{front:.4f}", zeta, comparison)
+    yield _line("spread of zeta (uncertainty of the front)", "", summary["spread"], "")
+    comparison = _comparison(errors.get(("beta", "")))
+    yield _line("beta, height at the wall or axis", f"{summary['height']:.4f}", summary["beta"], comparison)
 
 
-def _line(label: str, metres: str, value: float, against: str) -> str:
-    return f"{label:48s}{metres:>8s}{value:8.3f}   {against}".rstrip()
+def _line(label: str, metres: str, value: float, comparison: str) -> str:
+    return f"{label:48s}{metres:>8s}{value:8.3f}   {comparison}".rstrip()
 
 
-def _against(score: dict[str, Any] | None) -> str:
+def _comparison(score: dict[str, Any] | None) -> str:
     if score is None:
-        return "no law for this"
+        return "no law"
     if score["error"] is None:
         return str(score["comment"])
     return f"{score['expected']:.3f} ({score['error']:+.1%}, scatter {score['scatter']:.0%}){mark(score['verified'])}"
@@ -55,7 +57,7 @@ def _against(score: dict[str, Any] | None) -> str:
 def _cost(summary: dict[str, Any]) -> Iterator[str]:
     wall, total = summary["wall_s"], sum(summary["wall_s"].values())
     ledger = summary["ledger"]
-    ended = "at rest" if summary["at_rest"] else "stopped, still moving,"
+    ended = "at rest" if summary["at_rest"] else "stopped, not at rest,"
     rate = 1e3 / summary["ns_per_point_step"] if summary["ns_per_point_step"] else 0.0
     yield f"{summary['points']:,} material points, {summary['steps']:,} steps of {summary['dt']:.3g} s"
     parts = ", ".join(f"{name} {seconds:.1f} s" for name, seconds in wall.items())

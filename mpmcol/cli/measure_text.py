@@ -1,0 +1,80 @@
+"""Text output of `mpmcol measure`."""
+
+from __future__ import annotations
+
+from itertools import groupby
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from mpmcol.cli.measure import Measured
+    from mpmcol.experiments import ProfileScore, Score
+
+
+def text_of(measured: Measured) -> str:
+    """State of the run, measurements, and errors relative to published laws."""
+    lines = [*_state_lines(measured), *_deposit_lines(measured), "", _heading(measured), *_score_lines(measured)]
+    return "\n".join(lines)
+
+
+def _state_lines(measured: Measured) -> list[str]:
+    ends = {"done": ", at rest" if measured.at_rest else ", not at rest", "unfinished": " (no result.json)"}
+    kind = "the final deposit" if measured.is_deposit else "not the final deposit"
+    return [f"status: {measured.status}{ends.get(measured.status, '')}", f"t = {measured.time:.4g} s, {kind}"]
+
+
+def _deposit_lines(measured: Measured) -> list[str]:
+    shape, measurement, stop = measured.shape, measured.measurement, measured.stop_time
+    undisturbed = measurement.undisturbed_radius
+    kind = shape.release if shape.dimension == 2 else shape.section
+    return [
+        f"{shape.model}, {kind}, a = {shape.a:.3g}, r_i = {1e3 * shape.r_i:.4g} mm",
+        *(_front_line(name, measured) for name in measurement.front),
+        f"{'spread of zeta':<20} {measurement.spread:9.3f}",
+        f"{'height':<20} {1e3 * measurement.height:9.1f} mm   beta {measurement.beta:7.3f}",
+        f"{'area factor':<20} {measurement.area_factor:9.3f}",
+        f"{'undisturbed radius':<20} " + ("none" if undisturbed is None else f"{1e3 * undisturbed:9.1f} mm"),
+        *([] if stop is None else [f"{'front stops at':<20} {stop:9.2f} sqrt(h_i/g)"]),
+    ]
+
+
+def _front_line(name: str, measured: Measured) -> str:
+    measurement = measured.measurement
+    line = f"{name:<20} {1e3 * measurement.front[name]:9.1f} mm   zeta {measurement.zeta[name]:7.3f}"
+    if measurement.zeta_range is None:
+        return line
+    low, high = measurement.zeta_range[name]
+    return f"{line}   {low:.3f} to {high:.3f} {measured.shape.range_label}"
+
+
+def _heading(measured: Measured) -> str:
+    subject = "error" if measured.is_deposit else "not a deposit at rest; its error"
+    return f"{subject} relative to published laws (zeta: front_max / front_connected / front_height; * beyond scatter)"
+
+
+def _score_lines(measured: Measured) -> list[str]:
+    by_law = groupby(measured.scores, lambda score: (score.experiment, score.quantity))
+    laws = [list(group) for _, group in by_law]
+    return [
+        *(_law_line(law) for law in laws if law[0].expected is not None),
+        *(_profile_line(profile) for profile in measured.profiles),
+        *(f"{law[0].experiment:<24} {law[0].quantity:<10} {law[0].comment}" for law in laws if law[0].expected is None),
+    ]
+
+
+def _law_line(scores: list[Score]) -> str:
+    first = scores[0]
+    errors = " / ".join(_percent(score) for score in scores)
+    return (
+        f"{first.experiment:<24} {first.quantity:<10}{first.expected:7.3f}  {errors:<34}"
+        f"scatter {100.0 * first.scatter:4.1f} %  {first.comment}"
+    )
+
+
+def _percent(score: Score) -> str:
+    return f"{100.0 * (score.error or 0.0):+6.1f} %" + (" " if score.within_scatter else "*")
+
+
+def _profile_line(profile: ProfileScore) -> str:
+    tip = "" if profile.error is None else f", tip {100.0 * profile.error:+.1f} %"
+    name = f"{profile.experiment:<24} {profile.profile}"
+    return f"{name}: RMS distance {profile.rms_mm:.1f} mm{tip} ({profile.comment})"
