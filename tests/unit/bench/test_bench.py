@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 from mpmcol.bench.cases import MODELS, make_solver
 from mpmcol.bench.clock import seconds
@@ -16,10 +15,9 @@ from mpmcol.bench.machine import POINT_OPERATIONS, Machine
 from mpmcol.bench.measure import QUICK, bytes_per_point, measure_case, plain_steps, vector_steps
 from mpmcol.bench.plain_loops.common import plain_points, plain_state
 from mpmcol.bench.report import BenchmarkCase, Report, Spread, compare, load_report, make_report
-from mpmcol.cli import main
-from mpmcol.cli.bench import bench
 from mpmcol.errors import UsageError
 from mpmcol.mpm.jit import driver
+from tests.support.cli import invoke
 
 PHASES = ("clear", "p2g", "update_grid", "update_points", "g2p", "stress", "step", "sort")
 
@@ -120,21 +118,21 @@ def test_only_slowdowns_beyond_the_noise_are_reported(case: BenchmarkCase) -> No
 
 def test_the_command_prints_writes_and_compares(tmp_path: Path) -> None:
     arguments = ["--quick", "--model", "plane", "--points", "1000", "--threads", "1"]
-    first = CliRunner().invoke(bench, [*arguments, "--json", str(tmp_path / "new.json")])
+    first = invoke("bench", *arguments, "--json", tmp_path / "new.json")
     assert first.exit_code == 0, first.output
     for phase in (*PHASES, "memory", "bound", "Python"):
         assert f"\n{phase} " in first.output
     written = load_report(tmp_path / "new.json")
     (tmp_path / "fast.json").write_text(slower(written, "p2g", 1e-3).to_json())
     (tmp_path / "slow.json").write_text(replace(slower(written, "p2g", 1e3), cases=()).to_json())
-    slowed = CliRunner().invoke(main, ["bench", *arguments, "--against", str(tmp_path / "fast.json")])
+    slowed = invoke("bench", *arguments, "--against", tmp_path / "fast.json")
     assert slowed.exit_code == 1 and "p2g" in slowed.output
-    unchanged = CliRunner().invoke(main, ["bench", *arguments, "--against", str(tmp_path / "slow.json")])
+    unchanged = invoke("bench", *arguments, "--against", tmp_path / "slow.json")
     assert unchanged.exit_code == 0 and "Nothing is" in unchanged.output
     assert json.loads((tmp_path / "new.json").read_text())["schema"] == 3
 
 
 @pytest.mark.parametrize("arguments", [["--points", "0"], ["--points", "8k"], ["--threads", "1,,2"]])
 def test_wrong_counts_are_rejected(arguments: list[str]) -> None:
-    result = CliRunner().invoke(bench, arguments)
+    result = invoke("bench", *arguments)
     assert result.exit_code == 2 and "expected whole numbers" in result.output

@@ -5,10 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 
 from mpmcol.case import key_names, markdown_reference, shipped_cases
-from mpmcol.cli import main
+from tests.support.cli import invoke
 
 DOCUMENT = Path(__file__).parents[3] / "cases" / "README.md"
 MARKER = "<!-- output of mpmcol explain --markdown -->\n\n"
@@ -21,9 +20,9 @@ def test_the_document_is_up_to_date() -> None:
 
 
 def test_the_command_prints_the_reference() -> None:
-    result = CliRunner().invoke(main, ["explain", "--markdown"])
+    result = invoke("explain", "--markdown")
     assert (result.exit_code, result.output) == (0, markdown_reference())
-    assert CliRunner().invoke(main, ["explain", "grid", "--markdown"]).exit_code == 2
+    assert invoke("explain", "grid", "--markdown").exit_code == 2
 
 
 @pytest.mark.parametrize("key", key_names())

@@ -10,9 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
-from mpmcol.cli import main as cli
 from mpmcol.errors import NumericalFailure, UsageError
 from mpmcol.failure_modes import scenarios
 from mpmcol.failure_modes.report import markdown, table_rows, write_report
@@ -26,6 +24,7 @@ from mpmcol.failure_modes.scenario import (
     run_scenario,
 )
 from mpmcol.selection import matches
+from tests.support.cli import invoke
 
 SCENARIOS = list(scenarios.SCENARIOS.values())
 QUICK = [scenario for scenario in SCENARIOS if not scenario.slow]
@@ -166,26 +165,26 @@ def test_the_command_exits_with_4_if_an_outcome_is_unexpected(
     metric: float, code: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(scenarios, "SCENARIOS", {"group-one": scenario(bad(metric, default=True), good())})
-    result = CliRunner().invoke(cli, ["stability", "--out", str(tmp_path)])
+    result = invoke("stability", "--out", tmp_path)
     assert result.exit_code == code
     assert ("UNEXPECTED PASS" in result.output) == (code == 4)
     assert "a default fails in: group-one" in result.output
-    record = json.loads(CliRunner().invoke(cli, ["stability", "group", "--json", "--out", str(tmp_path)]).stdout)
+    record = json.loads(invoke("stability", "group", "--json", "--out", tmp_path).stdout)
     assert record["passed"] == (code == 0)
     assert len(record["rows"]) == 2
-    quiet = CliRunner().invoke(cli, ["stability", "--quiet", "--out", str(tmp_path)])
+    quiet = invoke("stability", "--quiet", "--out", tmp_path)
     assert len(quiet.output.splitlines()) == 1
 
 
 def test_the_list_shows_every_scenario_and_runs_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    lines = CliRunner().invoke(cli, ["stability", "--list"]).output.splitlines()
+    lines = invoke("stability", "--list").output.splitlines()
     assert [line.split()[0] for line in lines] == [one.name for one in SCENARIOS]
     assert list(tmp_path.iterdir()) == []
 
 
 def test_an_unknown_name_is_rejected_before_anything_is_written(tmp_path: Path) -> None:
-    result = CliRunner().invoke(cli, ["stability", "tension", "tensoin", "--out", str(tmp_path / "new")])
+    result = invoke("stability", "tension", "tensoin", "--out", tmp_path / "new")
     assert result.exit_code == 2
     assert "did you mean 'tension'" in result.output
     assert not (tmp_path / "new").exists()

@@ -12,17 +12,15 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from matplotlib.figure import Figure
 
-from mpmcol.cli.measure import measure as measure_command
-from mpmcol.cli.plot import plot as plot_command
 from mpmcol.errors import OutputError, UsageError
 from mpmcol.experiments import EXPERIMENTS
 from mpmcol.io import results
 from mpmcol.io.results import Results
 from mpmcol.measure import ColumnShape, Measurement, measure
 from mpmcol.plotting import charts, run_charts
+from tests.support.cli import invoke
 
 SHAPE = ColumnShape("plane", "one-sided", r_i=0.09, h_i=0.09, spacing=0.002, density=2650.0, point_size=0.001)
 PNG = b"\x89PNG\r\n\x1a\n"
@@ -211,18 +209,18 @@ def test_a_folder_that_is_gone_is_an_output_error(tmp_path: Path) -> None:
 
 
 def test_plot_command_prints_the_paths(run: SyntheticRun, figures: list[Figure]) -> None:
-    result = CliRunner().invoke(plot_command, [str(run.folder), "--times", "0.11", "--svg"])
+    result = invoke("plot", run.folder, "--times", "0.11", "--svg")
     paths = [Path(text) for text in result.output.split()]
     assert {path.suffix for path in paths} == {".png", ".svg"} and len(paths) == 6
     assert all(path.is_file() for path in paths)
     times = [label for entry in figures[0].axes[0].lines if (label := str(entry.get_label())).startswith("$t$")]
     assert [label.split()[2] for label in times] == ["0.1", "0.3"]  # of the nearest snapshot, and the last
     assert times[-1].endswith(", deposit") and not times[0].endswith(", deposit")
-    assert CliRunner().invoke(plot_command, [str(run.folder), "--times", "soon"]).exit_code == 2
+    assert invoke("plot", run.folder, "--times", "soon").exit_code == 2
 
 
 def test_measure_command_table(run: SyntheticRun) -> None:
-    table = CliRunner().invoke(measure_command, [str(run.folder)]).output
+    table = invoke("measure", run.folder).output
     assert f"zeta {run.measure().zeta['front_max']:7.3f}" in table
     paper = next(text for text in table.splitlines() if text.startswith("paper-plane") and "zeta" in text)
     assert "1.600" in paper and paper.count("*") == 0
@@ -233,8 +231,8 @@ def test_measure_command_table(run: SyntheticRun) -> None:
 
 
 def test_measure_command_json_and_csv_agree(run: SyntheticRun) -> None:
-    record = json.loads(CliRunner().invoke(measure_command, [str(run.folder), "--json"]).output)
-    text = CliRunner().invoke(measure_command, [str(run.folder), "--csv"]).output
+    record = json.loads(invoke("measure", run.folder, "--json").output)
+    text = invoke("measure", run.folder, "--csv").output
     (row,) = csv.DictReader(io.StringIO(text))
     assert record["stop_time"] == pytest.approx(0.25 / np.sqrt(0.09 / 9.81), rel=0.05)
     assert float(row["zeta.front_height"]) == pytest.approx(record["zeta"]["front_height"], rel=1e-5)
@@ -249,11 +247,11 @@ def test_csv_columns_do_not_depend_on_the_aspect_ratio(run: SyntheticRun) -> Non
     headers = []
     for h_i in (0.09, 0.18):  # the second lies in the gap of Eq. 37
         run.shape = replace(SHAPE, h_i=h_i)
-        headers.append(CliRunner().invoke(measure_command, [str(run.folder), "--csv"]).output.splitlines()[0])
+        headers.append(invoke("measure", run.folder, "--csv").output.splitlines()[0])
     assert headers[0] == headers[1]
 
 
 def test_measure_command_takes_an_earlier_snapshot(run: SyntheticRun) -> None:
-    record = json.loads(CliRunner().invoke(measure_command, [str(run.folder), "--json", "--snapshot", "0"]).output)
+    record = json.loads(invoke("measure", run.folder, "--json", "--snapshot", "0").output)
     assert record["zeta"]["front_max"] == pytest.approx(0.0, abs=0.02)
     assert record["stop_time"] is None

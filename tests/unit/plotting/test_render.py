@@ -7,19 +7,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from PIL import Image
 from PIL.ImageSequence import Iterator
 
-from mpmcol.cli.render import render as command
 from mpmcol.errors import OutputError, UsageError
 from mpmcol.io.snapshot import Meta, Snapshot, list_snapshots, read_snapshot, write_snapshot
 from mpmcol.plotting.render import backends, render
 from mpmcol.plotting.render import frame as frame_module
 from mpmcol.plotting.render.frame import View, canvas_size
 from mpmcol.plotting.render.side import fit_view
+from tests.support.cli import invoke
 
 SIZE = (480, 270)
 STEPS = 4
@@ -254,7 +253,7 @@ def test_points_at_non_finite_positions_are_omitted(folder: Path, tmp_path: Path
 def test_command(folder: Path, tmp_path: Path, without_egl: None):
     target = tmp_path / "a.png"
     options = ["--gif", "--snapshot", "1", "--size", "400x300", "--out", str(target)]
-    result = CliRunner().invoke(command, [str(folder), *options])
+    result = invoke("render", folder, *options)
     assert result.exit_code == 0
     assert result.stdout.split() == [str(target), str(target.with_suffix(".gif"))]
     assert "libegl1" in result.stderr
@@ -264,7 +263,7 @@ def test_command(folder: Path, tmp_path: Path, without_egl: None):
 
 @pytest.mark.parametrize("size", ["1280", "0x0", "ax3", "1280x-3", "99999x300", ""])
 def test_command_rejects_an_invalid_size(folder: Path, size: str):
-    result = CliRunner().invoke(command, [str(folder), "--size", size])
+    result = invoke("render", folder, "--size", size)
     assert result.exit_code == 2 and "expected WIDTHxHEIGHT" in result.stderr
 
 

@@ -13,13 +13,11 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from PIL import Image
 from PIL.ImageSequence import Iterator
 
-from mpmcol.cli.render import render as command
 from mpmcol.errors import OutputError, UsageError
 from mpmcol.io.names import CASE_FILE, OWN_FILES
 from mpmcol.io.snapshot import Meta, Snapshot, list_snapshots, write_snapshot
@@ -29,6 +27,7 @@ from mpmcol.plotting.render import backends, cutaway, frame, projection, render
 from mpmcol.plotting.render.frame import canvas_size, read_for_rendering
 from mpmcol.plotting.render.projection import TOP
 from mpmcol.plotting.render.top import MOVED_COLOR, UNDISTURBED_COLOR, draw_top_view
+from tests.support.cli import invoke
 
 SIZE = (480, 270)
 STEPS = 3
@@ -314,7 +313,7 @@ def test_unavailable_views_are_rejected(quarter: Path, axisymmetric: Path, tmp_p
 
 def test_command(axisymmetric: Path, quarter: Path, tmp_path: Path):
     target = tmp_path / "a.png"
-    result = CliRunner().invoke(command, [str(axisymmetric), "--view", "top", "--out", str(target)])
+    result = invoke("render", axisymmetric, "--view", "top", "--out", target)
     assert (result.exit_code, result.stdout.split(), result.stderr) == (0, [str(target)], "")
-    result = CliRunner().invoke(command, [str(quarter), "--view", "below"])
+    result = invoke("render", quarter, "--view", "below")
     assert result.exit_code == 2 and "'side', '3d', 'top'" in result.stderr

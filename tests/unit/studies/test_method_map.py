@@ -10,10 +10,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 from mpmcol.case import load_case
-from mpmcol.cli import main
 from mpmcol.errors import OutputError, UsageError
 from mpmcol.measure import FRONTS, Measurement
 from mpmcol.studies.method_map.assessment import (
@@ -35,6 +33,7 @@ from mpmcol.studies.method_map.text import closing_lines, markdown, panels_of, p
 from mpmcol.studies.runs import EndedRuns, study_run
 from mpmcol.sweep.engine import Outcome
 from mpmcol.sweep.task import TaskResult
+from tests.support.cli import invoke
 
 TINY = """
 schema = 1
@@ -260,10 +259,7 @@ def test_a_small_map_from_end_to_end(tmp_path: Path, monkeypatch: pytest.MonkeyP
     monkeypatch.chdir(tmp_path)
     path, out = write(tmp_path), tmp_path / "stability" / "map-tiny"
 
-    def invoke(*words: str) -> Any:
-        return CliRunner().invoke(main, ["stability", "--map", str(path), *words])
-
-    done = invoke("--jobs", "1")
+    done = invoke("stability", "--map", path, "--jobs", "1")
     assert done.exit_code == 0, done.output
     assert "5 grid points: 2 pass, 2 degrade, 1 fail" in done.output
     assert "The default method passes at 2 of 2 grid points." in done.output
@@ -275,11 +271,11 @@ def test_a_small_map_from_end_to_end(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert json.loads((out / "environment.json").read_text())["numba"]
     assert (out / "map.png").stat().st_size > 10_000
     before = {file: file.stat().st_mtime_ns for file in (out / "runs").rglob("*") if file.is_file()}
-    again = invoke("--report-only", "--quiet")
+    again = invoke("stability", "--map", path, "--report-only", "--quiet")
     assert (again.exit_code, again.output) == (0, "")
     assert {file: file.stat().st_mtime_ns for file in (out / "runs").rglob("*") if file.is_file()} == before
     write(tmp_path, "[0.4, 0.5, 2]", "[0.4, 0.45, 2]")
-    record = json.loads(invoke("--report-only", "--json").stdout)
+    record = json.loads(invoke("stability", "--map", path, "--report-only", "--json").stdout)
     assert [row["rating"] for row in record["rows"]].count("not run") == 1
 
 
@@ -297,13 +293,13 @@ def test_arguments_that_do_not_fit_are_refused(
     arguments: list[str], message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    result = CliRunner().invoke(main, ["stability", *arguments])
+    result = invoke("stability", *arguments)
     assert result.exit_code == 2 and message in result.output
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_report_without_any_run_is_refused(tmp_path: Path) -> None:
     arguments = ["stability", "--map", str(write(tmp_path)), "--report-only", "--out", str(tmp_path / "out")]
-    result = CliRunner().invoke(main, arguments)
+    result = invoke(*arguments)
     assert result.exit_code == 2 and "no run of the study has ended" in result.output
     assert not (tmp_path / "out").exists()

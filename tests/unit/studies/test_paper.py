@@ -8,14 +8,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
-from mpmcol.cli import main as cli
 from mpmcol.experiments import find_experiment
 from mpmcol.measure import FRONTS
 from mpmcol.studies.paper import FIGURES, factors, fig5, fig6, fig7, fig8, fig9
 from mpmcol.studies.paper.report import Comparison, FigureResult, csv_text, error_summary, markdown, series_row
 from mpmcol.studies.runs import CompletedRun, StudyRun
+from tests.support.cli import invoke
 
 
 def completed(a: float, h: float, zeta: float, beta: float = 0.5) -> CompletedRun:
@@ -106,19 +105,19 @@ def test_failed_runs_are_left_out() -> None:
 
 
 def test_an_unknown_figure_is_refused() -> None:
-    result = CliRunner().invoke(cli, ["paper", "fig4"])
+    result = invoke("paper", "fig4")
     assert result.exit_code == 2 and "'fig4'" in result.output and "fig5" in result.output
 
 
 def test_a_figure_from_the_command_line(tmp_path: Path) -> None:
     """Figure 9, quick: of two cylinders that of a = 0.55 keeps a flat top and that of 0.9 does not, as measured."""
     out = tmp_path / "figures"
-    result = CliRunner().invoke(cli, ["paper", "fig9", "--quick", "--out", str(out)])
+    result = invoke("paper", "fig9", "--quick", "--out", out)
     assert result.exit_code == 0, result.output
     with (out / "fig9.csv").open(newline="") as file:
         rows = {float(row["a"]): row for row in csv.DictReader(file)}
     assert 30.0 < float(rows[0.55]["undisturbed_mm"]) < 45.0 and float(rows[0.9]["undisturbed_mm"]) == 0.0
     assert (out / "fig9-top-a0.55.png").stat().st_size > 10_000
     assert "Figure 9" in (out / "fig9.md").read_text() and (out / "environment.json").exists()
-    again = CliRunner().invoke(cli, ["paper", "fig9", "--quick", "--out", str(out)])
+    again = invoke("paper", "fig9", "--quick", "--out", out)
     assert again.exit_code == 0 and "nothing to run" in again.output

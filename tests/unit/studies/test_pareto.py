@@ -5,14 +5,11 @@ from __future__ import annotations
 import csv
 import json
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 from mpmcol.case import load_case
-from mpmcol.cli import main
 from mpmcol.errors import CaseError, UsageError
 from mpmcol.measure.profile_distance import area_between
 from mpmcol.studies.pareto.reference import PROFILE
@@ -27,6 +24,7 @@ from mpmcol.studies.pareto.study import (
     variant_values,
 )
 from mpmcol.studies.runs import study_run
+from tests.support.cli import invoke
 
 STUDY = """
 schema = 1
@@ -147,10 +145,7 @@ def test_a_small_study_from_end_to_end(tmp_path: Path, monkeypatch: pytest.Monke
     monkeypatch.chdir(tmp_path)
     path = write(tmp_path)
 
-    def invoke(*words: str) -> Any:
-        return CliRunner().invoke(main, ["pareto", str(path), *words])
-
-    done = invoke("--jobs", "2")
+    done = invoke("pareto", path, "--jobs", "2")
     assert done.exit_code == 0, (
         done.output
     )  # although the runs with a time step beyond the stability limit diverge, as expected
@@ -168,10 +163,10 @@ def test_a_small_study_from_end_to_end(tmp_path: Path, monkeypatch: pytest.Monke
     assert json.loads((out / "environment.json").read_text())["numba"]
     assert (out / "pareto-low.png").stat().st_size > 20_000
     before = {file: file.stat().st_mtime_ns for file in (out / "runs").rglob("*") if file.is_file()}
-    again = invoke("--report-only", "--quiet")
+    again = invoke("pareto", path, "--report-only", "--quiet")
     assert (again.exit_code, again.output) == (0, "")
     assert {file: file.stat().st_mtime_ns for file in (out / "runs").rglob("*") if file.is_file()} == before
     assert (out / "pareto.md").read_text() == text
     write(tmp_path, "cells = [5, 6, 7]", "cells = [3, 4, 5]")
-    wrong = invoke()
+    wrong = invoke("pareto", path)
     assert wrong.exit_code == 2 and "low, plain, r_i/h = 3:" in wrong.output and "at least one cell" in wrong.output

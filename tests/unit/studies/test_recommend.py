@@ -9,10 +9,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
 
 from mpmcol.case import load_case
-from mpmcol.cli import main
 from mpmcol.errors import UsageError
 from mpmcol.studies.pareto import recommend, savings
 from mpmcol.studies.pareto.certify import error_bar
@@ -24,6 +22,7 @@ from mpmcol.studies.pareto.shipped import (
     neighbouring_cases,
     shipped_study,
 )
+from tests.support.cli import invoke
 
 ELASTIC = "density = 2650.0\nyoungs_modulus = 10e6\npoissons_ratio = 0.2\n"
 ERRORS = {10.0: 0.2, 20.0: 0.08, 40.0: 0.0382}
@@ -46,10 +45,6 @@ def table(monkeypatch: pytest.MonkeyPatch) -> None:
     made = tuple(configurations())
     for module in (recommend, savings):
         monkeypatch.setattr(module, "shipped_configurations", lambda: made)
-
-
-def invoke(*words: str) -> Result:
-    return CliRunner().invoke(main, list(words))
 
 
 def test_the_cheapest_accurate_configuration_is_recommended() -> None:
@@ -141,7 +136,7 @@ def test_a_plan_lists_saving_and_effect_of_each_change() -> None:
 
 def test_a_plan_can_be_applied(tmp_path: Path) -> None:
     new = tmp_path / "new.toml"
-    done = invoke("plan", "lube-cylinder", "--accuracy", "5%", "--apply", str(new))
+    done = invoke("plan", "lube-cylinder", "--accuracy", "5%", "--apply", new)
     assert done.exit_code == 0, done.output
     assert "rigid floor instead of the elastic layer" in done.output and "+5.6%" in done.output
     assert 'cheapest within 5%: "light" at r_i/h = 20' in done.output

@@ -11,15 +11,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
-from mpmcol.cli import main as cli
 from mpmcol.experiments import profile_score
 from mpmcol.measure import ColumnShape, Measurement, failure_line
 from mpmcol.studies.runs import REPEATED_CFL, CompletedRun
 from mpmcol.studies.validation import CHECKS, Validation, measures, select_checks
 from mpmcol.studies.validation.check import Band, Check, CheckResult, Column, evaluate_check
 from mpmcol.studies.validation.report import markdown, summary
+from tests.support.cli import invoke
 
 COLUMN = Column("bui-rods", 0.5, 0.0025, 0.005)
 WRONG = {"wrong": COLUMN.with_values(material__friction_deg="30")}
@@ -161,7 +160,7 @@ def test_checks_are_selected_by_group_or_name() -> None:
 
 
 def test_an_unknown_check_is_refused() -> None:
-    result = CliRunner().invoke(cli, ["validate", "rods-surfce"])
+    result = invoke("validate", "rods-surfce")
     assert result.exit_code == 2 and "did you mean 'rods-surface'" in result.output
 
 
@@ -169,14 +168,14 @@ def test_the_rods_from_the_command_line(tmp_path: Path, monkeypatch: pytest.Monk
     """On a coarse grid the front passes, and wrong friction angles are rejected. The second time nothing is run. With a
     band that excludes the value the command fails."""
     out = tmp_path / "validation"
-    result = CliRunner().invoke(cli, ["validate", "rods-front", "--quick", "--out", str(out)])
+    result = invoke("validate", "rods-front", "--quick", "--out", out)
     assert result.exit_code == 0, result.output
     assert "1 of 1 checks passed" in result.output and "friction 25 deg: " in result.output
     with (out / "validation.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert [row["inside"] for row in rows] == ["true", "false", "false"]
 
-    again = CliRunner().invoke(cli, ["validate", "rods", "--quick", "--out", str(out), "--json"])
+    again = invoke("validate", "rods", "--quick", "--out", out, "--json")
     record = json.loads(again.stdout)
     assert "nothing to run" in again.stderr
     numbers = {row["check"]: row["value"] for row in record["checks"] if not row["control"]}
@@ -191,5 +190,5 @@ def test_the_rods_from_the_command_line(tmp_path: Path, monkeypatch: pytest.Monk
         replace(one, band=Band(0.0, 1.0, "shorter than any runout")) for one in CHECKS if one.name == "rods-front"
     ]
     monkeypatch.setattr("mpmcol.studies.validation.CHECKS", tuple(strict))
-    failed = CliRunner().invoke(cli, ["validate", "--quick", "--out", str(out), "--quiet"])
+    failed = invoke("validate", "--quick", "--out", out, "--quiet")
     assert failed.exit_code == 4 and "0 of 1 checks passed" in failed.output
