@@ -40,7 +40,7 @@ def slower(report: Report, phase: str, factor: float) -> Report:
     return replace(report, cases=tuple(cases))
 
 
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", [*MODELS[:2], pytest.param(MODELS[2], marks=pytest.mark.slow)])
 def test_plain_loops_agree_with_the_kernels(model: str) -> None:
     solver = make_solver(model, 2000)
     solver.advance(1.0, max_steps=30)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import radians
+from typing import Any
 
 import numpy as np
 import pytest
@@ -109,9 +110,10 @@ SCHEMES = (
 )
 COMBINED_SCHEMES = (Scheme(stress_order="musl", affine=True), Scheme(stress_order="usf", affine=True, basis="cubic"))
 CELL = Scheme(volumetric_strain="cell")
-SCHEME_CASES: list[tuple[Scheme, int, dict]] = [  # scheme, dimension, changed settings
+QUICK_IN_3D = (Scheme(affine=True), Scheme(basis="cubic"))  # each further variant in 3D is compiled for ten seconds
+SCHEME_CASES: list[Any] = [  # scheme, dimension, changed settings
     *((scheme, 2, change) for scheme in (*SCHEMES, *COMBINED_SCHEMES) for change in (PIC, AXISYMMETRIC)),
-    *((scheme, 3, PIC) for scheme in SCHEMES),
+    *(pytest.param(scheme, 3, PIC, marks=[] if scheme in QUICK_IN_3D else pytest.mark.slow) for scheme in SCHEMES),
     *((Scheme(basis="cubic"), d, {"kernel_correction": False}) for d in (2, 3)),
     *((CELL, d, {}) for d in (2, 3)),
     (CELL, 2, AXISYMMETRIC),
