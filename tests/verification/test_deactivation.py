@@ -110,7 +110,9 @@ def test_tiles_become_active_as_the_flow_arrives_and_inactive_points_keep_their_
 
 
 @pytest.mark.parametrize("wall_impulse", [True, False], ids=["impulse", "no impulse"])
-@pytest.mark.parametrize(("d", "axisymmetric"), [(2, False), (2, True), (3, False)], ids=["plane", "axi", "space"])
+@pytest.mark.parametrize(
+    ("d", "axisymmetric"), [(2, False), (2, True), (3, False)], ids=["plane", "axisymmetric", "3D"]
+)
 def test_the_ledger_closes_while_tiles_become_active(d: int, axisymmetric: bool, wall_impulse: bool) -> None:
     """Inactive points keep their energy, and the nodes beside them are held like a wall."""
     ledger = ledger_of(DAMPED._replace(axisymmetric=axisymmetric, wall_impulse=wall_impulse), d, margin=1)

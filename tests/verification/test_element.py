@@ -1,4 +1,4 @@
-"""One point driven by a given velocity gradient: the element tests of elasticity and of Mohr-Coulomb."""
+"""Element tests of elasticity and of Mohr-Coulomb: one point with a prescribed velocity gradient."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ both_dimensions = pytest.mark.parametrize("d", [2, 3])
 
 
 class Driven(NamedTuple):
-    """Where a point arrived: stress xx yy zz xy and volume ratio."""
+    """Final stress (xx yy zz xy) and volume ratio of a point."""
 
     sigma: np.ndarray
     J: float
 
 
 def driven(d: int, body: Body, strain: np.ndarray, steps: int, sigma: tuple[float, ...] = (0.0,) * 4) -> Driven:
-    """A point that starts with stress xx yy zz xy, after steps that add up to dt L = `strain` (2, 2)."""
+    """A point with initial stress xx yy zz xy, after `steps` steps with a total of dt L = `strain` (2, 2)."""
     (xx, xy), (yx, yy) = strain.tolist()
     gradient = (xx, xy, yx, yy, 0.0) if d == 2 else (xx, xy, 0.0, yx, yy, 0.0, 0.0, 0.0, 0.0)
     start = sigma if d == 2 else (*sigma, 0.0, 0.0)
@@ -39,7 +39,7 @@ def simple_shear(gamma: float) -> np.ndarray:
 
 @pytest.mark.parametrize("gamma", [0.01, 0.5, 2.0, 6.0])
 @both_dimensions
-def test_elastic_simple_shear_oscillates_as_jaumann_says(d: int, gamma: float) -> None:
+def test_elastic_simple_shear_oscillates_with_the_jaumann_rate(d: int, gamma: float) -> None:
     point = driven(d, elastic_body(), simple_shear(gamma), steps=20_000)
     xx, yy, zz, xy = point.sigma / SHEAR
     error = 1e-3 * gamma
@@ -51,15 +51,15 @@ def test_elastic_simple_shear_oscillates_as_jaumann_says(d: int, gamma: float) -
 
 @pytest.mark.parametrize("body", [elastic_body(), sand_body()], ids=["elastic", "mohr-coulomb"])
 @both_dimensions
-def test_a_stressed_point_that_turns_keeps_its_principal_stresses(d: int, body: Body) -> None:
+def test_rotation_keeps_the_principal_stresses(d: int, body: Body) -> None:
     start = np.array([[-3e4, 4e3], [4e3, -5e4]])
     angle, steps = 1.2, 20_000
     point = driven(d, body, angle * np.array([[0.0, -1.0], [1.0, 0.0]]), steps, (-3e4, -5e4, -4e4, 4e3))
-    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    R = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
     xx, yy, zz, xy = point.sigma
-    np.testing.assert_allclose([[xx, xy], [xy, yy]], turn @ start @ turn.T, rtol=2e-4)
+    np.testing.assert_allclose([[xx, xy], [xy, yy]], R @ start @ R.T, rtol=2e-4)
     assert zz == -4e4
-    # det(I + dt L) of a rotation is not 1: the known drift of Eq. 29
+    # Eq. 29 drifts in rotation, since det(I + dt L) > 1
     assert pytest.approx((1.0 + (angle / steps) ** 2) ** steps, rel=1e-10) == point.J
 
 
@@ -78,7 +78,7 @@ def test_oedometer_stays_at_active_yield(d: int) -> None:
 @pytest.mark.parametrize("ratio", [K_ACTIVE, 0.6, 1.0, 2.5])
 @both_dimensions
 def test_simple_shear_mobilises_the_sine_of_friction(d: int, ratio: float) -> None:
-    """tau / sigma_n = sin(phi) at constant volume with psi = 0, whatever the lateral stress was."""
+    """tau / sigma_n = sin(phi) at constant volume with psi = 0, for any initial lateral stress."""
     start = (ratio * -1e3, -1e3, ratio * -1e3, 0.0)
     xx, yy, _, xy = driven(d, sand_body(), simple_shear(0.2), 10_000, start).sigma
     assert xy / -yy == pytest.approx(np.sin(np.radians(PHI)), rel=2e-4)
@@ -87,6 +87,6 @@ def test_simple_shear_mobilises_the_sine_of_friction(d: int, ratio: float) -> No
 
 
 @both_dimensions
-def test_a_wrong_friction_angle_is_noticed(d: int) -> None:
+def test_a_wrong_friction_angle_is_detected(d: int) -> None:
     weak = driven(d, sand_body(friction_deg=30.0), simple_shear(0.2), 10_000, (-1e3, -1e3, -1e3, 0.0)).sigma
     assert abs(weak[3] / -weak[1] - 0.5446) > 0.04

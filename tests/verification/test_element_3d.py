@@ -1,4 +1,4 @@
-"""One point in space driven along axes that are not those of the grid: rotation, and Mohr-Coulomb in closed form."""
+"""Element tests in 3D in rotated axes: rigid rotation, and Mohr-Coulomb in closed form."""
 
 from __future__ import annotations
 
@@ -18,30 +18,30 @@ BODIES = pytest.mark.parametrize("body", [elastic_body(), sand_body()], ids=["el
 
 
 def spin(axis: np.ndarray) -> np.ndarray:
-    """The velocity gradient of unit rotation about `axis`."""
+    """Velocity gradient of a rotation about `axis` with unit angular velocity."""
     x, y, z = axis
     return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 
 
 def rotation(angle: float, axis: np.ndarray) -> np.ndarray:
-    """Rodrigues' formula."""
+    """Rotation matrix (Rodrigues' formula)."""
     w = spin(axis)
     return np.eye(3) + np.sin(angle) * w + (1.0 - np.cos(angle)) * w @ w
 
 
-TURNS = {
+ROTATIONS = {
     "principal axes": np.eye(3),
     "about x": rotation(0.7, np.array([1.0, 0.0, 0.0])),
     "about y": rotation(2.0, np.array([0.0, 1.0, 0.0])),
     "about z": rotation(-1.1, np.array([0.0, 0.0, 1.0])),
     "oblique": rotation(0.9, AXIS),
-    "oblique, far": rotation(2.6, AXIS[[2, 0, 1]]),
+    "oblique, large": rotation(2.6, AXIS[[2, 0, 1]]),
 }
-TURNED = pytest.mark.parametrize("turn", TURNS.values(), ids=TURNS)
+ROTATED = pytest.mark.parametrize("R", ROTATIONS.values(), ids=ROTATIONS)
 
 
 def driven(body: Body, strain: np.ndarray, steps: int, sigma: np.ndarray) -> tuple[np.ndarray, float]:
-    """Stress (3, 3) and J after steps that add up to dt L = `strain` (3, 3), from stress `sigma` (3, 3)."""
+    """Stress (3, 3) and J after `steps` steps with a total of dt L = `strain` (3, 3), from stress `sigma` (3, 3)."""
     gradient, start = tuple(strain.reshape(-1).tolist()), tuple(sigma[SIX].tolist())
     end, J = make_path(3, body.law)(start, gradient, body.params, WEIGHTLESS, steps)
     xx, yy, zz, xy, yz, xz = end
@@ -50,33 +50,33 @@ def driven(body: Body, strain: np.ndarray, steps: int, sigma: np.ndarray) -> tup
 
 @BODIES
 @pytest.mark.parametrize("axis", [*np.eye(3), AXIS], ids=["x", "y", "z", "oblique"])
-def test_a_stressed_point_that_turns_keeps_its_principal_stresses(body: Body, axis: np.ndarray) -> None:
+def test_rotation_keeps_the_principal_stresses(body: Body, axis: np.ndarray) -> None:
     start = np.array([[-3e4, 4e3, -2e3], [4e3, -5e4, 1e3], [-2e3, 1e3, -4e4]])
     angle, steps = 1.2, 20_000
     sigma, J = driven(body, angle * spin(axis), steps, start)
-    turn = rotation(angle, axis)
-    np.testing.assert_allclose(sigma, turn @ start @ turn.T, atol=2e-4 * 5e4)
-    # det(I + dt L) of a rotation is not 1: the known drift of Eq. 29
+    R = rotation(angle, axis)
+    np.testing.assert_allclose(sigma, R @ start @ R.T, atol=2e-4 * 5e4)
+    # Eq. 29 drifts in rotation, since det(I + dt L) > 1
     assert pytest.approx((1.0 + (angle / steps) ** 2) ** steps, rel=1e-10) == J
 
 
-@TURNED
-def test_simple_shear_turns_with_the_axes(turn: np.ndarray) -> None:
-    """Elastic shear oscillates as the Jaumann rate says: sin(gamma), 1 - cos(gamma)."""
+@ROTATED
+def test_simple_shear_is_objective(R: np.ndarray) -> None:
+    """With the Jaumann rate elastic shear oscillates: sin(gamma), 1 - cos(gamma)."""
     gamma, shear = 2.0, 0.5 * G2
-    strain = turn @ [[0.0, gamma, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]] @ turn.T
+    strain = R @ [[0.0, gamma, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]] @ R.T
     sigma, J = driven(elastic_body(), strain, 20_000, np.zeros((3, 3)))
-    xx, yy, zz, xy, yz, xz = (turn.T @ sigma @ turn)[SIX] / shear
+    xx, yy, zz, xy, yz, xz = (R.T @ sigma @ R)[SIX] / shear
     assert [xy, xx, yy] == pytest.approx([np.sin(gamma), 1.0 - np.cos(gamma), np.cos(gamma) - 1.0], abs=1e-3 * gamma)
     np.testing.assert_allclose([zz, yz, xz], 0.0, atol=1e-10)
     assert pytest.approx(1.0, abs=1e-10) == J
 
 
 def at_failure(strain: np.ndarray) -> np.ndarray:
-    """Principal stresses of sand at yield after a large principal strain without change of volume, from pressure P.
+    """Principal stresses of sand at yield after a large isochoric principal strain, from pressure P.
 
-    With psi = 0 neither elastic nor plastic strain changes the mean stress. On a face of the pyramid the flow leaves
-    the middle stress its elastic value; on an edge, in triaxial compression and extension, two stresses are equal.
+    With psi = 0 neither elastic nor plastic strain changes the mean stress. On a face of the yield
+    surface the intermediate stress keeps its elastic value; on an edge two stresses are equal (triaxial paths).
     """
     order = np.argsort(-strain)
     e1, e2, e3 = strain[order]
@@ -104,44 +104,44 @@ PATHS = {
 }
 
 
-@TURNED
+@ROTATED
 @pytest.mark.parametrize("strain", PATHS.values(), ids=PATHS)
-def test_sand_that_is_strained_to_failure(strain: tuple[float, float, float], turn: np.ndarray) -> None:
-    """Triaxial and true triaxial paths at constant volume end at the closed form, in principal and in turned axes."""
+def test_triaxial_paths_end_at_the_closed_form(strain: tuple[float, float, float], R: np.ndarray) -> None:
+    """Triaxial and true triaxial paths at constant volume, in principal and in rotated axes."""
     principal = np.array(strain)
-    path, start = turn @ np.diag(principal) @ turn.T, -P * np.eye(3)
-    expected = turn @ np.diag(at_failure(principal)) @ turn.T
+    path, start = R @ np.diag(principal) @ R.T, -P * np.eye(3)
+    expected = R @ np.diag(at_failure(principal)) @ R.T
     sigma, _ = driven(sand_body(), path, 200, start)
     np.testing.assert_allclose(sigma, expected, atol=1e-9 * P)
     one_step, _ = driven(sand_body(), path, 1, start)
     np.testing.assert_allclose(one_step, expected, atol=1e-9 * P)
 
 
-@TURNED
+@ROTATED
 @pytest.mark.parametrize("dilatancy_deg", [0.0, 15.0, PHI])
-def test_the_return_is_the_same_in_turned_axes(turn: np.ndarray, dilatancy_deg: float) -> None:
-    """Trial stresses all over, with cohesion and dilation: faces, both edges and the apex."""
+def test_the_return_mapping_is_the_same_in_rotated_axes(R: np.ndarray, dilatancy_deg: float) -> None:
+    """Random trial stresses with cohesion and dilatancy cover the face, both edges and the apex."""
     rng = np.random.default_rng(5)
     body = sand_body(dilatancy_deg=dilatancy_deg, cohesion=500.0)
     for _ in range(200):
         start, strain = np.diag(rng.uniform(-2.0 * P, 0.0, 3)), np.diag(rng.normal(0.0, 2e-3, 3))
         expected, J = driven(body, strain, 1, start)
-        sigma, J_turned = driven(body, turn @ strain @ turn.T, 1, turn @ start @ turn.T)
-        np.testing.assert_allclose(sigma, turn @ expected @ turn.T, atol=1e-8 * P)
-        assert J_turned == pytest.approx(J, rel=1e-12)
+        sigma, J_rotated = driven(body, R @ strain @ R.T, 1, R @ start @ R.T)
+        np.testing.assert_allclose(sigma, R @ expected @ R.T, atol=1e-8 * P)
+        assert J_rotated == pytest.approx(J, rel=1e-12)
 
 
-@TURNED
-def test_oedometer_stays_at_active_yield(turn: np.ndarray) -> None:
-    n = turn[:, 1]
+@ROTATED
+def test_oedometer_stays_at_active_yield(R: np.ndarray) -> None:
+    n = R[:, 1]
     sigma, _ = driven(sand_body(), -0.004 * np.outer(n, n), 1000, np.zeros((3, 3)))
-    across, vertical = turn.T @ sigma @ turn @ [1.0, 0.0, 0.0], n @ sigma @ n
+    across, vertical = R.T @ sigma @ R @ [1.0, 0.0, 0.0], n @ sigma @ n
     assert across[0] / vertical == pytest.approx(K_ACTIVE, rel=1e-9)
     np.testing.assert_allclose(across[1:] / vertical, 0.0, atol=1e-9)
 
 
-@TURNED
-def test_a_wrong_friction_angle_is_noticed(turn: np.ndarray) -> None:
+@ROTATED
+def test_a_wrong_friction_angle_is_detected(R: np.ndarray) -> None:
     principal = np.array(PATHS["true triaxial"])
-    sigma, _ = driven(sand_body(friction_deg=30.0), turn @ np.diag(principal) @ turn.T, 200, -P * np.eye(3))
-    assert np.abs(turn.T @ sigma @ turn - np.diag(at_failure(principal))).max() > 0.02 * P
+    sigma, _ = driven(sand_body(friction_deg=30.0), R @ np.diag(principal) @ R.T, 200, -P * np.eye(3))
+    assert np.abs(R.T @ sigma @ R - np.diag(at_failure(principal))).max() > 0.02 * P

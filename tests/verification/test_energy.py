@@ -1,18 +1,18 @@
-"""The energy ledger of a collapse closes.
+"""The energy ledger of a collapse is balanced.
 
-In one step the nodes turn the kinetic energy K of P2G into K~. With f = f_int + m g and the mean nodal
-velocity u = (v + v~) / 2 (half of v where a wall stops the node),
+In one step the grid update changes the kinetic energy K of the nodes after P2G to K~. With f = f_int + m g and the mean
+nodal velocity u = (v + v~) / 2 (v / 2 where a boundary holds the node),
 
     K~ - K = dt f_int . u  +  dt m g . u  -  damping  -  walls.
 
-dt f_int . u is minus the work of the stress on the motion of the nodes (L_NODE_WORK), dt m g . u minus the
-change of the potential energy of the points (their trapezoid rule moves them by dt S u), `damping` the work
-of -alpha_d |f| sign(v) (L_DAMPING, >= 0), and `walls` the kinetic energy of the nodal components that walls
-stop and the work of the forces on them (L_WALLS). Summed over all steps K~ - K is L_GRID.
+dt f_int . u is minus the work of the stress on the motion of the nodes (L_NODE_WORK). dt m g . u is minus the change of
+the potential energy of the points, which the trapezoidal position update moves by dt S u. `damping` is the work of
+-alpha_d |f| sign(v) (L_DAMPING, >= 0). `walls` is the kinetic energy of held nodal components and the work of the
+forces on them (L_WALLS). The sum of K~ - K over all steps is L_GRID.
 
-The material takes L_WORK: the mean stress of each step on the velocity gradient after it, stored or
-dissipated. It differs from L_NODE_WORK by the stress times the jump that the transfer makes in the gradient,
-and points hold another kinetic energy than nodes. Both are what P2G and G2P lose:
+L_WORK is the work on the material, stored or dissipated: the mean stress of each step times the velocity gradient after
+it. It differs from L_NODE_WORK by the stress times the change of the gradient in the transfers; and the kinetic energy
+of points differs from that of nodes. Both are the energy lost in the transfers:
 
     transfer = KE at the start - KE now + L_GRID + L_NODE_WORK - L_WORK,
 
@@ -50,11 +50,13 @@ SCHEMES.insert(0, Scheme(volumetric_strain="cell"))
 
 
 @pytest.mark.parametrize("wall_impulse", [True, False], ids=["impulse", "no impulse"])
-@pytest.mark.parametrize(("d", "axisymmetric"), [(2, False), (2, True), (3, False)], ids=["plane", "axi", "space"])
+@pytest.mark.parametrize(
+    ("d", "axisymmetric"), [(2, False), (2, True), (3, False)], ids=["plane", "axisymmetric", "3D"]
+)
 def test_the_ledger_of_a_collapse_closes(d: int, axisymmetric: bool, wall_impulse: bool) -> None:
-    """To 1e-6 of the initial potential energy (0.5 % is asked for): points held off the walls are lifted.
+    """To 1e-6 of the initial potential energy; the remainder is due to points moved to their distance from walls.
 
-    Without impulse the walls stop the same motion in every step, and the points give it to the nodes again.
+    Without the wall reaction in the FLIP increment, points keep the velocity that walls stop in every step.
     """
     ledger = ledger_of(DAMPED._replace(axisymmetric=axisymmetric, wall_impulse=wall_impulse), d)
     assert ledger.potential < -0.4
@@ -76,10 +78,10 @@ def test_the_ledger_of_a_collapse_closes(d: int, axisymmetric: bool, wall_impuls
     ids=str,
 )
 def test_the_ledger_of_every_scheme_closes(scheme: Scheme, d: int, axisymmetric: bool) -> None:
-    """Its terms are the same: the work on the nodes is that of the stress that made the forces, whenever it was made.
+    """With the same terms: the work on the nodes is that of the stress in the nodal forces.
 
-    Where the stress takes other velocities than those of the nodes' motion, the jump is larger: 2 to 5 %. Left out:
-    linear hats in space, with which the column runs out of its domain.
+    Where the stress update uses other velocities than those of the grid update, the jump is larger: 2 to 5 %. Linear
+    shape functions in 3D are left out, since the column leaves its domain.
     """
     ledger = ledger_of(DAMPED._replace(axisymmetric=axisymmetric), d, scheme=scheme)
     assert ledger.potential < -0.4
@@ -90,12 +92,12 @@ def test_the_ledger_of_every_scheme_closes(scheme: Scheme, d: int, axisymmetric:
 
 @pytest.mark.parametrize("d", [2, 3])
 @pytest.mark.parametrize("part", ["kinetic", "potential", "work", "damping", "walls", "transfer"])
-def test_every_part_of_the_ledger_is_needed(part: str, d: int) -> None:
+def test_no_term_of_the_ledger_can_be_omitted(part: str, d: int) -> None:
     ledger = ledger_of(DAMPED, d)
     assert abs(ledger.residual - getattr(ledger, part)) > 1e-5
 
 
-def test_the_jump_in_work_falls_with_the_grid_spacing() -> None:
+def test_the_jump_in_work_decreases_with_the_grid_spacing() -> None:
     """0.9 % of the initial potential energy with 8 cells across the column, 0.4 % with 16."""
     coarse, fine = (ledger_of(DAMPED, h=h).jump for h in (0.01, 0.005))
     assert 0.0 < fine < 0.7 * coarse < 0.7 * 0.01
@@ -103,7 +105,7 @@ def test_the_jump_in_work_falls_with_the_grid_spacing() -> None:
 
 @pytest.mark.parametrize("direction", [(1.0, 0.0), (0.6, 0.0, 0.8), (0.6, -0.48, 0.64)], ids=["x", "xz", "xyz"])
 def test_the_work_of_an_elastic_body_is_its_stored_energy(direction: tuple[float, ...]) -> None:
-    """A block that rings: half of its energy goes to and fro, measured against stress and strain alone."""
+    """A vibrating block; the stored energy follows from its stress alone."""
     h, body, d = 0.1, elastic_body(), len(direction)
     points = points_at(lattice((0.5,) * d, (1.5,) * d, h / 2), h / 2)
     points.v[:] = 0.1 * np.sin(np.pi * ((points.x - 1.0) @ direction))[:, None] * direction

@@ -1,4 +1,4 @@
-"""What must go wrong does: steps beyond the stability limit, missing damping, not-a-numbers."""
+"""Negative tests: time steps beyond the stability limit, missing damping, NaN."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ TRANSIT = 1.0 / 64.7
 both_dimensions = pytest.mark.parametrize("d", [2, 3])
 
 
-def ringing_block(settings: Settings, d: int = 2) -> Solver:
-    """A free elastic square of 10 x 10 cells, or cube of 5 x 5 x 5, with a small random motion."""
+def vibrating_block(settings: Settings, d: int = 2) -> Solver:
+    """A free elastic block of 10 x 10 or 5 x 5 x 5 cells with small random velocities."""
     end = {2: 1.5, 3: 1.0}[d]
     points = points_at(lattice((0.5,) * d, (end,) * d, H / 2), H / 2)
     points.v[:] = np.random.default_rng(7).normal(0.0, 0.05, (len(points), d))
@@ -39,45 +39,45 @@ def energy(solver: Solver) -> float:
 
 
 @both_dimensions
-def test_a_step_beyond_the_stability_limit_is_caught(d: int) -> None:
-    solver = ringing_block(WEIGHTLESS._replace(cfl=1.5), d)
+def test_a_time_step_beyond_the_stability_limit_is_detected(d: int) -> None:
+    solver = vibrating_block(WEIGHTLESS._replace(cfl=1.5), d)
     faults = [solver.advance(np.inf, max_steps=100) for _ in range(5)]
     assert max(faults) >= 0
 
 
 @both_dimensions
-def test_a_step_within_it_is_not(d: int) -> None:
-    solver = ringing_block(WEIGHTLESS, d)
+def test_a_time_step_within_the_stability_limit_is_stable(d: int) -> None:
+    solver = vibrating_block(WEIGHTLESS, d)
     start = energy(solver)
     for k in range(10):
         advance_to(solver, 5.0 * TRANSIT * (k + 1))
         assert energy(solver) < start
 
 
-def test_damping_makes_the_difference_between_ringing_and_rest() -> None:
-    """A compression wave across the block: local damping stops it within a few transits, else it rings on."""
-    left = {}
+def test_vibration_stops_only_with_damping() -> None:
+    """A compression wave across the block: local damping stops it within a few transits."""
+    remaining = {}
     for alpha_d in (0.0, 0.5):
-        solver = ringing_block(WEIGHTLESS._replace(alpha_d=alpha_d))
+        solver = vibrating_block(WEIGHTLESS._replace(alpha_d=alpha_d))
         solver.points.v[:] = 0.0
         solver.points.v[:, 0] = np.sin(np.pi * (solver.points.x[:, 0] - 1.0))
         start = energy(solver)
         advance_to(solver, 20.0 * TRANSIT)
-        left[alpha_d] = energy(solver) / start
-    assert left[0.0] > 0.8
-    assert left[0.5] < 0.01
+        remaining[alpha_d] = energy(solver) / start
+    assert remaining[0.0] > 0.8
+    assert remaining[0.5] < 0.01
 
 
 L_XX, S_XX, L_ZZ, S_ZZ = 9, 12, 27, 30
 LANES = {"velocity": VX, "gradient": L_XX, "stress": S_XX, "J": J, "position": X}
 LANES_ALONG_Z = {"velocity": VZ, "gradient": L_ZZ, "stress": S_ZZ, "position": Z}
-PLACES = [(2, LANES[name]) for name in LANES] + [(3, lane) for lane in (*LANES.values(), *LANES_ALONG_Z.values())]
+PARAMETERS = [(2, LANES[name]) for name in LANES] + [(3, lane) for lane in (*LANES.values(), *LANES_ALONG_Z.values())]
 NAMES = [*LANES, *(f"{name} in 3D" for name in LANES), *(f"{name} along z" for name in LANES_ALONG_Z)]
 
 
-@pytest.mark.parametrize(("d", "lane"), PLACES, ids=NAMES)
-def test_a_number_that_is_none_is_found_within_one_step(d: int, lane: int) -> None:
-    solver = ringing_block(WEIGHTLESS, d)
+@pytest.mark.parametrize(("d", "lane"), PARAMETERS, ids=NAMES)
+def test_nan_is_detected_within_one_step(d: int, lane: int) -> None:
+    solver = vibrating_block(WEIGHTLESS, d)
     assert solver.advance(np.inf, max_steps=3) == -1
     solver.points.rows[123, lane] = np.nan
     start = solver.points.x.copy()

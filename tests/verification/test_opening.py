@@ -1,4 +1,4 @@
-"""Opening strain: sand that falls apart carries no tension and does not grow when it comes together."""
+"""Opening strain: sand that separates carries no tension, and its volume does not grow when it closes again."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ from mpmcol.mpm.particles import COLUMN, Points
 from mpmcol.mpm.solver import Solver
 
 
-def test_layers_that_come_together_keep_their_area() -> None:
-    """The area of the sand comes back to 0.1 %, the height of the stack to 3.4 % only.
+def test_layers_that_close_again_keep_their_area() -> None:
+    """The area of the sand returns to its initial value within 1 %, the height of the stack within 4 %.
 
-    Half of the points keep an opening of some per cent, since their closed neighbours in the same cell carry
-    the weight. Height is from the lowest to the highest layer of points: the gap to the floor, three quarters
-    of a cell, is that of any contact in MPM.
+    Half of the points keep an opening of a few per cent, since closed points in the same cell carry the weight. The
+    height is measured from the lowest to the highest layer of points: the gap of three quarters of a cell to the floor
+    is that of any contact in MPM.
     """
     with_opening = stacked_layers(True)
     assert with_opening.largest_opening > 0.3
@@ -45,8 +45,8 @@ def test_without_opening_strain_the_stack_grows() -> None:
     assert without.largest_opening == 0.0
 
 
-def thrown_clump(opening_strain: bool) -> Points:
-    """A square clump that bursts in all directions, lands and settles in a box."""
+def expanding_block(opening_strain: bool) -> Points:
+    """A square block that expands in all directions, then settles in a box."""
     x = lattice((2 * H, 4 * H), (8 * H, 10 * H), H / 2)
     points = points_at(x, H / 2, kind=COLUMN)
     points.v[:] = 6.0 * (x - x.mean(axis=0))
@@ -55,19 +55,19 @@ def thrown_clump(opening_strain: bool) -> Points:
     return solver.points
 
 
-def test_a_clump_that_bursts_and_settles_keeps_its_area() -> None:
-    points = thrown_clump(True)
+def test_a_block_that_expands_and_settles_keeps_its_area() -> None:
+    points = expanding_block(True)
     assert points.V.sum() == pytest.approx(points.V0.sum(), rel=0.01)
     assert points.J.max() < 1.01
 
 
-def test_without_opening_strain_the_clump_more_than_doubles() -> None:
-    points = thrown_clump(False)
+def test_without_opening_strain_the_expanding_block_grows() -> None:
+    points = expanding_block(False)
     assert points.V.sum() > 1.5 * points.V0.sum()
 
 
-def parting_blocks(speed: float, **change: float) -> tuple[Solver, Points]:
-    """Two touching blocks that flew apart without weight or tension, and their points at the start."""
+def separating_blocks(speed: float, **change: float) -> tuple[Solver, Points]:
+    """Two blocks in contact that separate without gravity or tension, and their initial points."""
     left = points_at(lattice((0.2, 0.2), (0.3, 0.3), H / 2), H / 2, kind=COLUMN)
     right = points_at(lattice((0.3, 0.2), (0.4, 0.3), H / 2), H / 2, kind=COLUMN)
     left.v[:, 0], right.v[:, 0] = -speed, speed
@@ -81,23 +81,23 @@ def parting_blocks(speed: float, **change: float) -> tuple[Solver, Points]:
     return solver, start
 
 
-def test_blocks_pulled_apart_feel_nothing_with_flip() -> None:
-    solver, start = parting_blocks(0.5, taylor=0.0)
+def test_flip_does_not_change_the_velocity_of_separating_blocks() -> None:
+    solver, start = separating_blocks(0.5, taylor=0.0)
     np.testing.assert_allclose(by_id(solver).v, start.v, atol=1e-12)
 
 
 @pytest.mark.parametrize("opening_strain", [True, False])
-def test_blocks_pulled_apart_are_not_held_with_taylor(opening_strain: bool) -> None:
-    """The Taylor term stirs the blocks where they part: they fly apart no slower and gain 1.4 % of energy."""
-    solver, start = parting_blocks(0.5, opening_strain=opening_strain)
+def test_the_taylor_term_does_not_slow_separating_blocks(opening_strain: bool) -> None:
+    """The Taylor term disturbs the blocks at the gap: they separate no slower and gain 1.4 % of energy."""
+    solver, start = separating_blocks(0.5, opening_strain=opening_strain)
     left = start.x[:, 0] < 0.3
     assert -0.505 < by_id(solver).v[left, 0].mean() < -0.5
     assert 1.0 < kinetic_energy(solver.points) / kinetic_energy(start) < 1.04
 
 
 @pytest.mark.parametrize("d", [2, 3])
-def test_a_grain_alone_opens_without_end_but_stays_a_number(d: int) -> None:
-    """Nothing slows what its own velocity gradient says, since the grid hands just that back: it grows as exp(t)."""
+def test_the_opening_strain_of_a_single_particle_is_limited(d: int) -> None:
+    """The grid returns the velocity gradient of a single particle unchanged, so its opening grows as exp(t)."""
     point = points_at(np.full((1, d), 0.3), H / 2, kind=COLUMN)
     solver = make_solver(point, walled_grid((0.0,) * d, H, (30,) * d), WEIGHTLESS)
     solver.points.grad_v = np.diag([1.0] * d + [0.0] * (3 - d))[None] * 0.05 / solver.dt

@@ -1,4 +1,4 @@
-"""Sorting: points in tiles, cells and kinds, groups of tiles that share no node, and every node in reach listed."""
+"""Sorting of points by tile, kind and cell; groups of tiles without common nodes; active tiles."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ DIMENSIONS = pytest.mark.parametrize("d", [2, 3])
 
 
 def mixed_points(d: int, seed: int = 1) -> Points:
-    """Points in a part of the grid, and some at walls, in a random order; all numbers of a record are its own."""
+    """Points in a part of the grid, some at walls, in random order; every record has unique values."""
     rng = np.random.default_rng(seed)
     points = Points({2: 700, 3: 3000}[d], d)
     points.rows[:] = rng.normal(size=points.rows.shape)
@@ -51,14 +51,14 @@ def sorted_points(d: int) -> tuple[Points, Points, Grid, Tiles]:
 
 
 @DIMENSIONS
-def test_every_record_is_kept_whole(d: int) -> None:
+def test_sorting_keeps_every_record(d: int) -> None:
     before, after, _, _ = sorted_points(d)
     assert sorted(after.id) == list(range(len(after)))
     np.testing.assert_array_equal(after.rows[np.argsort(after.id)], before.rows[np.argsort(before.id)])
 
 
 @DIMENSIONS
-def test_points_stand_by_tile_then_kind_then_cell(d: int) -> None:
+def test_points_are_sorted_by_tile_kind_and_cell(d: int) -> None:
     _, after, grid, tiles = sorted_points(d)
     node = first_nodes(after, grid)
     tile = node // TILE
@@ -78,7 +78,7 @@ def test_points_stand_by_tile_then_kind_then_cell(d: int) -> None:
 
 
 def stencils(points: Points, grid: Grid, basis: str) -> np.ndarray:
-    """First node (n, 3) of each point's stencil in a basis."""
+    """First node (n, 3) of each point's stencil for these shape functions."""
     counts, first = (grid.n_x, grid.n_y, grid.n_z), np.zeros((len(points), 3), int)
     for axis in range(points.dimension):
         cells = (points.x[:, [axis]] - ORIGIN[axis]) / H
@@ -110,7 +110,7 @@ every_basis = pytest.mark.parametrize("basis", list(SHAPE_FUNCTIONS))
 
 @DIMENSIONS
 @every_basis
-def test_active_tiles_hold_every_node_in_reach(basis: str, d: int) -> None:
+def test_active_tiles_hold_every_node_that_points_can_reach(basis: str, d: int) -> None:
     _, after, grid, tiles = sorted_points(d)
     assert np.all(np.diff(tiles.active) > 0) and np.all(tiles.active % grid.tile_doubles == 0)
     for seed in range(20):
@@ -118,8 +118,8 @@ def test_active_tiles_hold_every_node_in_reach(basis: str, d: int) -> None:
         assert np.all(np.isin(reached, tiles.active))
 
 
-def test_active_tiles_are_those_around_points_only() -> None:
-    """A lone point makes its tile and those beside it active."""
+def test_only_tiles_next_to_points_are_active() -> None:
+    """A single point activates its own tile and the adjacent ones."""
     for d, expected in ((2, 9), (3, 27)):
         grid, point = allocate_grid((0.0,) * d, H, (40,) * d), Points(1, d)
         point.x[:] = 2.0 * H * TILE + 2.0 * H
@@ -141,7 +141,7 @@ def nodes_of_tiles(basis: str, d: int, travel: float | None = None) -> tuple[Til
 
 @DIMENSIONS
 @every_basis
-def test_tiles_of_a_group_share_no_node(basis: str, d: int) -> None:
+def test_tiles_of_a_group_have_no_common_node(basis: str, d: int) -> None:
     tiles, nodes = nodes_of_tiles(basis, d)
     assert sorted(tiles.grouped) == list(range(len(tiles.split)))
     assert len(tiles.group_start) == 2**d + 1 and tiles.group_start[-1] == len(tiles.split)
@@ -151,11 +151,11 @@ def test_tiles_of_a_group_share_no_node(basis: str, d: int) -> None:
         assert len(own) > 1
         assert len(set().union(*own)) == sum(map(len, own))
         shared_by_groups |= set().union(*own)
-    assert len(shared_by_groups) < sum(map(len, nodes))  # groups do share: the test can fail
+    assert len(shared_by_groups) < sum(map(len, nodes))  # tiles of different groups do share nodes
 
 
 @DIMENSIONS
-def test_cubic_stencils_of_a_group_would_meet_if_points_travelled_a_whole_cell(d: int) -> None:
+def test_cubic_stencils_of_a_group_overlap_if_points_travel_a_whole_cell(d: int) -> None:
     tiles, nodes = nodes_of_tiles("cubic", d, travel=1.0)
     groups = [[nodes[t] for t in tiles.grouped[first:stop]] for first, stop in pairwise(tiles.group_start)]
     assert any(len(set().union(*own)) < sum(map(len, own)) for own in groups)
@@ -171,9 +171,9 @@ def test_many_tiles_are_grouped_in_bands(d: int) -> None:
     points = Points(len(centres), d)
     points.x[:] = centres
     tiles = Tiles(*sort_points(points.rows.reshape(-1), RECORD_SIZE[d], grid, *sort_buffers(grid), 0))
-    place = (points.x / (H * TILE)).astype(int)
+    position = (points.x / (H * TILE)).astype(int)
     assert sorted(tiles.grouped) == list(range(len(centres)))
-    layers = [place[tiles.grouped[first:stop]] for first, stop in pairwise(tiles.group_start)]
+    layers = [position[tiles.grouped[first:stop]] for first, stop in pairwise(tiles.group_start)]
     bands = [np.concatenate(layers[k : k + 2**d]) for k in range(0, len(layers), 2**d)]
     assert len(bands) == len(centres) // BAND
     assert all(len(set(map(tuple, group % 2))) == 1 for group in layers)
@@ -183,7 +183,7 @@ def test_many_tiles_are_grouped_in_bands(d: int) -> None:
 
 
 @DIMENSIONS
-def test_every_node_has_an_address_of_its_own(d: int) -> None:
+def test_node_addresses_are_unique(d: int) -> None:
     grid = allocate_grid(ORIGIN[:d], H, CELLS[d])
     address = grid.ax[:, None, None] + grid.ay[:, None] + grid.az
     assert len(np.unique(address)) == address.size == grid.n_x * grid.n_y * grid.n_z

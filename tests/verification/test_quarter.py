@@ -1,4 +1,4 @@
-"""A cylinder as a quarter between planes of symmetry, in full, and by axial symmetry: the same column."""
+"""One cylindrical column modelled as a quarter, in full, and axisymmetric."""
 
 from __future__ import annotations
 
@@ -35,13 +35,13 @@ POINTS = {"axisymmetric": "grid.points_per_cell=4"}
 
 
 def cylinder(model: str, *more: str) -> mpmcol.Case:
-    """The shipped column in the given model, five cells wide, with one law throughout."""
+    """The shipped case with the given model, five cells per radius, and the same law in both stages."""
     points = POINTS.get(model, "grid.points_per_cell=8")
     return mpmcol.load_case("lube-quarter", [f"geometry.model={model}", *COARSE, points, *more])
 
 
 class Collapsed(NamedTuple):
-    """Places at the start and after a time of sqrt(h_i / g), in cells."""
+    """Positions at the release and after sqrt(h_i / g), in cells."""
 
     before: np.ndarray
     after: np.ndarray
@@ -50,9 +50,9 @@ class Collapsed(NamedTuple):
 
 @cache
 def collapsed(kind: str) -> Collapsed:
-    """The column after its gate is gone, from the stress of rest.
+    """The column without its gate, from the stress at rest.
 
-    Without damping: that acts against the sign of a node's velocity, which is round-off where the column still rests.
+    Without damping, which depends on the sign of the nodal velocity: round-off where the column is still at rest.
     """
     case = cylinder(kind, "stages.initial_stress=k0", "stages.collapse.damping=0.0")
     model = build_model(case)
@@ -65,12 +65,12 @@ def collapsed(kind: str) -> Collapsed:
 
 
 def in_order(x: np.ndarray) -> np.ndarray:
-    """Numbers that put points of equal lattices in equal order."""
+    """Indices that sort the points of a lattice by position."""
     return np.lexsort(np.round(100.0 * x).T)
 
 
 def matched(one: np.ndarray, other: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Numbers of the points of two sets that stand at the same places."""
+    """Indices of the points of two sets at the same positions."""
     a, b = in_order(one), in_order(other)
     np.testing.assert_allclose(one[a], other[b], atol=1e-9)
     return a, b
@@ -80,23 +80,23 @@ SYMMETRIES = {
     ("quarter", "x and z swapped"): [[0, 0, 1], [0, 1, 0], [1, 0, 0]],
     ("full", "x mirrored"): [[-1, 0, 0], [0, 1, 0], [0, 0, 1]],
     ("full", "z mirrored"): [[1, 0, 0], [0, 1, 0], [0, 0, -1]],
-    ("full", "quarter turn"): [[0, 0, 1], [0, 1, 0], [-1, 0, 0]],
+    ("full", "rotated by 90 degrees"): [[0, 0, 1], [0, 1, 0], [-1, 0, 0]],
 }
 
 
 @pytest.mark.parametrize(("model", "name"), SYMMETRIES)
 def test_a_column_stays_symmetric(model: str, name: str) -> None:
     """To round-off, 5e-15 of a cell; see test_symmetry.py."""
-    run, turn = collapsed(model), np.array(SYMMETRIES[model, name], float)
-    a, b = matched(run.before, run.before @ turn.T)
-    np.testing.assert_allclose(run.after[a], (run.after @ turn.T)[b], atol=1e-12)
+    run, R = collapsed(model), np.array(SYMMETRIES[model, name], float)
+    a, b = matched(run.before, run.before @ R.T)
+    np.testing.assert_allclose(run.after[a], (run.after @ R.T)[b], atol=1e-12)
 
 
-def test_a_quarter_moves_as_that_of_the_full_column() -> None:
+def test_quarter_and_full_column_move_alike() -> None:
     """Within 0.7 % of a cell, 0.1 % rms, while points move by a cell.
 
-    Not to round-off: beside a plane of symmetry the corrected weights of the quarter are linear hats, those of the
-    full column splines that reach across. At half the spacing it is 0.3 % of a cell, a quarter of that in metres.
+    The difference is not round-off: next to a plane of symmetry the corrected weights of the quarter are linear, those
+    of the full column are B-splines across the plane. At half the spacing it is 0.3 % of a cell.
     """
     quarter, full = collapsed("quarter"), collapsed("full")
     first = np.all(full.before[:, ::2] > 0.0, axis=1)
@@ -111,7 +111,7 @@ def test_a_quarter_moves_as_that_of_the_full_column() -> None:
 
 
 def test_fronts_of_quarter_and_full_column_agree(tmp_path: Path) -> None:
-    """Mean, least and largest front around the axis, and height, through the whole of a run."""
+    """Mean, smallest and largest front around the axis, and height, of complete runs."""
     short = ("stages.initial_stress=k0", "stages.collapse.max_time_factor=1.0", "output.snapshots=1")
     quarter, full = (
         mpmcol.run(cylinder(model, *short), tmp_path / model, threads=1).summary for model in ("quarter", "full")
@@ -125,7 +125,7 @@ def test_fronts_of_quarter_and_full_column_agree(tmp_path: Path) -> None:
 
 
 def breathing_period(cells: int) -> float:
-    """Period of the plane-strain breathing of an elastic quarter cylinder, over the exact one of its volume."""
+    """Period of the plane-strain radial vibration of a quarter cylinder, over the exact one for its volume."""
     z, h, body = breathing_root(), 1.0 / cells, elastic_body()
     x = lattice((0.0,) * 3, (1.0, 2.0 * h, 1.0), h / 2)
     x = x[np.hypot(x[:, 0], x[:, 2]) < 1.0]
@@ -147,8 +147,8 @@ def breathing_period(cells: int) -> float:
     return float(2.0 * np.polyfit(np.arange(len(crossing)), crossing, 1)[0] / exact)
 
 
-def test_a_quarter_cylinder_breathes_as_the_axisymmetric_one() -> None:
-    """Bessel's period within 0.6 % at ten cells, and second order though the surface is a staircase."""
+def test_radial_vibration_of_a_quarter_cylinder() -> None:
+    """Within 0.6 % of the exact period at ten cells; second order in spite of the stepped surface."""
     errors = np.array([breathing_period(cells) for cells in (5, 10, 20)]) - 1.0
     assert 0.0 < errors[1] < 0.006
     orders = np.log2(errors[:-1] / errors[1:])
@@ -156,7 +156,7 @@ def test_a_quarter_cylinder_breathes_as_the_axisymmetric_one() -> None:
 
 
 def at_rest_behind_the_gate(kind: str) -> tuple[Points, np.ndarray, float]:
-    """The column as an elastic body on a rigid floor, the heights of its points at the start, and its own."""
+    """The column as an elastic body on a rigid floor, the initial heights of its points, and its height."""
     model = build_model(cylinder(kind, "geometry.base=rigid"))
     model.points.kind[:] = BASE
     stage = model.equilibrate
@@ -168,9 +168,9 @@ def at_rest_behind_the_gate(kind: str) -> tuple[Points, np.ndarray, float]:
 
 @pytest.mark.parametrize(("model", "tolerance"), [("axisymmetric", 0.01), ("quarter", 0.06)])
 def test_elastic_stress_behind_the_gate(model: str, tolerance: float) -> None:
-    """Weight above each layer within 2.5 %, and nu / (1 - nu) of it sideways: less behind a gate that is a staircase.
+    """Vertical stress from the weight above within 2.5 %; lateral nu / (1 - nu) times it, less at a stepped gate.
 
-    The lowest layers and the half cell at the top are left out.
+    The lowest layers and the top half cell are left out.
     """
     points, y, height = at_rest_behind_the_gate(model)
     for level in np.unique(np.round(y, 9))[2:-1]:
@@ -182,7 +182,7 @@ def test_elastic_stress_behind_the_gate(model: str, tolerance: float) -> None:
 
 @pytest.mark.slow
 def test_runout_of_quarter_and_axisymmetric_column_agree(tmp_path: Path) -> None:
-    """At ten cells a radius zeta is 0.790 by axial symmetry and 0.794 (mean around the axis) in space."""
+    """With ten cells per radius zeta is 0.790 (axisymmetric) and 0.794 (quarter, mean around the axis)."""
     fine = ("grid.spacing=0.0097", "output.snapshots=1")
     axisymmetric, quarter = (
         mpmcol.run(cylinder(model, *fine), tmp_path / model).summary for model in ("axisymmetric", "quarter")
@@ -194,8 +194,8 @@ def test_runout_of_quarter_and_axisymmetric_column_agree(tmp_path: Path) -> None
 
 @pytest.mark.parametrize("model", ["quarter", "full"])
 @pytest.mark.parametrize("section", ["cylinder", "box"])
-def test_set_stress_is_that_of_rest(model: str, section: str) -> None:
-    """Vertical: the weight above each point; both horizontals K0 times it, in the base as of confined elasticity."""
+def test_k0_stress_is_geostatic(model: str, section: str) -> None:
+    """Vertical stress from the weight above; horizontal stresses K0 times it, in the base nu / (1 - nu) times it."""
     case = cylinder(model, "stages.initial_stress=k0", "stages.k0=0.37", f"geometry.section={section}")
     model = build_model(case)
     points, (x, y, z) = model.points, model.points.x.T

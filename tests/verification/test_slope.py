@@ -1,10 +1,10 @@
 """An infinite slope of Mohr-Coulomb sand (phi = 33, psi = 0) on a no-slip floor.
 
-At constant volume the sand mobilises tau / sigma_n = sin(phi): it rests below atan(sin 33) = 28.6 degrees and
-accelerates with g (sin th - sin(phi) cos th) above. The slope is endless because the address table of x
-repeats itself every PERIOD nodes: a point that leaves a period acts on the nodes of the first, and their tiles
-are the active ones. Tiles that coincide have the same colour, so this holds for one thread only. The stress at
-the start is hydrostatic (K = 1), since between 28.6 and 33 degrees the outcome depends on it.
+At constant volume (psi = 0) the sand mobilises tau / sigma_n = sin(phi): it stays at rest below atan(sin 33) = 28.6
+degrees and accelerates by g (sin th - sin(phi) cos th) above. The grid is periodic along x: its address table
+repeats every PERIOD nodes: points outside the first period act on its nodes. Tiles with the same nodes have the same
+colour, so this requires one thread. The initial stress is hydrostatic (K = 1); between 28.6 and 33 degrees the
+result depends on it.
 """
 
 from __future__ import annotations
@@ -35,8 +35,8 @@ DEPTH = LAYER * H
 SINE = np.sin(np.radians(PHI))
 
 
-def endless_grid() -> Grid:
-    """Forty periods long; the floor holds both components."""
+def periodic_grid() -> Grid:
+    """Forty periods long, with a no-slip floor."""
     grid = allocate_grid((0.0, 0.0), H, (40 * PERIOD, LAYER + 4))
     grid.ax[:] = grid.ax[np.arange(grid.n_x) % PERIOD]
     _, y = node_coordinates(grid)
@@ -45,8 +45,8 @@ def endless_grid() -> Grid:
     return grid
 
 
-class EndlessSolver(Solver):
-    """Clears and updates each tile of nodes once, however many periods of points act on it."""
+class PeriodicSolver(Solver):
+    """Solver that clears and updates each tile once, though points of several periods act on it."""
 
     def sort(self) -> None:
         super().sort()
@@ -56,18 +56,18 @@ class EndlessSolver(Solver):
 
 
 def layer(degrees: float, mobilised: float) -> tuple[Solver, np.ndarray]:
-    """A resting layer with tau = `mobilised` sigma_n, and the heights of its points."""
+    """A layer at rest with tau = `mobilised` sigma_n, and the heights of its points."""
     points = points_at(lattice((PERIOD * H, 0.0), (2 * PERIOD * H, DEPTH), H / 2), H / 2, kind=COLUMN)
     angle, depth = np.radians(degrees), DEPTH - points.x[:, 1]
     normal = DENSITY * G * np.cos(angle) * depth
     points.sigma = np.stack([-normal, -normal, -normal, mobilised * normal], axis=1)
     settings = PLAIN._replace(gravity_x=G * np.sin(angle), gravity_y=-G * np.cos(angle))
-    solver = EndlessSolver(points, endless_grid(), settings, sand_body(), elastic_body())
+    solver = PeriodicSolver(points, periodic_grid(), settings, sand_body(), elastic_body())
     return solver, points.x[:, 1].copy()
 
 
-def test_the_grid_is_endless() -> None:
-    """Nodes at the seam receive what those in the middle of a period do: the layer stays uniform along x."""
+def test_the_grid_is_periodic() -> None:
+    """The layer stays uniform along x across the ends of a period."""
     solver, y = layer(36.0, SINE)
     advance_steps(solver, 200)
     assert node_records(solver.grid)[:PERIOD, :, 0].sum() == pytest.approx(solver.points.m.sum(), rel=1e-12)
@@ -76,8 +76,8 @@ def test_the_grid_is_endless() -> None:
 
 
 @pytest.mark.parametrize("degrees", [20.0, 27.0, 28.0])
-def test_rests_below_28_6_degrees(degrees: float) -> None:
-    """Gravity tilts at once, the layer jerks, slows down and stays."""
+def test_the_layer_stays_at_rest_below_28_6_degrees(degrees: float) -> None:
+    """Gravity is tilted at once: the layer accelerates, slows down and stays at rest."""
     solver, _ = layer(degrees, 0.0)
     advance_to(solver, 0.8)
     start, first = by_id(solver).x[:, 0], solver.time
@@ -88,8 +88,8 @@ def test_rests_below_28_6_degrees(degrees: float) -> None:
 
 
 @pytest.mark.parametrize("degrees", [30.0, 36.0])
-def test_accelerates_above(degrees: float) -> None:
-    """Measured above the sheared cell at the floor; 1.2 % too fast with eight cells, 0.7 % with sixteen."""
+def test_the_layer_accelerates_above_28_6_degrees(degrees: float) -> None:
+    """Measured above the sheared cell at the floor; 1.2 % above theory with eight cells, 0.7 % with sixteen."""
     solver, y = layer(degrees, SINE)
     upper, speeds, times = y > 0.5 * DEPTH, [], []
     for end in (0.2, 0.8):

@@ -1,4 +1,4 @@
-"""Points to grid and back: mass, linear velocity fields and stress are carried exactly, beside walls too."""
+"""P2G and G2P transfer mass, linear velocity fields and stress exactly, also next to walls."""
 
 from __future__ import annotations
 
@@ -36,11 +36,11 @@ both_dimensions = pytest.mark.parametrize("d", [2, 3])
 
 
 class Nodes(NamedTuple):
-    """All nodes after one step: coordinates, velocity and acceleration are (nodes, d)."""
+    """All nodes after one step; coordinates, velocity and acceleration have shape (nodes, d)."""
 
     x: np.ndarray
     m: np.ndarray
-    v: np.ndarray  # after the update
+    v: np.ndarray  # after the grid update
     a: np.ndarray
 
 
@@ -54,7 +54,7 @@ def moving(x: np.ndarray, v: np.ndarray, grad_v: np.ndarray, h: float) -> Points
 
 
 def one_step(points: Points, h: float, scheme: Scheme = PAPER, **change: float) -> tuple[Solver, Nodes]:
-    """The solver and its nodes after a step of weightless points in the unit square or cube."""
+    """The solver and its nodes after one step without gravity in the unit square or cube."""
     d = points.dimension
     grid = walled_grid((0.0,) * d, h, (round(1.0 / h),) * d)
     solver = make_solver(points, grid, WEIGHTLESS._replace(**change), scheme=scheme)
@@ -65,7 +65,7 @@ def one_step(points: Points, h: float, scheme: Scheme = PAPER, **change: float) 
 
 
 def scattered(d: int) -> np.ndarray:
-    """Points everywhere, for each axis a hundred more in the strip half a cell wide beside one of its walls."""
+    """Random points, for each axis a hundred of them within half a cell of one of its walls."""
     rng = np.random.default_rng(4)
     x = rng.uniform(0.001, 0.999, (600 if d == 2 else 5000, d))
     strip = 0.5 / CELLS
@@ -89,19 +89,19 @@ def linear_error(taylor: float, d: int, scheme: Scheme = PAPER) -> float:
 @both_dimensions
 @every_scheme
 def test_taylor_p2g_is_exact_for_linear_fields_up_to_the_walls(scheme: Scheme, d: int) -> None:
-    """Points as near as 0.001 to a wall, 0.008 h; the linear basis has them so near to every node."""
+    """Points as close as 0.001 = 0.008 h to a wall."""
     assert linear_error(1.0, d, scheme) < 1e-12
 
 
 @both_dimensions
-def test_flip_p2g_is_not(d: int) -> None:
+def test_p2g_without_the_taylor_term_is_not_exact(d: int) -> None:
     assert linear_error(0.0, d) > 1e-2
 
 
 @both_dimensions
 @every_scheme
 def test_g2p_is_exact_for_linear_fields_up_to_the_walls(scheme: Scheme, d: int) -> None:
-    """Velocity (by PIC, which forgets the old one), gradient and way of every point; a wall keeps its gap."""
+    """PIC velocity, velocity gradient and displacement of every point, limited by the distance from walls."""
     points = linear_field(d)
     start, v = points.x.copy(), points.v.copy()
     solver, _ = one_step(points, 1.0 / CELLS, scheme, flip_fraction=0.0)
@@ -113,8 +113,8 @@ def test_g2p_is_exact_for_linear_fields_up_to_the_walls(scheme: Scheme, d: int) 
 
 
 @both_dimensions
-def test_mass_and_its_centre_are_carried_up_to_the_walls(d: int) -> None:
-    """The weights of a point add up to one, and their centre is the point."""
+def test_p2g_conserves_mass_and_its_centre_up_to_the_walls(d: int) -> None:
+    """The weights of a point add up to one, and their weighted node positions to its position."""
     points = points_at(scattered(d), 0.5 / CELLS)
     points.m[:] = np.random.default_rng(6).uniform(0.5, 2.0, len(points))
     moment = points.m @ points.x
@@ -124,8 +124,8 @@ def test_mass_and_its_centre_are_carried_up_to_the_walls(d: int) -> None:
 
 
 @both_dimensions
-def test_stress_makes_no_net_force_and_its_own_moment(d: int) -> None:
-    """sum f = 0 and sum f x = -sum V sigma: the gradients of a point's weights add up to zero and to one per length."""
+def test_internal_forces_have_no_resultant_and_the_moment_of_the_stress(d: int) -> None:
+    """sum f = 0 and sum f x = -sum V sigma, since sum grad w = 0 and sum x grad w = I."""
     points = points_at(scattered(d), 0.5 / CELLS)
     rng = np.random.default_rng(7)
     points.sigma = rng.normal(0.0, 1e3, (len(points), 6))
@@ -157,8 +157,10 @@ def test_p2g_of_a_smooth_field_is_second_order(taylor: float, d: int, cells: tup
 
     def error(cells: int) -> float:
         x = lattice((0.0,) * d, (1.0,) * d, 0.5 / cells)
-        turned = field(x + (0.5 * np.pi) * k / (k @ k))  # a quarter of a wave on: the derivative by the phase
-        _, nodes = one_step(moving(x, field(x), turned[:, :, None] * k, 1.0 / cells), 1.0 / cells, taylor=taylor)
+        derivative = field(
+            x + (0.5 * np.pi) * k / (k @ k)
+        )  # derivative with respect to the phase: a quarter wave ahead
+        _, nodes = one_step(moving(x, field(x), derivative[:, :, None] * k, 1.0 / cells), 1.0 / cells, taylor=taylor)
         inner = np.all((nodes.x > 1.5 / cells) & (nodes.x < 1.0 - 1.5 / cells), axis=1)
         return float(np.abs(nodes.v - field(nodes.x))[inner].max())
 
