@@ -38,7 +38,7 @@ OTHER_SCHEME = Scheme(stress_order="musl", affine=True, basis="cubic", volumetri
 
 
 def collapse(settings: Settings, d: int = 2, h: float | None = None, scheme: Scheme = PAPER, margin: int = 0) -> Solver:
-    """An unstressed column of sand on an elastic base, free to collapse: beside a wall, in 3D in a corner of two.
+    """An unstressed column of sand on an elastic base, free to collapse: next to a wall, in 3D between two walls.
 
     If `margin` > 0, the base is inactive beyond `margin` tiles from the column.
     """
@@ -57,7 +57,7 @@ def collapse(settings: Settings, d: int = 2, h: float | None = None, scheme: Sch
 
 
 class Ledger(NamedTuple):
-    """All over the initial potential energy of the column above the base."""
+    """Terms of the energy balance, over the initial potential energy of the column above the base."""
 
     potential: float
     kinetic: float
@@ -66,7 +66,7 @@ class Ledger(NamedTuple):
     walls: float
     transfer: float
     stored: float
-    jump: float  # the share of `transfer` that is work of the stress
+    jump: float  # part of `transfer` that is work of the stress
 
     @property
     def residual(self) -> float:
