@@ -78,7 +78,7 @@ def time_step_limit(case: Case) -> str:
     limit, where = case_limit(case)
     if limit == 0.0:
         return f'with method.basis = "{case.method.basis}" no time step is stable for a single particle {where}'
-    return f"a single particle is stable up to time.cfl = {limit:.2f} in this case, {where}"
+    return f"a single particle {where} is stable up to {limit:.2f} in this case"
 
 
 def time_step_warnings(case: Case) -> list[str]:
