@@ -155,7 +155,7 @@ def make_settings(case: Case, discretization: Discretization, damping: float) ->
 
 
 def free_speed(gravity: float, height: float) -> float:
-    """Speed limit of material that falls at most `height`, m/s; points faster than it and than their waves are invalid."""
+    """Speed limit, m/s, of material that falls at most `height`: points faster than it and their waves are invalid."""
     return FALL_MARGIN * math.sqrt(2.0 * gravity * height)
 
 
