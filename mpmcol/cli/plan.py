@@ -30,8 +30,9 @@ def plan(case: str, overrides: tuple[str, ...], accuracy: float, target: Path | 
     from mpmcol.studies.pareto.recommend import recommend
     from mpmcol.studies.pareto.savings import propose
 
+    proposals = list(propose(case, overrides, accuracy))
     click.echo(f"{'single change':44s}{'time':>8s}{'zeta':>8s}{'beta':>8s}")
-    for proposal in propose(case, overrides, accuracy):
+    for proposal in proposals:
         click.echo(f"{proposal.name:44s}{f'x {proposal.cost_ratio:.2g}':>8s}{_effects(proposal.effect)}")
     advice = recommend(case, overrides, accuracy)
     click.echo(f"\ncheapest within {100.0 * accuracy:.3g}%: {advice}")
