@@ -145,4 +145,9 @@ def _numbers(row: Row) -> str:
         return str(row["status"])
     columns = [*(f"zeta.{front}" for front in FRONTS), "law.zeta", "beta", "law.beta"]
     cells = "".join(f"{'none':>9}" if row[name] is None else f"{row[name]:9.3f}" for name in columns)
-    return f"{cells}{format_duration(row['seconds']):>9}" + ("" if row["at_rest"] else "  not at rest")
+    return f"{cells}{format_duration(row['seconds']):>9}" + _remarks(row)
+
+
+def _remarks(row: Row) -> str:
+    rest = "" if row["at_rest"] else "  not at rest"
+    return rest + (f"  law of {row['law.unverified']} unverified" if row["law.unverified"] else "")

@@ -56,7 +56,7 @@ def evaluate(completed: CompletedRuns, quick: bool) -> FigureResult:
 def _shape_comparisons(run: CompletedRun, states: dict[float, Measurement]) -> list[Comparison]:
     """Return RMS distances to the universal shape, relative to the height of the deposit or of the law."""
     row, shape = run.row, run.results.shape
-    surface = find_experiment(SHAPE, "plane").profiles[0]
+    surface, experiment = find_experiment(SHAPE, "plane").profiles[0], find_experiment("paper", "plane")
     x, y = np.array(surface.x), np.array(surface.y)
     front, height = shape.r_i * (1.0 + row["law.zeta"]), shape.h_i * row["law.beta"]
     last = list(states.values())[-1]
@@ -64,7 +64,7 @@ def _shape_comparisons(run: CompletedRun, states: dict[float, Measurement]) -> l
     own = _rms(last, last.front["front_height"] * x, last.height * y) / last.height
     return [
         Comparison("deposit against the universal shape, scaled to its own front and height: RMS over height", own),
-        Comparison("deposit against that shape with the laws' front and height: RMS over height",
+        Comparison(f"deposit against that shape with front and height of {experiment.label('beta')}: RMS over height",
                    _rms(last, front * x, height * y) / height),
         Comparison("state whose front is nearest to the law's against that shape: RMS over height",
                    _rms(states[matched], front * x, height * y) / height, comment=f"t = {matched:.3f} s"),
@@ -76,7 +76,9 @@ def _end_comparisons(run: CompletedRun) -> list[Comparison]:
     zeta, beta = row["zeta.front_height"] / row["law.zeta"] - 1.0, row["beta"] / row["law.beta"] - 1.0
     return [
         Comparison("zeta.front_height at rest relative to the law", zeta),
-        Comparison("height at rest relative to the law", beta, comment=lower),
+        Comparison(
+            f"height at rest relative to {find_experiment('paper', 'plane').label('beta')}", beta, comment=lower
+        ),
     ]
 
 

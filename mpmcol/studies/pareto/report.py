@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-from mpmcol.experiments import Experiment, find_experiment
+from mpmcol.experiments import Experiment, find_experiment, mark
 from mpmcol.io.atomic import atomic_write
 from mpmcol.studies.markdown import document, images, table
 from mpmcol.studies.pareto.chart import case_chart
@@ -130,15 +130,22 @@ def _references(study: StudyDefinition, references: References, experiments: Map
         reference = references[case]
         converged = reference.values[quantity]
         parts = (converged, *(part[quantity] for part in reference.refinements))
-        law = experiments[case].expected(quantity.partition(".")[0], study.cases[case].aspect)
-        compared = (f"{law[0]:.4g}", f"{converged.value / law[0] - 1.0:+.1%}", f"{law[1] / law[0]:.0%}") if law else ()
         values = (f"{part.value:.4g} +- {part.error:.2g}" for part in parts)
-        return (case, quantity, *values, f"{converged.order:.1f}", *(compared or ("none", "", "")))
+        compared = _compared(converged.value, experiments[case], quantity.partition(".")[0], study.cases[case].aspect)
+        return (case, quantity, *values, f"{converged.order:.1f}", *compared)
 
     return table(
         ("case", "quantity", "converged", *study.reference, "order", "experiment", "difference", "its scatter"),
         (cells(case, quantity) for case in references for quantity in QUANTITIES),
     )
+
+
+def _compared(value: float, experiment: Experiment, quantity: str, a: float) -> tuple[str, str, str]:
+    """Value of the experiment, relative difference to it, and its relative scatter."""
+    law, expected = experiment.law(quantity), experiment.expected(quantity, a)
+    if law is None or expected is None:
+        return ("none", "", "")
+    return (f"{expected[0]:.4g}{mark(law.verified)}", f"{value / expected[0] - 1.0:+.1%}", f"{law.scatter:.0%}")
 
 
 def _cheapest(study: StudyDefinition, scored: Scored) -> Iterator[str]:
