@@ -99,7 +99,7 @@ class Experiment:
     """A published data set, with at most one law for each quantity."""
 
     name: str
-    title: str
+    title: str  # author and year, then a comma and the test
     model: Literal["plane", "axisymmetric", "box"]  # kind of column, see `column_kind`
     release: Literal["one-sided", "two-sided"]
     kind: Literal["laboratory", "simulation"]
@@ -115,9 +115,9 @@ class Experiment:
         return next((law for law in self.laws if law.quantity == quantity), None)
 
     def label(self, quantity: str) -> str:
-        """Name of the experiment for tables and charts, marked where its law of the quantity is unverified."""
-        law = self.law(quantity)
-        return self.name if law is None else self.name + mark(law.verified)
+        """Author and year for the legend of a chart, marked if the law of the quantity is unverified."""
+        law, (citation, _, _) = self.law(quantity), self.title.partition(",")
+        return citation if law is None else citation + mark(law.verified)
 
     def expected(self, quantity: str, a: float) -> tuple[float, float] | None:
         """Value of the quantity's law at a and its absolute scatter; None where there is no law."""

@@ -1,4 +1,7 @@
-"""Charts from plain arrays: deposit profiles, front and height in time, energy; lines differ by their dashes."""
+"""Charts from arrays: deposit profiles, front and height over time, energy balance.
+
+Lines differ by their dashes, so that charts are readable without colour.
+"""
 
 from __future__ import annotations
 
@@ -18,22 +21,28 @@ from mpmcol.io.atomic import atomic_write
 from mpmcol.measure import Array, ColumnShape, Measurement
 
 EXPERIMENT_COLOUR = "#b2182b"
-BARS: dict[str, Any] = {"color": EXPERIMENT_COLOUR, "capsize": 4, "linestyle": "none", "clip_on": False}
-LAST: dict[str, Any] = {"color": "black", "linewidth": 2.0}
+ERROR_BAR_STYLE: dict[str, Any] = {"color": EXPERIMENT_COLOUR, "capsize": 4, "linestyle": "none", "clip_on": False}
+DEPOSIT_STYLE: dict[str, Any] = {"color": "black", "linewidth": 2.0}
 HOLLOW: dict[str, Any] = {"fillstyle": "none", "clip_on": False}
 TIME_LABEL = r"time since release $t\,/\,\sqrt{h_i/g}$ (-)"
+MODELS = {"plane": "plane strain", "axisymmetric": "axisymmetric", "quarter": "3D quarter model", "full": "3D model"}
 FRONT_STYLES: dict[str, dict[str, Any]] = {
-    "front_max": {"linestyle": (0, (1, 1)), "color": "0.35", "marker": "v"},
+    "front_max": {"linestyle": (0, (1, 1)), "color": "0.6", "linewidth": 2.5, "marker": "v"},
     "front_connected": {"linestyle": "--", "color": "0.35", "marker": "s"},
     "front_height": {"linestyle": "-", "color": "black", "marker": "o"},
 }
-SINK_STYLES: dict[str, dict[str, Any]] = {
-    "kinetic": {"linestyle": "-", "color": "0.55", "linewidth": 2.2},
-    "plastic": {"linestyle": "--", "color": "black"},
-    "damping": {"linestyle": "-.", "color": "black"},
-    "elastic": {"linestyle": (0, (1, 1)), "color": "black"},
-    "transfer": {"linestyle": (0, (6, 2, 1, 2, 1, 2)), "color": "0.4"},
-    "walls": {"linestyle": (0, (8, 3)), "color": "0.4"},
+FRONT_LABELS = {
+    "front_max": "front_max (farthest point)",
+    "front_connected": "front_connected (farthest point without a gap)",
+    "front_height": "front_height (end of the deposit)",
+}
+ENERGY_STYLES: dict[str, dict[str, Any]] = {  # columns of the history
+    "kinetic": {"label": "kinetic energy", "linestyle": "-", "color": "0.55", "linewidth": 2.2},
+    "plastic": {"label": "plastic work", "linestyle": "--", "color": "black"},
+    "damping": {"label": "dissipated by damping", "linestyle": "-.", "color": "black"},
+    "elastic": {"label": "elastic energy", "linestyle": (0, (1, 1)), "color": "black"},
+    "transfer": {"label": "dissipated by transfer", "linestyle": (0, (6, 2, 1, 2, 1, 2)), "color": "0.4"},
+    "walls": {"label": "dissipated at walls", "linestyle": (0, (8, 3)), "color": "0.4"},
 }
 
 
@@ -46,20 +55,19 @@ def profile_chart(
     svg: bool = False,
     at_rest: bool = True,
 ) -> list[Path]:
-    """The deposit at the given times (s, since release) over the column's outline, in mm, axes equal.
+    """Draw profiles at the given times (s since release) and the column at release, in mm with equal axes.
 
-    The last one is drawn bold, with its three fronts marked, and is called the deposit if `at_rest`. The experiment
-    is drawn by the final front and height of its laws with their scatter, and by its digitised profiles where they
-    apply.
+    The last profile is drawn bold with its three fronts; it is labelled as the deposit if `at_rest`. The experiment is
+    shown by front and height of its laws with their scatter, and by its digitised profiles if they apply.
     """
     tau = sqrt(shape.h_i / gravity)
     figure = Figure(layout="constrained")
     axes = figure.add_subplot(aspect="equal")
-    flatness = _frame(axes, shape, [deposit for _, deposit in deposits], experiment)
+    flatness = _set_up_axes(axes, shape, [deposit for _, deposit in deposits], experiment)
     figure.set_size_inches(8.0, min(7.0 * flatness, 8.0) + 2.7)
     styles: list[dict[str, Any]] = [{"linestyle": (0, (1 + 2 * i, 1.5))} for i in range(len(deposits) - 1)]
     names = [""] * len(styles) + [", deposit" if at_rest else ", last state"]
-    for (time, deposit), style, name in zip(deposits, [*styles, LAST], names, strict=True):
+    for (time, deposit), style, name in zip(deposits, [*styles, DEPOSIT_STYLE], names, strict=True):
         label = rf"$t$ = {time:.3g} s = {time / tau:.2g} $\sqrt{{h_i/g}}${name}"
         axes.plot(*_outline(deposit), label=label, **({"color": "0.4"} | style))
     _draw_experiment(axes, shape, experiment)
@@ -78,7 +86,7 @@ def front_chart(
     gravity: float = 9.81,
     svg: bool = False,
 ) -> list[Path]:
-    """Runout by each front definition and height, both normalised, against t / sqrt(h_i / g).
+    """Draw the runout by each front definition and the height, both normalised, over t / sqrt(h_i / g).
 
     Args:
         path: of the PNG; with `svg`, an SVG is written beside it.
@@ -86,7 +94,7 @@ def front_chart(
         time: (n,) since release, s.
         fronts: front definition -> (n,) positions, m.
         height: (n,) of the pile, m.
-        experiment: its final values are drawn as bands as wide as their scatter.
+        experiment: its final values are drawn with bands for their scatter.
         gravity: m/s2.
     """
     figure = Figure(figsize=(7.0, 7.0), layout="constrained")
@@ -94,15 +102,15 @@ def front_chart(
     tau = time / sqrt(shape.h_i / gravity)
     for name, front in fronts.items():
         style = {key: value for key, value in FRONT_STYLES[name].items() if key != "marker"}
-        upper.plot(tau, front / shape.r_i - 1.0, label=name, **style)
-    lower.plot(tau, height / shape.h_i, color="black", label="height at the wall or axis")
+        upper.plot(tau, front / shape.r_i - 1.0, label=FRONT_LABELS[name], **style)
+    lower.plot(tau, height / shape.h_i, color="black", label=f"height at the {_origin(shape)}")
     for axes, quantity in ((upper, "zeta"), (lower, "beta")):
         _draw_band(axes, experiment, quantity, shape.a)
         axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
         axes.grid(color="0.9")
         axes.legend(frameon=False, fontsize="small")
     figure.align_ylabels()
-    upper.set(ylabel=r"runout $\zeta = (r - r_i)/r_i$ (-)", title=f"{shape.model}, $a$ = {shape.a:.3g}")
+    upper.set(ylabel=r"runout $\zeta = (r - r_i)/r_i$ (-)", title=_column_name(shape))
     lower.set(ylabel=r"height $h / h_i$ (-)", xlabel=TIME_LABEL)
     return save_figure(figure, path, svg)
 
@@ -115,10 +123,10 @@ def energy_chart(
     gravity: float = 9.81,
     svg: bool = False,
 ) -> list[Path]:
-    """Where the potential energy went since the first time, and the residual that the ledger leaves open.
+    """Draw the potential energy released since the first time, the other energies, and the residual of the balance.
 
-    `energies` has (n,) arrays in J under "potential", "residual" and the names of
-    SINK_STYLES. All is in per cent of the column's potential energy at release.
+    All are in per cent of the potential energy of the column at release. `energies` has (n,) arrays in J under
+    "potential", "residual" and the keys of ENERGY_STYLES.
     """
     figure = Figure(figsize=(7.0, 6.0), layout="constrained")
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1])
@@ -128,11 +136,11 @@ def energy_chart(
     def change(name: str) -> Array:
         return 100.0 * (energies[name] - energies[name][0]) / total
 
-    upper.plot(tau, -change("potential"), color="black", linewidth=2.2, label="potential, released")
-    for name, style in SINK_STYLES.items():
-        upper.plot(tau, change(name), label=name, **style)
+    upper.plot(tau, -change("potential"), color="black", linewidth=2.2, label="potential energy released")
+    for name, style in ENERGY_STYLES.items():
+        upper.plot(tau, change(name), **style)
     lower.plot(tau, change("residual"), color="black")
-    upper.set(ylabel="energy (% of potential at release)", title=f"{shape.model}, $a$ = {shape.a:.3g}")
+    upper.set(ylabel="energy (% of potential energy at release)", title=_column_name(shape))
     lower.set(ylabel="residual (%)", xlabel=TIME_LABEL)
     figure.align_ylabels()
     for axes in (upper, lower):
@@ -142,8 +150,8 @@ def energy_chart(
     return save_figure(figure, path, svg)
 
 
-def _frame(axes: Axes, shape: ColumnShape, deposits: list[Measurement], experiment: Experiment) -> float:
-    """Fit the axes to all that will be drawn and draw the column; returns height over length."""
+def _set_up_axes(axes: Axes, shape: ColumnShape, deposits: list[Measurement], experiment: Experiment) -> float:
+    """Fit the axes to everything that will be drawn, draw the column at release; returns height over length."""
     front = shape.r_i * (1.0 + sum(experiment.expected("zeta", shape.a) or (0.0, 0.0)))
     length = 1e3 * max([front] + [deposit.max_distance for deposit in deposits])
     top = 1e3 * max([shape.h_i] + [deposit.profile_y.max() for deposit in deposits])
@@ -152,7 +160,7 @@ def _frame(axes: Axes, shape: ColumnShape, deposits: list[Measurement], experime
         ylim=(-0.04 * length, top + 0.04 * length),
         xlabel=_distance_label(shape),
         ylabel="mean height around the axis (mm)" if shape.has_sectors else "height (mm)",
-        title=f"{shape.model}, $a$ = {shape.a:.3g}; experiment: {experiment.name}",
+        title=_column_name(shape),
     )
     column = 1e3 * np.array([[0.0, shape.r_i, shape.r_i], [shape.h_i, shape.h_i, 0.0]])
     axes.plot(*column, color="0.6", linestyle="--", label="column at release")
@@ -160,25 +168,37 @@ def _frame(axes: Axes, shape: ColumnShape, deposits: list[Measurement], experime
     return float(top / length)
 
 
+def _column_name(shape: ColumnShape) -> str:
+    return f"{MODELS[shape.model]}, $a$ = {shape.a:.3g}"
+
+
+def _origin(shape: ColumnShape) -> str:
+    """What is at x = 0."""
+    if shape.model != "plane":
+        return "axis"
+    return "plane of symmetry" if shape.release == "two-sided" else "wall"
+
+
 def _distance_label(shape: ColumnShape) -> str:
     if shape.is_round:
         return "radius (mm)"
     if shape.dimension == 3:
         return "distance from the axis along x (mm)"
-    edge = "plane of symmetry" if shape.release == "two-sided" else "wall"
-    return f"distance from the {edge} (mm)"
+    return f"distance from the {_origin(shape)} (mm)"
 
 
 def _outline(deposit: Measurement) -> tuple[Array, Array]:
-    """Profile in mm, continued level from the first bin centre to the wall; of its empty bins only the first and last
-    of each gap, where the line comes down to zero."""
+    """Profile in mm, extended horizontally from the first bin centre to x = 0.
+
+    Of the empty bins only the first and last of each gap are kept, where the line falls to zero.
+    """
     height = np.append(deposit.profile_y[:1], deposit.profile_y)
     drawn = np.convolve(height > 0.0, np.ones(3), "same") > 0.0
     return 1e3 * np.append(0.0, deposit.profile_x), np.where(drawn, 1e3 * height, np.nan)
 
 
 def _draw_fronts(axes: Axes, deposit: Measurement, range_label: str) -> None:
-    """Marks on the lower edge of the axes, clear of the profiles; in 3D a band over what front_height takes."""
+    """Draw markers on the lower edge of the axes; in 3D also a band for the range of front_height."""
     ranges = deposit.front_range or {}
     for name, front in deposit.front.items():
         marker, lower_edge = f"k{FRONT_STYLES[name]['marker']}", axes.get_xaxis_transform()
@@ -195,14 +215,12 @@ def _draw_experiment(axes: Axes, shape: ColumnShape, experiment: Experiment) -> 
     zeta, beta = (experiment.expected(quantity, shape.a) for quantity in ("zeta", "beta"))
     if zeta:
         front, error = 1e3 * shape.r_i * (1.0 + zeta[0]), 1e3 * shape.r_i * zeta[1]
-        axes.errorbar(
-            front, 0.0, xerr=error, marker="D", label=f"{experiment.label('zeta')}, front and scatter", **BARS
-        )
+        label = f"{experiment.label('zeta')}: front, scatter"
+        axes.errorbar(front, 0.0, xerr=error, marker="D", label=label, **ERROR_BAR_STYLE)
     if beta:
         height, error = (1e3 * shape.h_i * value for value in beta)
-        axes.errorbar(
-            0.0, height, yerr=error, marker="^", label=f"{experiment.label('beta')}, height and scatter", **BARS
-        )
+        label = f"{experiment.label('beta')}: height, scatter"
+        axes.errorbar(0.0, height, yerr=error, marker="^", label=label, **ERROR_BAR_STYLE)
     for profile in experiment.profiles if experiment.fits(shape.r_i, shape.h_i) else ():
         if profile.unit == "m":
             _draw_profile(axes, profile, 1e3, 1e3)
@@ -220,12 +238,12 @@ def _draw_band(axes: Axes, experiment: Experiment, quantity: str, a: float) -> N
     if expected := experiment.expected(quantity, a):
         value, half = expected
         axes.axhspan(value - half, value + half, color=EXPERIMENT_COLOUR, alpha=0.15, linewidth=0)
-        label = f"{experiment.label(quantity)}, final, with scatter"
+        label = f"{experiment.label(quantity)}: final value, scatter"
         axes.axhline(value, color=EXPERIMENT_COLOUR, linestyle=(0, (10, 4)), linewidth=1.0, label=label)
 
 
 def save_figure(figure: Figure, path: Path, svg: bool) -> list[Path]:
-    """PNG at 150 dpi and, on request, an SVG beside it; raises OutputError."""
+    """Write a PNG with 150 dpi and, if `svg`, an SVG beside it; raises OutputError."""
     FigureCanvasAgg(figure)
     paths = [path, path.with_suffix(".svg")] if svg else [path]
     for target in paths:

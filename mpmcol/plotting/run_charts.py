@@ -1,4 +1,4 @@
-"""The charts of a run, from its folder: profile.png, front.png and energy.png."""
+"""Charts of a results folder: profile.png, front.png and energy.png."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ def chart_run(
     times: Sequence[float] | None = None,
     svg: bool = False,
     out: Path | None = None,
-    say: Callable[[str], None] = lambda note: None,
+    notify: Callable[[str], None] = lambda note: None,
 ) -> list[Path]:
     """Draw profile.png, front.png and energy.png; returns the paths written.
 
     Args:
         results: of the run.
-        times: s since release; choose the profiles, each by the nearest snapshot (default: five, even). The last state
-            is always drawn too.
+        times: of the profiles, s since release; the nearest snapshots are drawn (default: five equally spaced times).
+            The last state is always added.
         svg: also write each chart as SVG.
-        out: folder of the charts, made where it is missing (default: that of the run).
-        say: is given a note for each snapshot that cannot be read, which is then left out.
+        out: folder of the charts, created if missing (default: the results folder).
+        notify: receives a message for each unreadable snapshot, which is omitted.
 
     Raises:
         UsageError: the run ended before the release, or it has no snapshot near one of the times.
@@ -43,9 +43,9 @@ def chart_run(
     gravity: float = results.case.geometry.gravity
     experiment = find_experiment(results.case.score.experiment, shape.model, shape.section)
     time, height, fronts = history["time"], history["height"], {name: history[name] for name in FRONT_STYLES}
-    taken = _readable(results, say)
-    deposits = [(taken[i], results.measure(i)) for i in _chosen(taken, times)]
-    at_rest = max(taken) == len(results.snapshots) - 1 and results.came_to_rest
+    times_by_index = _readable(results, notify)
+    deposits = [(times_by_index[i], results.measure(i)) for i in _nearest(times_by_index, times)]
+    at_rest = max(times_by_index) == len(results.snapshots) - 1 and results.came_to_rest
     folder = make_folder(out or Path(results.folder))
     return [
         *profile_chart(folder / "profile.png", shape, deposits, experiment, gravity, svg, at_rest),
@@ -54,23 +54,23 @@ def chart_run(
     ]
 
 
-def _readable(results: Results, say: Callable[[str], None]) -> dict[int, float]:
-    """Times (s) of the snapshots by their number; those that cannot be read are left out and told."""
+def _readable(results: Results, notify: Callable[[str], None]) -> dict[int, float]:
+    """Times (s) of the readable snapshots by index."""
     times: dict[int, float] = {}
     paths = results.snapshots
     for i, path in enumerate(paths):
         try:
             times[i] = results.snapshot(i).time
         except OutputError:
-            say(f"note: {path} is damaged and left out; the case run again with --fresh makes it anew")
+            notify(f"note: {path} is damaged and omitted; run the case again with --fresh to replace it")
     if not times:
         raise OutputError(f"{results.folder}: all {len(paths)} snapshots are damaged; run the case again")
     return times
 
 
-def _chosen(taken: dict[int, float], times: Sequence[float] | None) -> list[int]:
-    """Numbers of the snapshots nearest to the times, and of the last."""
-    index, moments = list(taken), np.array(list(taken.values()))
+def _nearest(times_by_index: dict[int, float], times: Sequence[float] | None) -> list[int]:
+    """Indices of the snapshots nearest to the times, and of the last snapshot."""
+    index, moments = list(times_by_index), np.array(list(times_by_index.values()))
     spacing = np.diff(moments).max(initial=0.0)
     wanted = np.linspace(max(moments[0], 0.0), moments[-1], 5) if times is None else np.asarray(times)
     for time in wanted:

@@ -94,13 +94,13 @@ def _draw_laws(axes: Axes, quantity: str, experiment: Experiment, low: float, hi
     law = experiment.law(quantity)
     if law and law.pieces:
         bold: dict[str, Any] = {"color": EXPERIMENT_COLOUR, "linewidth": 1.6}
-        label = f"{experiment.label(quantity)}, with scatter of {law.scatter:.0%}"
+        label = f"{experiment.label(quantity)}, scatter {law.scatter:.0%}"
         for i, (a, value) in enumerate(_curves(law, low, high)):
             axes.plot(a, value, label=label if i == 0 else None, **bold)
             scatter = law.scatter * value
             axes.fill_between(a, value - scatter, value + scatter, color=EXPERIMENT_COLOUR, alpha=0.15, linewidth=0)
         for i, (left, right) in enumerate((one.hi, two.lo) for one, two in pairwise(law.pieces) if one.hi < two.lo):
-            label = f"{experiment.name}: transition, no law"
+            label = f"{experiment.label(quantity)}: transition, no law"
             axes.axvspan(left, right, color="0.93", zorder=-2, label=label if i == 0 else None)
     others = _others(quantity, experiment, law)
     for k, (name, other) in enumerate(others.items()):
@@ -132,7 +132,7 @@ def _draw_bands(axes: Axes, quantity: str, experiment: Experiment, aspects: set[
         if expected := experiment.expected(quantity, a):
             value, half = expected
             axes.axhspan(value - half, value + half, color=EXPERIMENT_COLOUR, alpha=0.15, linewidth=0)
-            label = f"{experiment.label(quantity)}, a = {a:.4g}, with scatter"
+            label = f"{experiment.label(quantity)}, a = {a:.4g}, scatter"
             axes.axhline(value, color=EXPERIMENT_COLOUR, linewidth=1.2, label=label)
 
 

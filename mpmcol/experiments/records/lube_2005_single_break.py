@@ -6,7 +6,7 @@ from mpmcol.experiments.base import RUNOUT_SCATTER, Experiment, Law, Piece
 
 EXPERIMENT = Experiment(
     name="lube-2005-single-break",
-    title="Lube et al. 2005, as quoted with a single break at a = 2.3",
+    title="Lube et al. 2005 with a single break, at a = 2.3, as quoted",
     doi="10.1103/PhysRevE.72.041301",
     model="plane",
     release="two-sided",

@@ -7,7 +7,7 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from mpmcol.measure import Array, Measurement
-from mpmcol.plotting.charts import EXPERIMENT_COLOUR, LAST, save_figure
+from mpmcol.plotting.charts import DEPOSIT_STYLE, EXPERIMENT_COLOUR, save_figure
 from mpmcol.studies.runs import CompletedRun
 from mpmcol.studies.validation import measures
 
@@ -37,7 +37,7 @@ def _draw(
 ) -> None:
     figure = Figure(figsize=(8.0, 5.6), layout="constrained")
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[3, 2])
-    upper.plot(1e3 * deposit.profile_x, 1e3 * deposit.profile_y, label="deposit", **LAST)
+    upper.plot(1e3 * deposit.profile_x, 1e3 * deposit.profile_y, label="deposit", **DEPOSIT_STYLE)
     upper.plot(*_mm(surface), "x", color=EXPERIMENT_COLOUR, markersize=5, label="surface, digitised")
     if failure:
         computed, digitised = failure

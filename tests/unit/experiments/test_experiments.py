@@ -295,7 +295,8 @@ def test_unverified_laws_are_marked_in_labels_and_scores(name: str, quantity: st
     experiment = EXPERIMENTS[name]
     law = experiment.law(quantity)
     assert law is not None and law.verified is verified
-    assert experiment.label(quantity) == name + ("" if verified else " (unverified)")
+    citation = "Bougouin & Lacaze 2018" if name == "bougouin-lacaze-2018" else "Coetzee & Purvance 2026"
+    assert experiment.label(quantity) == citation + ("" if verified else " (unverified)")
     result = find(score({quantity: 1.0}, 0.9, experiment.model), name, quantity)
     assert result.verified is verified
     assert result.comment.endswith("(unverified)") is not verified

@@ -1,4 +1,4 @@
-"""Charts: what is drawn where, and the commands `measure` and `plot` on a synthetic run."""
+"""Charts: lines, markers and labels; the commands `measure` and `plot` on a synthetic run."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def deposit(spread: float, shape: ColumnShape = SHAPE) -> Measurement:
 
 @dataclass
 class SyntheticRun(Results):
-    """A run at rest that was never simulated."""
+    """Results of a run at rest, without a simulation."""
 
     folder: Path
     shape: ColumnShape = SHAPE
@@ -73,7 +73,7 @@ class SyntheticRun(Results):
         risen = np.clip(time / 0.25, 0.0, 1.0)
         total = self.shape.potential_energy(9.81)
         front = self.shape.r_i * (1.0 + 1.5 * risen)
-        before = np.arange(44) < 3  # the last of them ends at the moment of release, with a ledger of its own
+        before = np.arange(44) < 3  # the last one ends at release, with a separate ledger
         return {
             "stage": np.where(before, "equilibrate", "collapse"),
             "time": time,
@@ -81,7 +81,7 @@ class SyntheticRun(Results):
             "potential": total * (1.0 - 0.6 * risen) + 5.0,
             "residual": 0.002 * total * risen,
             **dict.fromkeys(charts.FRONT_STYLES, front),
-            **dict.fromkeys(charts.SINK_STYLES, np.where(before, 9.0 * total, 0.1 * total * risen)),
+            **dict.fromkeys(charts.ENERGY_STYLES, np.where(before, 9.0 * total, 0.1 * total * risen)),
         }
 
 
@@ -90,11 +90,11 @@ def figures(monkeypatch: pytest.MonkeyPatch) -> list[Figure]:
     drawn: list[Figure] = []
     save = charts.save_figure
 
-    def keep(figure: Figure, path: Path, svg: bool) -> list[Path]:
+    def record(figure: Figure, path: Path, svg: bool) -> list[Path]:
         drawn.append(figure)
         return save(figure, path, svg)
 
-    monkeypatch.setattr(charts, "save_figure", keep)
+    monkeypatch.setattr(charts, "save_figure", record)
     return drawn
 
 
@@ -120,7 +120,7 @@ def test_a_run_gives_three_charts_with_units_on_every_axis(run: SyntheticRun, fi
     assert all(any(unit in label for unit in ("(mm)", "(-)", "%")) for label in labels)
 
 
-def test_profile_chart_has_equal_axes_and_the_fronts_where_they_are(tmp_path: Path, figures: list[Figure]) -> None:
+def test_profile_chart_has_equal_axes_and_the_fronts_at_their_positions(tmp_path: Path, figures: list[Figure]) -> None:
     final = deposit(1.5)
     charts.profile_chart(tmp_path / "p.png", SHAPE, [(0.1, deposit(0.5)), (0.3, final)], EXPERIMENTS["paper-plane"])
     axes = figures[0].axes[0]
@@ -129,48 +129,50 @@ def test_profile_chart_has_equal_axes_and_the_fronts_where_they_are(tmp_path: Pa
         assert line(figures[0], 0, name)[0] == pytest.approx(1e3 * front)
     x, y = line(figures[0], 0, "$t$ = 0.3 s")
     drawn = np.isfinite(y)
-    assert (y[drawn] == 0.0).sum() == 1 and y[drawn][-1] == 0.0  # down to the floor at the front, and no farther
+    assert (y[drawn] == 0.0).sum() == 1 and y[drawn][-1] == 0.0  # down to the floor at the front, and no further
     assert np.trapezoid(y[drawn], x[drawn]) == pytest.approx(1e6 * 0.09 * 0.09, rel=0.02)
     assert max(axes.get_xlim()) > 1e3 * final.front["front_max"]
 
 
-def test_profile_comes_down_to_the_floor_on_both_sides_of_a_gap(tmp_path: Path, figures: list[Figure]) -> None:
+def test_profile_falls_to_the_floor_on_both_sides_of_a_gap(tmp_path: Path, figures: list[Figure]) -> None:
     gap = replace(deposit(0.5), profile_x=np.arange(8.0), profile_y=np.array([2.0, 1.0, 0, 0, 0, 0, 1.0, 0]))
     charts.profile_chart(tmp_path / "p.png", SHAPE, [(0.3, gap)], EXPERIMENTS["paper-plane"])
     assert line(figures[0], 0, "$t$")[1][1:] == pytest.approx([2e3, 1e3, 0, np.nan, np.nan, 0, 1e3, 0], nan_ok=True)
 
 
 @pytest.mark.parametrize(("at_rest", "name"), [(True, "deposit"), (False, "last state")])
-def test_only_the_last_profile_is_named(tmp_path: Path, figures: list[Figure], at_rest: bool, name: str) -> None:
+def test_only_the_last_profile_has_a_name(tmp_path: Path, figures: list[Figure], at_rest: bool, name: str) -> None:
     deposits = [(0.1, deposit(0.5)), (0.3, deposit(1.5))]
     charts.profile_chart(tmp_path / "p.png", SHAPE, deposits, EXPERIMENTS["paper-plane"], at_rest=at_rest)
     labels = [text for entry in figures[0].axes[0].lines if (text := str(entry.get_label())).startswith("$t$")]
     assert [text.partition("}$")[2] for text in labels] == ["", f", {name}"]
 
 
-def test_distances_of_a_two_sided_release_are_from_its_plane_of_symmetry(tmp_path: Path, figures: list[Figure]) -> None:
+def test_distances_of_a_two_sided_release_start_at_the_plane_of_symmetry(tmp_path: Path, figures: list[Figure]) -> None:
     half = replace(SHAPE, release="two-sided")
     charts.profile_chart(tmp_path / "p.png", half, [(0.3, deposit(1.5, half))], EXPERIMENTS["paper-plane"])
     assert figures[0].axes[0].get_xlabel() == "distance from the plane of symmetry (mm)"
 
 
-def test_experiment_is_drawn_at_its_front_height_and_surface(tmp_path: Path, figures: list[Figure]) -> None:
+def test_experiment_is_drawn_by_front_height_and_surface(tmp_path: Path, figures: list[Figure]) -> None:
     rods = replace(SHAPE, r_i=0.2, h_i=0.1)
     charts.profile_chart(tmp_path / "p.png", rods, [(0.3, deposit(1.2, rods))], EXPERIMENTS["bui-2008"])
     assert line(figures[0], 0, "free surface")[0][-1] == pytest.approx(442.3)
     assert line(figures[0], 0, "failure line")[0][0] == pytest.approx(21.2)
     containers: Any = figures[0].axes[0].containers
     bars = {bar.get_label(): bar.lines[0].get_xydata()[0] for bar in containers}
-    assert bars["bui-2008, front and scatter"] == pytest.approx([442.3, 0.0])
-    assert bars["bui-2008, height and scatter"] == pytest.approx([0.0, 99.2])
+    assert bars["Bui et al. 2008: front, scatter"] == pytest.approx([442.3, 0.0])
+    assert bars["Bui et al. 2008: height, scatter"] == pytest.approx([0.0, 99.2])
 
 
-def test_no_experiment_marks_in_a_gap_and_no_rods_on_another_column(tmp_path: Path, figures: list[Figure]) -> None:
+def test_no_experimental_front_in_a_gap_and_no_profiles_for_another_column(
+    tmp_path: Path, figures: list[Figure]
+) -> None:
     gap = replace(SHAPE, h_i=0.18)
     charts.profile_chart(tmp_path / "p.png", gap, [(0.3, deposit(1.5, gap))], EXPERIMENTS["paper-plane"])
     charts.profile_chart(tmp_path / "q.png", SHAPE, [(0.3, deposit(1.5))], EXPERIMENTS["bui-2008"])
     labels = [[str(c.get_label()) for c in figure.axes[0].containers] for figure in figures]
-    assert labels == [["paper-plane (unverified), height and scatter"], []]
+    assert labels == [["Coetzee & Purvance 2026 (unverified): height, scatter"], []]
     names = [str(entry.get_label()) for figure in figures for entry in figure.axes[0].lines]
     assert not {"free surface", "universal final surface"} & set(names)
 
@@ -182,28 +184,28 @@ def test_front_chart_is_normalised(run: SyntheticRun, figures: list[Figure]) -> 
     assert tau[-1] == pytest.approx(0.4 / np.sqrt(0.09 / 9.81))
     assert zeta[[0, -1]] == pytest.approx([0.0, 1.5])
     assert line(figures[1], 1, "height")[1][[0, -1]] == pytest.approx([1.0, 0.7])
-    assert line(figures[1], 0, "paper-plane")[1] == pytest.approx([1.6, 1.6])
+    assert line(figures[1], 0, "Coetzee & Purvance 2026")[1] == pytest.approx([1.6, 1.6])
 
 
 def test_energy_chart_is_in_per_cent_since_release(run: SyntheticRun, figures: list[Figure]) -> None:
     run_charts.chart_run(run)  # type: ignore[arg-type]
-    assert line(figures[2], 0, "potential, released")[1][[0, -1]] == pytest.approx([0.0, 60.0])
-    assert line(figures[2], 0, "damping")[1][-1] == pytest.approx(10.0)
+    assert line(figures[2], 0, "potential energy released")[1][[0, -1]] == pytest.approx([0.0, 60.0])
+    assert line(figures[2], 0, "dissipated by damping")[1][-1] == pytest.approx(10.0)
     assert figures[2].axes[1].lines[0].get_ydata()[-1] == pytest.approx(0.2)  # type: ignore[index]
 
 
 def test_lines_differ_without_colour() -> None:
-    for styles in (charts.FRONT_STYLES, charts.SINK_STYLES):
+    for styles in (charts.FRONT_STYLES, charts.ENERGY_STYLES):
         assert len({str(style["linestyle"]) for style in styles.values()}) == len(styles)
 
 
-def test_a_run_that_never_released_its_column_is_refused(run: SyntheticRun, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_run_without_release_is_rejected(run: SyntheticRun, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(SyntheticRun, "history", {"stage": np.array(["equilibrate"]), "time": np.array([0.1])})
     with pytest.raises(UsageError, match="before the column was released"):
         run_charts.chart_run(run)  # type: ignore[arg-type]
 
 
-def test_a_folder_that_is_gone_is_an_output_error(tmp_path: Path) -> None:
+def test_a_missing_folder_is_an_output_error(tmp_path: Path) -> None:
     with pytest.raises(OutputError):
         charts.profile_chart(tmp_path / "gone" / "p.png", SHAPE, [(0.3, deposit(1.5))], EXPERIMENTS["paper-plane"])
 
@@ -251,7 +253,7 @@ def test_csv_columns_do_not_depend_on_the_aspect_ratio(run: SyntheticRun) -> Non
     assert headers[0] == headers[1]
 
 
-def test_measure_command_takes_an_earlier_snapshot(run: SyntheticRun) -> None:
+def test_measure_command_measures_an_earlier_snapshot(run: SyntheticRun) -> None:
     record = json.loads(invoke("measure", run.folder, "--json", "--snapshot", "0").output)
     assert record["zeta"]["front_max"] == pytest.approx(0.0, abs=0.02)
     assert record["stop_time"] is None
