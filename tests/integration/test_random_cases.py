@@ -48,7 +48,7 @@ def test_a_sound_result_passes() -> None:
 
 
 @pytest.mark.parametrize(
-    ("changes", "told"),
+    ("changes", "message"),
     [
         ({"zeta": {"front_height": np.nan}}, "are not finite"),
         ({"beta": np.inf}, "are not finite"),
@@ -65,5 +65,5 @@ def test_a_sound_result_passes() -> None:
         ({"stress": [[np.nan] * 6] * 3}, "the points' stress are not finite"),
     ],
 )
-def test_what_cannot_be_is_seen(changes: dict[str, Any], told: str) -> None:
-    assert told in "; ".join(inconsistencies(load_case("quickstart"), result(**changes)))
+def test_what_cannot_be_is_seen(changes: dict[str, Any], message: str) -> None:
+    assert message in "; ".join(inconsistencies(load_case("quickstart"), result(**changes)))
