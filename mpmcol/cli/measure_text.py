@@ -6,7 +6,7 @@ from itertools import groupby
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from mpmcol.cli.measure import Measured
+    from mpmcol.cli.measured import Measured
     from mpmcol.experiments import ProfileScore, Score
 
 

@@ -1,0 +1,73 @@
+"""A measured snapshot of a run with its errors, the content of `mpmcol measure`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import sqrt
+from typing import Any
+
+import click
+
+from mpmcol.errors import OutputError
+from mpmcol.experiments import ProfileScore, Score, profile_scores, score
+from mpmcol.io.names import HISTORY_FILE
+from mpmcol.io.results import Results, measure_stop_time
+from mpmcol.measure import ColumnShape, Measurement
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A measured snapshot of a run, and its errors relative to published laws and profiles."""
+
+    status: str  # of the run: "done" | "failed" | "stopped" | "unfinished"
+    at_rest: bool  # whether the run ended with the column at rest
+    stage: str
+    time: float  # s since release
+    is_last: bool  # whether the snapshot is the last one
+    measurement: Measurement
+    shape: ColumnShape
+    stop_time: float | None  # sqrt(h_i / g); None unless it is the final deposit
+    scores: list[Score]
+    profiles: list[ProfileScore]
+
+    @property
+    def is_deposit(self) -> bool:
+        """Whether this is the final deposit, as opposed to a state during the collapse."""
+        return self.at_rest and self.is_last
+
+
+def measure_results(results: Results, snapshot: int) -> Measured:
+    """Measure a snapshot of a run."""
+    taken, shape, measurement = results.snapshot(snapshot), results.shape, results.measure(snapshot)
+    is_last = snapshot in (-1, len(results.snapshots) - 1)
+    stop = _stop_time(results) if results.came_to_rest and is_last else None
+    values: dict[str, Any] = {"zeta": measurement.zeta, "beta": measurement.beta}
+    return Measured(
+        status=results.status,
+        at_rest=results.came_to_rest,
+        stage=taken.stage,
+        time=taken.time,
+        is_last=is_last,
+        measurement=measurement,
+        shape=shape,
+        stop_time=stop,
+        scores=score(values if stop is None else {**values, "stop_time": stop}, shape.a, shape.model, shape.section),
+        profiles=profile_scores(
+            measurement.profile_x, measurement.profile_y, shape.model, shape.r_i, shape.h_i, shape.section
+        ),
+    )
+
+
+def _stop_time(results: Results) -> float | None:
+    """Time at which the front stops, in sqrt(h_i / g); None, with a note, if the history cannot be read."""
+    try:
+        history = results.history
+    except OutputError:
+        history = {}
+    if not len(history.get("time", ())):
+        path = results.folder / HISTORY_FILE
+        problem = "is damaged: rows or columns are missing or truncated" if path.exists() else "is missing"
+        click.echo(f"note: {path} {problem}; the stop time of the front is omitted", err=True)
+        return None
+    fall_time = sqrt(results.shape.h_i / results.case.geometry.gravity)
+    return measure_stop_time(history, results.shape.spacing, fall_time)
