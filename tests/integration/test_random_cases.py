@@ -1,4 +1,4 @@
-"""The draw of random cases, and that its judge sees results that cannot be."""
+"""Random cases of the soak: properties of the draw, and detection of inconsistent results."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from mpmcol.sweep.runs import PlannedRun
 from tests.soak.trials.random_cases import PACE, SECONDS, draw_case, inconsistencies
 
 
-def test_draws_are_cheap_equal_and_of_all_kinds() -> None:
+def test_draws_are_reproducible_cheap_and_of_all_kinds() -> None:
     cases = [draw_case(random.Random(seed))[0] for seed in range(60)]
     assert [draw_case(random.Random(seed))[0] for seed in range(3)] == cases[:3]
     assert {case.geometry.model for case in cases} == {"plane", "axisymmetric", "quarter", "full"}
@@ -26,7 +26,7 @@ def test_draws_are_cheap_equal_and_of_all_kinds() -> None:
 
 
 def result(**changes: Any) -> SimpleNamespace:
-    """What the judge reads of a run; sound but for the changes."""
+    """The results that are checked of a run; consistent except for the changes."""
     zeta = {"front_max": 1.1, "front_connected": 1.0, "front_height": 0.9} | changes.get("zeta", {})
     ledger = {"potential": [1.0, 0.5], "elastic": [0.1, 0.0], "kinetic": [0.0, 0.2], "residual": [0.0, 1e-12]}
     history = {name: np.array(changes.get(name, values)) for name, values in ledger.items()}
@@ -41,7 +41,7 @@ def result(**changes: Any) -> SimpleNamespace:
     )
 
 
-def test_a_sound_result_passes() -> None:
+def test_a_consistent_result_passes() -> None:
     assert list(inconsistencies(load_case("quickstart"), result())) == []
     reported = {"zeta": {"front_max": 3.5}, "warnings": ["detached particles ahead of the flow front: ..."]}
     assert list(inconsistencies(load_case("quickstart"), result(**reported))) == []
@@ -65,5 +65,5 @@ def test_a_sound_result_passes() -> None:
         ({"stress": [[np.nan] * 6] * 3}, "the points' stress are not finite"),
     ],
 )
-def test_what_cannot_be_is_seen(changes: dict[str, Any], message: str) -> None:
+def test_inconsistent_results_are_detected(changes: dict[str, Any], message: str) -> None:
     assert message in "; ".join(inconsistencies(load_case("quickstart"), result(**changes)))

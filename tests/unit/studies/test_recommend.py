@@ -183,10 +183,10 @@ def test_the_error_bar_contains_the_converged_value() -> None:
 
 def test_a_certified_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    words = ("run", "lube-cylinder", "--set", "stages.collapse.max_time_factor=1", "--accuracy", "20%", "--certify")
-    done = invoke(*words)
+    arguments = ("run", "lube-cylinder", "--set", "stages.collapse.max_time_factor=1", "--accuracy", "20%", "--certify")
+    done = invoke(*arguments)
     assert done.exit_code == 0, done.output
     assert "zeta.front_height: " in done.output and "+-" in done.output
-    again: Any = json.loads(invoke(*words, "--json").stdout)
+    again: Any = json.loads(invoke(*arguments, "--json").stdout)
     assert set(again) == {ZETA, BETA} and again[ZETA]["error"] > 0.0
     assert len(list((tmp_path / "runs" / "lube-cylinder-certified").glob("cells*"))) == 6
