@@ -282,10 +282,10 @@ def test_a_small_map_from_end_to_end(tmp_path: Path, monkeypatch: pytest.MonkeyP
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["--map", "one", "two"], "--map takes one map and no --list"),
-        (["--map", "--list"], "--map takes one map and no --list"),
-        (["--jobs", "2"], "--jobs and --report-only go with --map"),
-        (["--report-only"], "--jobs and --report-only go with --map"),
+        (["--map", "one", "two"], "--map requires at most one MAP and excludes --list"),
+        (["--map", "--list"], "--map requires at most one MAP and excludes --list"),
+        (["--jobs", "2"], "--jobs and --report-only require --map"),
+        (["--report-only"], "--jobs and --report-only require --map"),
         (["--map", "defualt"], "defualt: no such map; did you mean 'default'"),
     ],
 )
