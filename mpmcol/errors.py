@@ -1,8 +1,10 @@
-"""Errors for the user; the command line prints their message and exits with their code."""
+"""Errors for the user, whose message and exit code the command line uses; selection of items by name."""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Iterable, Sequence
+from difflib import get_close_matches
+from typing import Any, Protocol, TypeVar
 
 
 class MpmcolError(Exception):
@@ -47,3 +49,36 @@ class OutputError(MpmcolError):
     """A file could not be written or read, or is damaged."""
 
     exit_code = 5
+
+
+class Named(Protocol):
+    """An item with a name such as "group-item"."""
+
+    @property
+    def name(self) -> str: ...
+
+
+Item = TypeVar("Item", bound=Named)
+
+
+def suggestion(name: str, known: Iterable[str]) -> str:
+    """Hint for an unknown name: the most similar known name, or all known names."""
+    known = list(known)
+    near = get_close_matches(name, known, n=1)
+    return f"did you mean {near[0]!r}?" if near else f"known: {', '.join(known)}"
+
+
+def matches(item: Named, name: str) -> bool:
+    """Whether the item has this name or belongs to the group of this name ("group" matches "group-item")."""
+    return item.name == name or item.name.startswith(f"{name}-")
+
+
+def select(items: Sequence[Item], names: Sequence[str], kind: str) -> list[Item]:
+    """The items that match any of the names, in their own order; all items if no names are given.
+
+    Raises UsageError for a name that matches no item; `kind` names the items in the message.
+    """
+    for name in names:
+        if not any(matches(item, name) for item in items):
+            raise UsageError(f"no {kind} is called {name!r}; {suggestion(name, (item.name for item in items))}")
+    return [item for item in items if not names or any(matches(item, name) for name in names)]

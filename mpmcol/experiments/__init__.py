@@ -9,7 +9,7 @@ from typing import Any, Protocol
 
 from numpy.typing import ArrayLike
 
-from mpmcol.errors import UsageError
+from mpmcol.errors import UsageError, suggestion
 from mpmcol.experiments.base import Experiment, Law, Piece, Profile, ProfileScore, Score, column_kind, mark
 from mpmcol.experiments.records import (
     balmforth_kerswell_2005,
@@ -28,7 +28,6 @@ from mpmcol.experiments.records import (
     paper_plane,
 )
 from mpmcol.experiments.scores import score_laws, score_profile
-from mpmcol.selection import suggestion
 
 __all__ = [
     "EXPERIMENTS",

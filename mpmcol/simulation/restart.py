@@ -1,70 +1,18 @@
-"""Checkpoints of a run: when they are written, what they hold, and how a run resumes from one with equal bits."""
+"""How a run resumes from a checkpoint, with equal bits."""
 
 from __future__ import annotations
 
-import json
-import time
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
-
-import numpy as np
 
 from mpmcol.case import Case
-from mpmcol.case.schema import leaf_values
 from mpmcol.errors import OutputError, UsageError
-from mpmcol.io.checkpoint import FORMAT, Checkpoint, damaged_snapshots, read_checkpoints, write_checkpoint
-from mpmcol.io.lock import Lock
+from mpmcol.io.checkpoint import FORMAT, Checkpoint, damaged_snapshots, read_checkpoints
 from mpmcol.io.names import CHECKPOINT_FILES
-from mpmcol.mpm.grid import Tiles
 from mpmcol.mpm.kernels import loop
 from mpmcol.provenance import code_version
 from mpmcol.setup.model import Model
-from mpmcol.simulation.interrupt import StopRequest
-from mpmcol.simulation.state import Notify, RunState, Simulation
-
-INTERVAL = 300.0  # s of wall-clock time between two checkpoints
-NON_NUMERICAL_KEYS = ("title", "score.experiment")  # keys of a case that do not affect the state
-ARRAYS = ("points", "clock", "ledger", "initial_positions", "inactive")  # of a RunState, besides its tiles
-
-
-class Checkpointer:
-    """Writes checkpoints of a simulation to its folder: at intervals, and before the run stops on request."""
-
-    def __init__(
-        self, simulation: Simulation, stop: StopRequest, lock: Lock, interval: float, resumed_from: Checkpoint | None
-    ) -> None:
-        self._simulation, self._stop, self._lock, self._interval = simulation, stop, lock, interval
-        self._serial = resumed_from.serial if resumed_from else 0
-        self._written = time.monotonic()
-
-    def between_steps(self) -> None:
-        """Write a checkpoint if one is due or a stop was requested.
-
-        Raises Stopped if a stop was requested, OutputError if the folder is gone.
-        """
-        self._lock.check()
-        if self._stop.reason:
-            self.write()
-            self._stop.raise_if_requested()
-        if time.monotonic() - self._written > self._interval:
-            self.write()
-
-    def write(self) -> None:
-        """Write a checkpoint now. Raises OutputError."""
-        self._serial += 1
-        write_checkpoint(self._simulation.recorder.folder, make_checkpoint(self._simulation, self._serial))
-        self._written = time.monotonic()
-
-
-def make_checkpoint(simulation: Simulation, serial: int) -> Checkpoint:
-    """A checkpoint of the present state and, for a retry, of the last valid states."""
-    values, arrays = _disassemble(simulation.state())
-    states = [_disassemble(state) for state in simulation.valid_states] if simulation.retry else []
-    for k, (_, others) in enumerate(states):
-        arrays |= {f"valid-{k}-{name}": array for name, array in others.items()}
-    header = {"format": FORMAT, "identity": identity(simulation.case)}
-    return Checkpoint(serial, {**header, **values, "valid_states": [others for others, _ in states]}, arrays)
+from mpmcol.simulation.checkpointer import assemble, identity
+from mpmcol.simulation.state import Notify, Simulation
 
 
 def resume(simulation: Simulation, checkpoint: Checkpoint) -> None:
@@ -73,8 +21,8 @@ def resume(simulation: Simulation, checkpoint: Checkpoint) -> None:
     for k, others in enumerate(values["valid_states"]):
         prefix = f"valid-{k}-"
         own = {name.removeprefix(prefix): array for name, array in arrays.items() if name.startswith(prefix)}
-        simulation.valid_states.append(_assemble(others, own))
-    simulation.set_state(_assemble(values, arrays))
+        simulation.valid_states.append(assemble(others, own))
+    simulation.set_state(assemble(values, arrays))
     simulation.recorder.remove_later_snapshots()
     simulation.progress.resumed.append({"step": simulation.solver.steps, "version": code_version()})
 
@@ -147,12 +95,6 @@ def recovery_hint(folder: Path) -> str:
     return f"{folder} holds no checkpoint: after the problem is fixed, repeat the command to restart from scratch"
 
 
-def identity(case: Case) -> dict[str, Any]:
-    """What determines the bits of a run: the values of the case, except NON_NUMERICAL_KEYS, and the code version."""
-    values = {key: value for key, value in leaf_values(case).items() if key not in NON_NUMERICAL_KEYS}
-    return {"case": json.loads(json.dumps(values)), "version": code_version()}
-
-
 def differences(checkpoint: Checkpoint, case: Case) -> list[str]:
     """One line for each difference between the run of a checkpoint and a run of this case with this code."""
     checkpointed, present = checkpoint.values["identity"], identity(case)
@@ -165,19 +107,3 @@ def differences(checkpoint: Checkpoint, case: Case) -> list[str]:
     if checkpointed["version"] != present["version"]:
         lines.append(f"made by mpmcol {checkpointed['version']}, this is {present['version']}")
     return lines
-
-
-def _disassemble(state: RunState) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
-    """Plain values and arrays of a state."""
-    arrays = {name: getattr(state, name) for name in ARRAYS} | state.tiles._asdict()
-    return {"progress": state.progress, "recorder": state.recorder}, arrays
-
-
-def _assemble(values: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> RunState:
-    """The state of these values and arrays."""
-    return RunState(
-        **{name: arrays[name] for name in ARRAYS},
-        tiles=Tiles(*(arrays[name] for name in Tiles._fields)),
-        progress=values["progress"],
-        recorder=values["recorder"],
-    )

@@ -18,17 +18,11 @@ from mpmcol.mpm.kernels import loop
 from mpmcol.mpm.particles import Points
 from mpmcol.mpm.solver import Solver
 from mpmcol.setup.model import Model, build_model
+from mpmcol.simulation.checkpointer import INTERVAL, Checkpointer
 from mpmcol.simulation.failure import failure_message
 from mpmcol.simulation.interrupt import Stopped, stop_request
 from mpmcol.simulation.recorder import Recorder
-from mpmcol.simulation.restart import (
-    INTERVAL,
-    Checkpointer,
-    find_checkpoint,
-    recovery_hint,
-    require_same_points,
-    resume,
-)
+from mpmcol.simulation.restart import find_checkpoint, recovery_hint, require_same_points, resume
 from mpmcol.simulation.retry import halve_time_step
 from mpmcol.simulation.stages import Stages
 from mpmcol.simulation.state import Notify, RunState, ShowProgress, Simulation, no_messages, no_progress

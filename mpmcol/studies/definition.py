@@ -13,8 +13,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from mpmcol.case.fields import shortened
 from mpmcol.case.problem import MOST_SHOWN
 from mpmcol.case.source import Source, read_source, shipped_cases
-from mpmcol.errors import UsageError
-from mpmcol.selection import suggestion
+from mpmcol.errors import UsageError, suggestion
 
 Value = str | bool | float
 

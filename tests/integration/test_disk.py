@@ -16,7 +16,7 @@ from mpmcol.integrity import verify
 from mpmcol.io.checkpoint import write_checkpoint
 from mpmcol.io.names import CHECKSUM_FILE, RESULT_FILE
 from mpmcol.io.results import Results
-from mpmcol.simulation import restart
+from mpmcol.simulation import checkpointer, restart
 from tests.soak.trials import damaged_files, failing_disks, power_loss
 from tests.support.cli import invoke, set_options
 from tests.support.faulty_disk import Disk, PowerLost
@@ -36,7 +36,7 @@ def killed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         if len(checkpoint.values["recorder"]["snapshots"]) == 2:
             raise Killed
 
-    monkeypatch.setattr(restart, "write_checkpoint", write)
+    monkeypatch.setattr(checkpointer, "write_checkpoint", write)
     with pytest.raises(Killed):
         mpmcol.run(mpmcol.load_case("quickstart", TINY), tmp_path / "run", checkpoint_seconds=0.0)
     monkeypatch.undo()
@@ -160,7 +160,7 @@ def test_a_clock_set_forward_and_back_changes_nothing(tmp_path: Path, monkeypatc
 
     mpmcol.run(case, tmp_path / "plain", threads=1)
     monkeypatch.setattr(time, "time", lambda: draw.uniform(-1e9, 1e10))
-    monkeypatch.setattr(restart, "write_checkpoint", count)
+    monkeypatch.setattr(checkpointer, "write_checkpoint", count)
     mpmcol.run(case, tmp_path / "set", threads=1, max_wall=600.0)
     assert not written
     assert_equal_runs(tmp_path / "plain", tmp_path / "set")

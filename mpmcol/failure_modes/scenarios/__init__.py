@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from importlib import import_module
 
+from mpmcol.errors import select
 from mpmcol.failure_modes.scenario import Scenario
-from mpmcol.selection import select
 
 MODULES = (
     "time_step",

@@ -8,12 +8,12 @@ from math import sqrt
 from pathlib import Path
 
 import numpy as np
-from scipy.stats import t as student_t
 
 from mpmcol.case import load_case
 from mpmcol.studies.pareto.recommend import Recommendation
 from mpmcol.studies.runs import CFL, repeated_cfl
 from mpmcol.sweep.engine import Outcome, unsuccessful
+from mpmcol.sweep.fits import student_t
 from mpmcol.sweep.runner import SweepObserver, run_sweep
 from mpmcol.sweep.runs import PlannedRun, plan_run
 from mpmcol.sweep.table import make_rows
@@ -23,7 +23,6 @@ RATIO = sqrt(2.0)  # of the spacings, approximately, since the radius is a whole
 ORDER = 1.0  # the lowest order of convergence that is usual for front and height
 SAFETY = 1.25
 MIN_RUNS = 2  # successful ones at each spacing
-CONFIDENCE = 0.95
 
 
 @dataclass(frozen=True)
@@ -90,7 +89,7 @@ def error_bar(
     freedom = len(coarse) + len(fine) - 2
     scatter = sqrt(sum(float(np.var(level)) * len(level) for level in (coarse, fine)) / freedom)
     change_error = scatter * sqrt(1.0 / len(coarse) + 1.0 / len(fine))
-    half_width = float(student_t.ppf((1.0 + CONFIDENCE) / 2.0, freedom)) * change_error
+    half_width = student_t(freedom) * change_error
     index = SAFETY * float(np.hypot(change, half_width)) / (ratio**ORDER - 1.0)
     value = float(np.mean(fine))
     least = study_error * abs(value)

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from mpmcol.selection import select
+from mpmcol.errors import select
 from mpmcol.studies.runs import EndedRuns, StudyRun
 from mpmcol.studies.validation.check import Check, CheckResult, evaluate_check
 from mpmcol.studies.validation.checks import CHECKS

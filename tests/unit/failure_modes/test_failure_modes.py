@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mpmcol.errors import NumericalFailure, UsageError
+from mpmcol.errors import NumericalFailure, UsageError, matches
 from mpmcol.failure_modes import scenarios
 from mpmcol.failure_modes.report import markdown, table_rows, write_report
 from mpmcol.failure_modes.scenario import (
@@ -23,7 +23,6 @@ from mpmcol.failure_modes.scenario import (
     passing,
     run_scenario,
 )
-from mpmcol.selection import matches
 from tests.support.cli import invoke
 
 SCENARIOS = list(scenarios.SCENARIOS.values())

@@ -14,8 +14,9 @@ from mpmcol.io.names import CASE_FILE
 from mpmcol.mpm.kernels import loop
 from mpmcol.mpm.solver import Solver
 from mpmcol.setup.model import build_model
+from mpmcol.simulation.checkpointer import make_checkpoint
 from mpmcol.simulation.recorder import Recorder
-from mpmcol.simulation.restart import make_checkpoint, resume
+from mpmcol.simulation.restart import resume
 from mpmcol.simulation.retry import MAX_RETRIES, halve_time_step
 from mpmcol.simulation.run import start
 from mpmcol.simulation.stages import Stages

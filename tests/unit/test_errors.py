@@ -6,8 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from mpmcol.errors import UsageError
-from mpmcol.selection import select, suggestion
+from mpmcol.errors import UsageError, select, suggestion
 
 ITEMS = [SimpleNamespace(name=name) for name in ("group-one", "group-two", "groups")]
 
