@@ -21,7 +21,7 @@ class Constraint:
 
 
 @dataclass(frozen=True)
-class Violation:
+class ViolatedConstraint:
     """A constraint that a case violates, with the values of its keys."""
 
     constraint: Constraint
@@ -39,11 +39,11 @@ class Violation:
         return self.constraint.message.format(*named)
 
 
-def violations(values: Mapping[str, Any]) -> Iterator[Violation]:
+def violations(values: Mapping[str, Any]) -> Iterator[ViolatedConstraint]:
     """Check all constraints whose keys are in `values` (dotted name to value, None if absent)."""
     for constraint in CONSTRAINTS:
         if all(key in values for key in constraint.keys):
-            violation = Violation(constraint, tuple(values[key] for key in constraint.keys))
+            violation = ViolatedConstraint(constraint, tuple(values[key] for key in constraint.keys))
             if not constraint.holds(*violation.values):
                 yield violation
 

@@ -10,7 +10,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from mpmcol.case import fields
-from mpmcol.case.constraints import Violation, violations
+from mpmcol.case.constraints import ViolatedConstraint, violations
 from mpmcol.case.problem import MOST_COUNTED, Problem, set_option
 from mpmcol.case.reference import field_at, fields_at, key_names
 from mpmcol.case.source import CaseInput
@@ -134,7 +134,7 @@ def _valid_values(
             yield ".".join(key), number(value) if number else value
 
 
-def _violated(given: CaseInput, violation: Violation) -> Problem:
+def _violated(given: CaseInput, violation: ViolatedConstraint) -> Problem:
     keys: list[KeyPath] = [tuple(key.split(".")) for key in violation.constraint.keys]
     value = violation.values[0]
     stated = f" {violation.message}" if value is None else f" = {fields.shown(value)}: {violation.message}"

@@ -37,7 +37,7 @@ def _integer(value: Any) -> Any:
     return value
 
 
-class Geometry(Table):
+class GeometryTable(Table):
     """The column, its base and the domain."""
 
     model: Literal["plane", "axisymmetric", "quarter", "full"] = option(
@@ -93,7 +93,7 @@ class Geometry(Table):
         return self.aspect if self.aspect is not None else self.h_i / self.radius
 
 
-class Grid(Table):
+class GridTable(Table):
     """The background grid and the material points in it."""
 
     spacing: float = quantity("grid node spacing h", "m", gt=0)
@@ -102,7 +102,7 @@ class Grid(Table):
     )
 
 
-class Method(Table):
+class MethodTable(Table):
     """The material point method and its variants."""
 
     basis: Literal["linear", "quadratic", "cubic"] = option(
@@ -155,7 +155,7 @@ class Method(Table):
     )
 
 
-class Time(Table):
+class TimeTable(Table):
     """The time step."""
 
     cfl: float = quantity(
@@ -168,7 +168,7 @@ class Time(Table):
     )
 
 
-class Equilibrate(Table):
+class EquilibrateTable(Table):
     """First stage: equilibrium under gravity behind the gate."""
 
     damping: float = quantity("local damping coefficient alpha_d", "", 0.5, ge=0, lt=1)
@@ -179,7 +179,7 @@ class Equilibrate(Table):
     tolerance: float = quantity("unbalanced force ratio at which the column is in equilibrium", "", 1e-4, gt=0, lt=1)
 
 
-class Collapse(Table):
+class CollapseTable(Table):
     """Second stage: collapse after the removal of the gate."""
 
     damping: float = quantity("local damping coefficient alpha_d", "", 0.05, ge=0, lt=1)
@@ -187,7 +187,7 @@ class Collapse(Table):
     max_time_factor: float = quantity("maximum duration in units of sqrt(h_i / g)", "", 6.0, gt=0)
 
 
-class Stages(Table):
+class StagesTable(Table):
     """The stages of a run."""
 
     initial_stress: Literal["gravity", "k0"] = option(
@@ -199,8 +199,8 @@ class Stages(Table):
         None,
         ge=0,
     )
-    equilibrate: Equilibrate = option("first stage: equilibrium under gravity behind the gate", Equilibrate())
-    collapse: Collapse = option("second stage: collapse after the removal of the gate", Collapse())
+    equilibrate: EquilibrateTable = option("first stage: equilibrium under gravity behind the gate", EquilibrateTable())
+    collapse: CollapseTable = option("second stage: collapse after the removal of the gate", CollapseTable())
     gate_speed: float = quantity(
         "speed at which the gate is lifted; inf: instantaneous removal", "m/s", math.inf, gt=0, allow_inf=True
     )
@@ -209,7 +209,7 @@ class Stages(Table):
 _RELEASE_TIME = Number("s", {"ge": 0})
 
 
-class Output(Table):
+class OutputTable(Table):
     """Files that a run writes."""
 
     snapshots: Annotated[int, Field(ge=1)] = option("number of snapshots of the collapse, equally spaced in time", 20)
@@ -224,7 +224,7 @@ class Output(Table):
         return tuple(times) if isinstance(times, list) else times
 
 
-class Score(Table):
+class ScoreTable(Table):
     """Comparison with an experiment."""
 
     experiment: ExperimentName = option(
@@ -244,18 +244,18 @@ class Case(Table):
         "version of the case file format", 1
     )
     title: str = option("title in tables and charts", "")
-    geometry: Geometry = option("column, base and domain")
-    grid: Grid = option("background grid and material points")
+    geometry: GeometryTable = option("column, base and domain")
+    grid: GridTable = option("background grid and material points")
     material: ColumnMaterial = option("material of the column; its other keys depend on law")
     base_material: elastic.Material = Field(
         default_factory=_elastic_part,
         description="material of the elastic base; default: density and elastic constants of material",
     )
-    method: Method = option("variants of the material point method", Method())
-    time: Time = option("time step", Time())
-    stages: Stages = Field(default=Stages(), validate_default=True, description="stages of the run")
-    output: Output = option("output files", Output())
-    score: Score = option("comparison with an experiment", Score())
+    method: MethodTable = option("variants of the material point method", MethodTable())
+    time: TimeTable = option("time step", TimeTable())
+    stages: StagesTable = Field(default=StagesTable(), validate_default=True, description="stages of the run")
+    output: OutputTable = option("output files", OutputTable())
+    score: ScoreTable = option("comparison with an experiment", ScoreTable())
 
     @field_validator("grid", mode="before")
     @classmethod
@@ -271,7 +271,7 @@ class Case(Table):
     def _resolve_from_material(cls, stages: Any, info: ValidationInfo) -> Any:
         """Resolve the defaults of stages that depend on the material."""
         material = info.data.get("material")
-        given = stages.model_dump(exclude_none=True) if isinstance(stages, Stages) else stages
+        given = stages.model_dump(exclude_none=True) if isinstance(stages, StagesTable) else stages
         if material is None or not isinstance(given, dict):
             return given
         filled = {"k0": _active_ratio(material), **given}

@@ -12,10 +12,10 @@ def undefined(value: float) -> None:
     """JSON null for a measured number that is not finite: it has no value."""
 
 
-def toml_word(value: float) -> str:
-    """The TOML word (inf, -inf, nan) for an input that is not finite: a key such as stages.gate_speed may be infinite.
+def toml_notation(value: float) -> str:
+    """The TOML notation (inf, -inf, nan) of an input that is not finite, such as an infinite stages.gate_speed.
 
-    Null would lose the value, which a reader needs to repeat the run.
+    With null, the run could not be repeated from the file.
     """
     return str(value)
 

@@ -32,7 +32,7 @@ REPORT = "repeat the run; if it stops at the same step, report the case and this
 CHECK_LAW = "check `return_map` of the law; else " + REPORT
 
 
-class Observation(NamedTuple):
+class CheckedState(NamedTuple):
     """What the checks examine: the solver, the history up to now, and the scales of the column."""
 
     solver: Solver
@@ -52,24 +52,24 @@ class Violation(NamedTuple):
     position: Sequence[float] | None = None
 
 
-class Check(NamedTuple):
+class StateCheck(NamedTuple):
     """A test with its limit, and the probable cause and the remedy of a violation."""
 
     name: str
-    find: Callable[[Observation, float], Violation | None]
+    find: Callable[[CheckedState, float], Violation | None]
     limit: float
     likely: str
     remedy: str
     smaller_step_helps: bool = False
 
 
-def find_failure(seen: Observation) -> Failure | None:
+def find_failure(state: CheckedState) -> Failure | None:
     """The failure that the first violated check describes; None if the state is valid."""
     with np.errstate(all="ignore"):
-        if (row := _first_not_finite(seen.solver, seen.rows[-1])) is not None:
-            return not_finite(seen.solver, row if row >= 0 else None)
+        if (row := _first_not_finite(state.solver, state.rows[-1])) is not None:
+            return not_finite(state.solver, row if row >= 0 else None)
         for check in CHECKS:
-            if found := check.find(seen, check.limit):
+            if found := check.find(state, check.limit):
                 return Failure(
                     check=check.name,
                     cause=found.cause,
@@ -102,30 +102,33 @@ def _stored_energy(row: Mapping[str, Any]) -> float:
     return float(sum(row[name] for name in ENERGIES))
 
 
-def energy_gain(seen: Observation, limit: float) -> Violation | None:
+def energy_gain(state: CheckedState, limit: float) -> Violation | None:
     """The sum of potential, kinetic and elastic energy cannot rise: sand, damping and walls only dissipate."""
-    past = [_stored_energy(seen.initial_energies), *(_stored_energy(row) for row in seen.rows[-ENERGY_WINDOW - 1 : -1])]
-    gain = (_stored_energy(seen.rows[-1]) - min(past)) / (seen.energy + seen.initial_energies["kinetic"])
+    past = [
+        _stored_energy(state.initial_energies),
+        *(_stored_energy(row) for row in state.rows[-ENERGY_WINDOW - 1 : -1]),
+    ]
+    gain = (_stored_energy(state.rows[-1]) - min(past)) / (state.energy + state.initial_energies["kinetic"])
     if gain <= limit:
         return None
-    points = seen.solver.points
+    points = state.solver.points
     kinetic = points.m * np.sum(points.v**2, axis=1)
     return Violation("spurious energy gain, normalised by m g h_i", gain, int(kinetic.argmax()))
 
 
-def ledger_residual(seen: Observation, limit: float) -> Violation | None:
+def ledger_residual(state: CheckedState, limit: float) -> Violation | None:
     """The work at the nodes is the change of potential energy: to round-off with the trapezoidal position update."""
-    solver = seen.solver
-    rule = 0.0 if solver.settings.position_factor == 0.5 else solver.dt * solver.time / seen.fall_time**2
-    residual = abs(seen.rows[-1]["residual"]) / seen.energy
+    solver = state.solver
+    rule = 0.0 if solver.settings.position_factor == 0.5 else solver.dt * solver.time / state.fall_time**2
+    residual = abs(state.rows[-1]["residual"]) / state.energy
     if residual <= limit + rule:
         return None
     return Violation("the energy ledger does not close, residual normalised by m g h_i", residual)
 
 
-def time_step(seen: Observation, limit: float) -> Violation | None:
+def time_step(state: CheckedState, limit: float) -> Violation | None:
     """Waves and free fall do not reduce the time step far below that of a column at rest."""
-    solver = seen.solver
+    solver = state.solver
     wave_speed = max(body.wave_speed2 for body in solver.bodies) ** 0.5
     ratio = solver.dt * (wave_speed + solver.settings.free_speed) / (solver.settings.cfl * solver.grid.h)
     if ratio >= limit:
@@ -135,18 +138,18 @@ def time_step(seen: Observation, limit: float) -> Violation | None:
     return Violation("the time step collapsed, normalised by that of waves and free fall", ratio, int(speed.argmax()))
 
 
-def outside_surface(seen: Observation, limit: float) -> Violation | None:
+def outside_surface(state: CheckedState, limit: float) -> Violation | None:
     """The stress of no point of the column is outside a constant yield surface."""
-    return None if seen.solver.bodies[COLUMN].law.STATE else _outside(seen, limit)
+    return None if state.solver.bodies[COLUMN].law.STATE else _outside(state, limit)
 
 
-def outside_softened_surface(seen: Observation, limit: float) -> Violation | None:
+def outside_softened_surface(state: CheckedState, limit: float) -> Violation | None:
     """The same for a law with history, whose surface moves after the return mapping by the softening of one step."""
-    return _outside(seen, limit) if seen.solver.bodies[COLUMN].law.STATE else None
+    return _outside(state, limit) if state.solver.bodies[COLUMN].law.STATE else None
 
 
-def _outside(seen: Observation, limit: float) -> Violation | None:
-    solver, floor = seen.solver, STRESS_FLOOR * seen.stress
+def _outside(state: CheckedState, limit: float) -> Violation | None:
+    solver, floor = state.solver, STRESS_FLOOR * state.stress
     law, params = solver.bodies[COLUMN].law, solver.bodies[COLUMN].params
     rows = np.flatnonzero(solver.points.kind != BASE)
     s1, s2, s3 = principal_stresses(*(component[rows] for component in solver.points.sigma.T))
@@ -169,9 +172,9 @@ def _outside(seen: Observation, limit: float) -> Violation | None:
     )
 
 
-def invalid_nodes(seen: Observation, limit: float) -> Violation | None:
+def invalid_nodes(state: CheckedState, limit: float) -> Violation | None:
     """Nodes have finite values and no negative mass; nodes without mass have no velocity."""
-    solver = seen.solver
+    solver = state.solver
     assert solver.tiles is not None  # checks follow steps
     tiles = solver.tiles.active // solver.grid.tile_doubles
     nodes = solver.grid.nodes.reshape(-1, solver.grid.tile_doubles)[tiles].reshape(-1, NODE)
@@ -222,7 +225,7 @@ def principal_stresses(
 
 
 CHECKS = (
-    Check(
+    StateCheck(
         name="energy",
         find=energy_gain,
         limit=0.05,
@@ -230,17 +233,17 @@ CHECKS = (
         remedy=LOWER_TIME_STEP + ", or lower material.youngs_modulus",
         smaller_step_helps=True,
     ),
-    Check(name="ledger", find=ledger_residual, limit=1e-6, likely=CORRUPTED, remedy=REPORT),
-    Check(
+    StateCheck(name="ledger", find=ledger_residual, limit=1e-6, likely=CORRUPTED, remedy=REPORT),
+    StateCheck(
         name="time step",
         find=time_step,
         limit=0.1,
         likely="a point that dilates without bound, or a corrupted clock",
         remedy=OPENING_STRAIN + "; else " + REPORT,
     ),
-    Check(name="yield surface", find=outside_surface, limit=1e-6, likely=NO_RETURN, remedy=CHECK_LAW),
-    Check(name="yield surface", find=outside_softened_surface, limit=0.01, likely=NO_RETURN, remedy=CHECK_LAW),
-    Check(
+    StateCheck(name="yield surface", find=outside_surface, limit=1e-6, likely=NO_RETURN, remedy=CHECK_LAW),
+    StateCheck(name="yield surface", find=outside_softened_surface, limit=0.01, likely=NO_RETURN, remedy=CHECK_LAW),
+    StateCheck(
         name="nodes", find=invalid_nodes, limit=0.0, likely=CORRUPTED, remedy=REPORT, smaller_step_helps=True
     ),
 )  # fmt: skip

@@ -14,7 +14,7 @@ from mpmcol.mpm.particles import BASE
 from mpmcol.setup.model import StageSetup, set_boundaries
 from mpmcol.setup.time_step import time_step_limit
 from mpmcol.simulation.failure import Failure, failure_message, failure_record, identify_failure
-from mpmcol.simulation.monitor import Observation, find_failure
+from mpmcol.simulation.monitor import CheckedState, find_failure
 from mpmcol.simulation.state import Simulation
 
 CHECKS_PER_FALL_TIME = 50
@@ -23,10 +23,8 @@ CONVERGED_CHECKS = 3  # consecutive checks below the tolerance that end the equi
 REST_WINDOW = 0.2  # in sqrt(h_i / g): the column is at rest when it has been quiet for this time
 REST_ENERGY = 1e-5  # grid kinetic energy over m g h_i
 REST_FRONT = 0.1  # in h: motion of the front
-ARRESTED_POINTS = (
-    3,
-    1e-3,
-)  # number, or fraction of the column: more points at an end of the domain are part of the flow
+# more points of the column than this, in number and as a fraction, are part of the flow
+MAX_ARRESTED_NUMBER, MAX_ARRESTED_FRACTION = 3, 1e-3
 CHECKS_PER_STATE = 5  # checks between two valid states that are kept in memory
 DETACHED_FRONT = 1.25  # ratio of front_max to front_connected above which a warning is issued
 
@@ -177,7 +175,7 @@ class Stages:
         """Raise NumericalFailure if a check of the whole state fails; keep every few valid states."""
         geometry, recorder, progress = self.case.geometry, self.recorder, self.simulation.progress
         h_i = self.model.discretization.h_i
-        seen = Observation(
+        state = CheckedState(
             solver=self.solver,
             rows=recorder.rows,
             initial_energies=recorder.initial_energies,
@@ -185,7 +183,7 @@ class Stages:
             stress=self.case.material.density * geometry.gravity * h_i,
             fall_time=self.fall_time,
         )
-        if failure := find_failure(seen):
+        if failure := find_failure(state):
             self._fail(failure)
         progress.valid_checks += 1
         if progress.valid_checks % CHECKS_PER_STATE == 0:
@@ -207,8 +205,8 @@ class Stages:
 
     def _check_domain(self) -> None:
         """Single particles may be arrested at the ends of the domain; the flow itself must not reach them."""
-        arrested, (number, fraction) = self._arrested_points(), ARRESTED_POINTS
-        if len(arrested) > max(number, fraction * self.model.column_points):
+        arrested = self._arrested_points()
+        if len(arrested) > max(MAX_ARRESTED_NUMBER, MAX_ARRESTED_FRACTION * self.model.column_points):
             self._fail(identify_failure(self.solver, int(arrested[0])))
 
     def _lift_gate(self) -> None:

@@ -10,7 +10,7 @@ from typing import Any
 
 from mpmcol.errors import OutputError, UsageError
 from mpmcol.io.atomic import atomic_write, make_folder
-from mpmcol.io.values import to_json, toml_word
+from mpmcol.io.values import to_json, toml_notation
 
 PLAN_FILE = "sweep.json"
 PLAN_SCHEMA = 2
@@ -39,7 +39,7 @@ class Plan:
 
 def as_json(value: Any) -> str:
     """One line of JSON; numbers that are not finite, such as an infinite input, become the TOML words inf and nan."""
-    return to_json(value, toml_word)
+    return to_json(value, toml_notation)
 
 
 def write_plan(out: Path, plan: Plan) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from math import inf, nan
 
-from mpmcol.io.values import flatten, to_json, toml_word
+from mpmcol.io.values import flatten, to_json, toml_notation
 
 NESTED = {"a": 1, "front": {"max": {"mean": 0.5, "min": nan}}, "list": [inf, (2.0, "x")]}
 
@@ -15,8 +15,8 @@ def test_measured_numbers_that_are_not_finite_become_null() -> None:
     assert json.loads(to_json(NESTED)) == expected
 
 
-def test_inputs_that_are_not_finite_become_words_of_toml() -> None:
-    assert json.loads(to_json({"gate_speed": inf, "low": -inf}, toml_word)) == {"gate_speed": "inf", "low": "-inf"}
+def test_inputs_that_are_not_finite_are_written_in_the_notation_of_toml() -> None:
+    assert json.loads(to_json({"gate_speed": inf, "low": -inf}, toml_notation)) == {"gate_speed": "inf", "low": "-inf"}
 
 
 def test_flat_names_are_dotted() -> None:
