@@ -67,9 +67,9 @@ def test_files_of_a_sweep_and_its_repetition() -> None:
 
 @pytest.mark.skipif(not Path("/proc").is_dir(), reason="finds the runs through /proc")
 def test_a_killed_sweep_completes_with_equal_results() -> None:
-    words = ("sweep", "--aspect", "2,3", *TINY[:-1], "output.snapshots=40", "--jobs", "2")
+    arguments = ("sweep", "--aspect", "2,3", *TINY[:-1], "output.snapshots=40", "--jobs", "2")
     killed, whole = Path("killed"), Path("whole")
-    with started(*words, "--out", str(killed)) as sweep:
+    with started(*arguments, "--out", str(killed)) as sweep:
         wait_until(lambda: list(killed.glob("*/run.vtkhdf")))
         runs = child_processes(sweep.pid)
         os.kill(sweep.pid, signal.SIGKILL)
@@ -81,7 +81,7 @@ def test_a_killed_sweep_completes_with_equal_results() -> None:
     status = invoke("status", killed)
     assert status.exit_code == 0 and "no run is being executed; repeat the command" in status.stdout
     for out in (killed, whole):
-        done = invoke(*words, "--out", out)
+        done = invoke(*arguments, "--out", out)
         assert done.exit_code == 0, done.output
     assert measured_table(killed) == measured_table(whole)
     for mine, other in zip(final_positions(killed), final_positions(whole), strict=True):
@@ -114,13 +114,13 @@ def test_two_sweeps_in_one_folder_at_once() -> None:
 
 
 def test_a_run_that_diverges_does_not_stop_the_others() -> None:
-    words = ("sweep", "--aspect", "2", *TINY, "--set", "time.cfl=0.5,1.9", "--out", "out")
+    arguments = ("sweep", "--aspect", "2", *TINY, "--set", "time.cfl=0.5,1.9", "--out", "out")
     for attempt in range(2):
-        done = invoke(*words)
+        done = invoke(*arguments)
         assert done.exit_code == 3, done.output
         assert "cfl1.9-" in done.stdout and " failed: " in done.stdout and "lower time.cfl" in done.stdout
         assert ("2 already finished" in done.stderr) == (attempt == 1)
-    quiet = invoke(*words, "--quiet")
+    quiet = invoke(*arguments, "--quiet")
     assert (quiet.exit_code, quiet.stdout) == (3, "") and " failed: " in quiet.stderr
     good, bad = measured_table(Path("out"))
     assert (good["status"], bad["status"], bad["zeta.front_max"]) == ("done", "failed", "")
@@ -129,8 +129,8 @@ def test_a_run_that_diverges_does_not_stop_the_others() -> None:
 
 def test_commands_have_copies_of_their_cases_and_run_in_a_shell() -> None:
     Path("mine.toml").write_text('extends = "lube-cylinder"\n')
-    words = ("sweep", "mine.toml", "--aspect", "1,2", *TINY, "--out", "out")
-    printed = invoke(*words, "--engine", "commands", "--threads", "1")
+    arguments = ("sweep", "mine.toml", "--aspect", "1,2", *TINY, "--out", "out")
+    printed = invoke(*arguments, "--engine", "commands", "--threads", "1")
     assert printed.exit_code == 0, printed.output
     lines = printed.stdout.splitlines()
     assert Path("out/commands.sh").read_text().splitlines() == lines
@@ -141,9 +141,9 @@ def test_commands_have_copies_of_their_cases_and_run_in_a_shell() -> None:
     assert done.returncode == 0, done.stderr
     assert subprocess.run(shlex.split(lines[0]), capture_output=True).returncode == 0
     Path("mine.toml").write_text('extends = "lube-cylinder"\n')
-    done = invoke(*words)
+    done = invoke(*arguments)
     assert done.exit_code == 0 and "2 already finished" in done.stderr
-    assert "all runs are finished" in invoke(*words, "--engine", "commands").stderr
+    assert "all runs are finished" in invoke(*arguments, "--engine", "commands").stderr
 
 
 def test_a_dry_run_writes_nothing() -> None:
@@ -162,7 +162,7 @@ def test_json_of_infinite_values_is_valid() -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "code", "message"),
+    ("arguments", "code", "message"),
     [
         (("sweep",), 2, "no key to vary"),
         (("sweep", "--aspect", "7:1"), 2, "--aspect 7:1: 7:1: the end of a range must be greater than its start"),
@@ -179,9 +179,9 @@ def test_json_of_infinite_values_is_valid() -> None:
         (("status", "full"), 5, "full: expected the folder of a sweep (with sweep.json) or of a run"),
     ],
 )
-def test_invalid_commands_are_refused(words: tuple[str, ...], code: int, message: str) -> None:
+def test_invalid_commands_are_refused(arguments: tuple[str, ...], code: int, message: str) -> None:
     Path("full").mkdir()
     Path("full/other").touch()
-    result = invoke(*words)
+    result = invoke(*arguments)
     assert (result.exit_code, result.stdout) == (code, "") and message in result.stderr
     assert {path.name for path in Path().iterdir()} == {"full"}

@@ -24,7 +24,7 @@ from tests.support.runs import TINY, assert_equal_runs
 
 
 class Killed(Exception):
-    """Stands for the end of the process."""
+    """Raised in place of the end of the process."""
 
 
 @pytest.fixture
@@ -109,8 +109,8 @@ def test_a_result_of_unknown_status_is_not_replaced(tmp_path: Path) -> None:
 def test_the_result_of_a_stopped_run_is_removed_when_it_resumes(tmp_path: Path) -> None:
     assert resume(tmp_path, "--max-wall", "0.001s").exit_code == 75
     disk = Disk(tmp_path)
-    disk.then_at, seen = 10, []
-    disk.then = lambda: seen.append(sorted(path.name for path in tmp_path.iterdir()))  # type: ignore[assignment]
+    disk.callback_at, seen = 10, []
+    disk.callback = lambda: seen.append(sorted(path.name for path in tmp_path.iterdir()))  # type: ignore[assignment]
     with disk.inserted():
         assert resume(tmp_path).exit_code == 0
     assert not {RESULT_FILE, CHECKSUM_FILE} & set(seen[0])
@@ -137,7 +137,7 @@ def test_any_damage(seed: int, tmp_path: Path) -> None:
 def test_the_simulated_disk_loses_what_was_not_synced(tmp_path: Path) -> None:
     """Otherwise the trials above could not fail."""
     disk = Disk(tmp_path)
-    disk.dies_at, disk.forgets_renames = 3, True
+    disk.power_fails_at, disk.undoes_renames = 3, True
     (tmp_path / "b").write_bytes(b"old")
     with pytest.raises(PowerLost), disk.inserted():
         descriptor = os.open(tmp_path / "a", os.O_WRONLY | os.O_CREAT)

@@ -49,7 +49,7 @@ def workplace(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def executed() -> set[str]:
-    """Commands that have run: one that stands in several documents runs once."""
+    """Commands that have run: one that is in several documents runs once."""
     return set()
 
 

@@ -140,8 +140,8 @@ def test_dry_run_estimates_and_writes_nothing(tmp_path: Path, monkeypatch: pytes
     monkeypatch.chdir(tmp_path)
     result = invoke("run", "quickstart", *tiny(), "--dry-run")
     assert result.exit_code == 0
-    for word in ("material points", "grid nodes", "time step", "steps", "memory", "disk", "time"):
-        assert word in result.output
+    for text in ("material points", "grid nodes", "time step", "steps", "memory", "disk", "time"):
+        assert text in result.output
     assert list(tmp_path.iterdir()) == []
     estimate = json.loads(invoke("run", "quickstart", *tiny(), "--dry-run", "--json").stdout)
     assert estimate["column_points"] == 144
@@ -151,8 +151,8 @@ def test_dry_run_estimates_and_writes_nothing(tmp_path: Path, monkeypatch: pytes
 def test_divergence_is_reported_with_position_cause_and_remedy(tmp_path: Path) -> None:
     result = invoke("run", "quickstart", *tiny("time.cfl=1.9"), "--out", str(tmp_path / "a"))
     assert result.exit_code == 3, result.output
-    for word in ("stage", "step", "t =", "point", "x =", "remedy", "time.cfl"):
-        assert word in result.output
+    for text in ("stage", "step", "t =", "point", "x =", "remedy", "time.cfl"):
+        assert text in result.output
     results = Results(tmp_path / "a")
     assert results.summary["status"] == "failed"
     assert set(results.summary["failure"]) == {
@@ -182,7 +182,7 @@ def test_rounding_of_the_spacing_is_reported(tmp_path: Path) -> None:
 
 
 def test_a_folder_without_a_run_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(OutputError, match=r"expected the folder of a run"):
+    with pytest.raises(OutputError, match="expected the results folder of a run"):
         Results(tmp_path)
     assert invoke("measure", str(tmp_path)).exit_code == 5
 
@@ -282,5 +282,5 @@ def test_a_grid_larger_than_the_memory_is_refused(monkeypatch: pytest.MonkeyPatc
         "mpmcol.setup.memory.os.sysconf",
         {"SC_PHYS_PAGES": 1, "SC_PAGE_SIZE": grid_bytes(discretization) - 1}.get,
     )
-    with pytest.raises(UsageError, match=r"make grid\.spacing larger"):
+    with pytest.raises(UsageError, match=r"increase grid\.spacing"):
         build_model(case)

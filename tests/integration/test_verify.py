@@ -61,11 +61,11 @@ def test_every_changed_byte_is_found(run: Path) -> None:
     rng = np.random.default_rng(7)
     for path in [path for path in run.rglob("*") if path.is_file() and path.name != ".lock"]:
         content = path.read_bytes()
-        for place in (0, len(content) - 1, *rng.integers(len(content), size=10)):
+        for position in (0, len(content) - 1, *rng.integers(len(content), size=10)):
             changed = bytearray(content)
-            changed[place] ^= 1 << rng.integers(8)
+            changed[position] ^= 1 << rng.integers(8)
             path.write_bytes(changed)
-            assert list(damaged(run)) == [path.relative_to(run).as_posix()], place
+            assert list(damaged(run)) == [path.relative_to(run).as_posix()], position
         path.write_bytes(content)
     assert not damaged(run)
 

@@ -1,4 +1,4 @@
-"""Every kernel as plain Python (NUMBA_DISABLE_JIT=1) on a tiny model: the twin of the vectors, honest coverage."""
+"""Every kernel as plain Python (NUMBA_DISABLE_JIT=1) on a tiny model, with the results of the compiled ones."""
 
 from __future__ import annotations
 

@@ -139,7 +139,7 @@ def sweep(folder: Path) -> Numbers:
         f"{k}.{name}": value
         for k, row in enumerate(_rows(folder / "table.csv"))
         for name, value in row.items()
-        if not any(word in name for word in left_out)
+        if not any(part in name for part in left_out)
     }
 
 
@@ -148,7 +148,7 @@ def figure(folder: Path) -> Numbers:
     _command("paper", "fig5", "--quick", "--out", str(folder), "--threads", "1", "--jobs", "1", "--quiet")
     rows = _rows(folder / "fig5.csv")
     return {f"{k}.{name}": row[name] for k, row in enumerate(rows) for name in ("h_mm", "points", "steps", *row)
-            if not any(word in name for word in ("cost", "seconds", "time_", "second"))}  # fmt: skip
+            if not any(part in name for part in ("cost", "seconds", "time_", "second"))}  # fmt: skip
 
 
 SPECIAL: dict[str, Callable[[Path], Numbers]] = {
@@ -184,8 +184,8 @@ def differing(expected: Numbers, computed: Numbers) -> list[str]:
     ]
 
 
-def _command(*words: str) -> None:
-    subprocess.run([sys.executable, "-m", "mpmcol", *words], check=True)
+def _command(*arguments: str) -> None:
+    subprocess.run([sys.executable, "-m", "mpmcol", *arguments], check=True)
 
 
 def _rows(path: Path) -> list[dict[str, str]]:

@@ -22,4 +22,4 @@ def state_digests(case: str, folder: Path, threads: list[int]) -> dict[str, str]
 
 
 if __name__ == "__main__":
-    print(json.dumps(state_digests(sys.argv[1], Path(sys.argv[2]), [int(word) for word in sys.argv[3:]])))
+    print(json.dumps(state_digests(sys.argv[1], Path(sys.argv[2]), [int(count) for count in sys.argv[3:]])))

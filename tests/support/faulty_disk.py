@@ -24,18 +24,18 @@ class PowerLost(BaseException):
 class Disk:
     """The disk below `folder`.
 
-    dies_at: number of the change at which the power fails; of a write, the first half is done. forgets_renames: undo
-    renames after which the folder was not flushed to the disk. room: bytes that all files may hold. refuses: error of
-    every change from number `refuses_at`. then: called before change number `then_at`.
+    power_fails_at: number of the change at which the power fails; of a write, the first half is done. undoes_renames:
+    undo renames after which the folder was not flushed to the disk. capacity: bytes that all files may hold. error: of
+    every change from number `error_from` on. callback: called before change number `callback_at`.
     """
 
     def __init__(self, folder: Path) -> None:
-        self.folder, self.changes, self.is_dead = folder, 0, False
-        self.dies_at, self.forgets_renames = -1, False
-        self.room: int | None = None
-        self.refuses, self.refuses_at = 0, 0
-        self.then: Callable[[], None] = lambda: None
-        self.then_at = -1
+        self.folder, self.changes, self.has_lost_power = folder, 0, False
+        self.power_fails_at, self.undoes_renames = -1, False
+        self.capacity: int | None = None
+        self.error, self.error_from = 0, 0
+        self.callback: Callable[[], None] = lambda: None
+        self.callback_at = -1
         self._opened: dict[int, Path] = {}
         self._unsynced: set[Path] = set()
         self._renamed: list[tuple[Path, bytes | None]] = []  # and the previous content
@@ -47,7 +47,7 @@ class Disk:
     def inserted(self) -> Iterator[None]:
         """Replace the real disk; afterwards the real one holds what a loss of power has left."""
         with ExitStack() as stack:
-            stack.callback(self._lose)
+            stack.callback(self._discard_unflushed)
             for name in self._real:
                 stack.enter_context(patch.object(os, name, getattr(self, f"_{name}")))
             yield
@@ -61,24 +61,24 @@ class Disk:
 
     def _change(self) -> bool:
         """Count a change; return whether the power fails at it."""
-        if self.is_dead:
+        if self.has_lost_power:
             raise PowerLost
         self.changes += 1
-        if self.changes - 1 == self.then_at:
-            self.then()
-        if self.refuses and self.changes > self.refuses_at:
-            raise OSError(self.refuses, os.strerror(self.refuses))
-        self.is_dead = self.changes - 1 == self.dies_at
-        return self.is_dead
+        if self.changes - 1 == self.callback_at:
+            self.callback()
+        if self.error and self.changes > self.error_from:
+            raise OSError(self.error, os.strerror(self.error))
+        self.has_lost_power = self.changes - 1 == self.power_fails_at
+        return self.has_lost_power
 
-    def _die_if_due(self) -> None:
+    def _change_or_lose_power(self) -> None:
         if self._change():
             raise PowerLost
 
     def _open(self, path: Any, flags: int, *more: Any, **named: Any) -> int:
         ours = self._is_ours(path)
         if ours and flags & CHANGES:
-            self._die_if_due()
+            self._change_or_lose_power()
         descriptor: int = self._real["open"](path, flags, *more, **named)
         if ours:
             self._opened[descriptor] = Path(path)
@@ -88,22 +88,22 @@ class Disk:
         path = self._opened.get(descriptor)
         if path is None:
             return int(self._real["write"](descriptor, data))
-        dies = self._change()
+        fails = self._change()
         self._unsynced.add(path)
-        size = len(data) // 2 if dies else len(data)
-        if self.room is not None:
-            size = min(size, self.room - self.used())
+        size = len(data) // 2 if fails else len(data)
+        if self.capacity is not None:
+            size = min(size, self.capacity - self.used())
             if size <= 0:
                 raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         written = int(self._real["write"](descriptor, data[:size]))
-        if dies:
+        if fails:
             raise PowerLost
         return written
 
     def _fsync(self, descriptor: int) -> None:
         path = self._opened.get(descriptor)
         if path is not None:
-            self._die_if_due()
+            self._change_or_lose_power()
             self._unsynced.discard(path)
             self._renamed = [entry for entry in self._renamed if entry[0].parent != path]
         self._real["fsync"](descriptor)
@@ -111,7 +111,7 @@ class Disk:
     def _replace(self, source: Any, target: Any) -> None:
         source, target = Path(source), Path(target)
         if self._is_ours(target):
-            self._die_if_due()
+            self._change_or_lose_power()
             self._renamed.append((target, target.read_bytes() if target.exists() else None))
             if source in self._unsynced:
                 self._unsynced = self._unsynced - {source} | {target}
@@ -119,25 +119,25 @@ class Disk:
 
     def _unlink(self, path: Any, *, dir_fd: int | None = None) -> None:
         if self._is_ours(path, dir_fd):
-            self._die_if_due()
+            self._change_or_lose_power()
         self._real["unlink"](path, dir_fd=dir_fd)
 
     def _rmdir(self, path: Any, *, dir_fd: int | None = None) -> None:
         if self._is_ours(path, dir_fd):
-            self._die_if_due()
+            self._change_or_lose_power()
         self._real["rmdir"](path, dir_fd=dir_fd)
 
     def _mkdir(self, path: Any, *more: Any, **named: Any) -> None:
         if self._is_ours(path):
-            self._die_if_due()
+            self._change_or_lose_power()
         self._real["mkdir"](path, *more, **named)
 
-    def _lose(self) -> None:
+    def _discard_unflushed(self) -> None:
         """After a loss of power, discard what was not flushed to the disk."""
-        for path in self._unsynced if self.is_dead else ():
+        for path in self._unsynced if self.has_lost_power else ():
             if path.exists():
                 path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
-        for path, before in reversed(self._renamed if self.is_dead and self.forgets_renames else []):
+        for path, before in reversed(self._renamed if self.has_lost_power and self.undoes_renames else []):
             if before is None:
                 path.unlink(missing_ok=True)
             elif path.parent.exists():

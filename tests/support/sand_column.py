@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from functools import cache
 from typing import NamedTuple
 
@@ -28,6 +27,7 @@ from mpmcol.mpm.kernels.loop import L_DAMPING, L_GRID, L_NODE_WORK, L_WALLS, L_W
 from mpmcol.mpm.particles import COLUMN
 from mpmcol.mpm.settings import PAPER, Scheme, Settings
 from mpmcol.mpm.solver import Solver
+from mpmcol.simulation.summary import state_checksum
 
 WIDTH, HEIGHT, BASE = 0.08, 0.16, 0.02
 LENGTH, SPACING = {2: 0.5, 3: 0.24}, {2: 0.01, 3: 0.02}
@@ -103,7 +103,4 @@ def state_digest(d: int, chunk: int = STEPS, scheme: Scheme = PAPER, margin: int
     for done in range(0, STEPS, chunk):
         advance_steps(solver, min(chunk, STEPS - done))
     assert solver.steps == STEPS
-    state = hashlib.sha256()
-    for array in (solver.points.rows, solver.clock, solver.ledger):
-        state.update(array.tobytes())
-    return state.hexdigest()
+    return state_checksum(solver)

@@ -11,7 +11,7 @@ import mpmcol
 from mpmcol import provenance
 
 PACKAGE = Path(mpmcol.__file__).parent
-# used by a simulation, but not numerical: keys of the case file, whose values stand in every resolved case, and texts
+# used by a simulation, but not numerical: keys of the case file, whose values every resolved case holds, and texts
 NOT_NUMERICAL = {"case", "errors.py", "provenance.py", "units.py", "__init__.py"}
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from mpmcol.failure_modes.problems.bar import period_of
 from mpmcol.failure_modes.toolkit import (
     DENSITY,
     NU,
@@ -124,10 +125,7 @@ def breathing_period(cells: int) -> float:
         advance_steps(solver, 1)
         times.append(solver.time)
         amplitudes.append((by_id(solver).m * shape) @ by_id(solver).v[:, 0])
-    t, a = np.array(times), np.array(amplitudes)
-    k = np.flatnonzero(a[1:] * a[:-1] < 0.0)
-    crossing = t[k] - a[k] * (t[k + 1] - t[k]) / (a[k + 1] - a[k])
-    return float(2.0 * np.polyfit(np.arange(len(crossing)), crossing, 1)[0] / exact)
+    return float(period_of(np.array(times), np.array(amplitudes)) / exact)
 
 
 def test_radial_vibration_of_a_cylinder() -> None:

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import mpmcol
+from mpmcol.failure_modes.problems.bar import period_of
 from mpmcol.failure_modes.toolkit import (
     DENSITY,
     NU,
@@ -141,10 +142,7 @@ def breathing_period(cells: int) -> float:
         advance_steps(solver, 1)
         times.append(solver.time)
         amplitudes.append(np.sum(mode * by_id(solver).v))
-    t, a = np.array(times), np.array(amplitudes)
-    k = np.flatnonzero(a[1:] * a[:-1] < 0.0)
-    crossing = t[k] - a[k] * (t[k + 1] - t[k]) / (a[k + 1] - a[k])
-    return float(2.0 * np.polyfit(np.arange(len(crossing)), crossing, 1)[0] / exact)
+    return float(period_of(np.array(times), np.array(amplitudes)) / exact)
 
 
 def test_radial_vibration_of_a_quarter_cylinder() -> None:

@@ -157,9 +157,8 @@ def test_p2g_of_a_smooth_field_is_second_order(taylor: float, d: int, cells: tup
 
     def error(cells: int) -> float:
         x = lattice((0.0,) * d, (1.0,) * d, 0.5 / cells)
-        derivative = field(
-            x + (0.5 * np.pi) * k / (k @ k)
-        )  # derivative with respect to the phase: a quarter wave ahead
+        # the derivative with respect to the phase is the field a quarter of a wave ahead
+        derivative = field(x + (0.5 * np.pi) * k / (k @ k))
         _, nodes = one_step(moving(x, field(x), derivative[:, :, None] * k, 1.0 / cells), 1.0 / cells, taylor=taylor)
         inner = np.all((nodes.x > 1.5 / cells) & (nodes.x < 1.0 - 1.5 / cells), axis=1)
         return float(np.abs(nodes.v - field(nodes.x))[inner].max())

@@ -70,10 +70,10 @@ def vibration(
     end = kinetic_energy(solver.points) + elastic_energy(solver.points, YOUNG, 0.0)
     across = np.abs(np.delete(solver.points.v, along, axis=1)).max()
     t = np.array(times)
-    return Vibration(end / start, _period(t, np.array(speeds)), across, t, np.array(kinetic))
+    return Vibration(end / start, period_of(t, np.array(speeds)), across, t, np.array(kinetic))
 
 
-def _period(t: np.ndarray, v: np.ndarray) -> float:
+def period_of(t: np.ndarray, v: np.ndarray) -> float:
     """Twice the mean interval between zero crossings, by linear regression; NaN with fewer than two crossings."""
     k = np.flatnonzero(v[1:] * v[:-1] < 0.0)
     if len(k) < 2:

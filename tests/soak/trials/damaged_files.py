@@ -55,19 +55,19 @@ def trial(seed: int, folder: Path) -> str | None:
 def damage(draw: random.Random, path: Path) -> str:
     """Change a file; return how."""
     content = path.read_bytes()
-    place, size = draw.randrange(len(content)), draw.choice((1, 1, 1, 8, 512))
+    position, size = draw.randrange(len(content)), draw.choice((1, 1, 1, 8, 512))
     kind = draw.choice(("flipped", "cut short", "overwritten", "zeroed", "emptied", "lengthened"))
     noise = draw.randbytes(size) if kind == "overwritten" else bytes(size)
     changed = {
-        "flipped": content[:place] + bytes([content[place] ^ 1 << draw.randrange(8)]) + content[place + 1 :],
-        "cut short": content[:place],
-        "overwritten": content[:place] + noise + content[place + size :],
-        "zeroed": content[:place] + noise + content[place + size :],
+        "flipped": content[:position] + bytes([content[position] ^ 1 << draw.randrange(8)]) + content[position + 1 :],
+        "cut short": content[:position],
+        "overwritten": content[:position] + noise + content[position + size :],
+        "zeroed": content[:position] + noise + content[position + size :],
         "emptied": b"",
         "lengthened": content + draw.randbytes(size),
     }[kind]
     path.write_bytes(changed if changed != content else content[:-1])
-    return f"{kind} at byte {place}"
+    return f"{kind} at byte {position}"
 
 
 def commands(seed: int, draw: random.Random, run: Path) -> list[list[str | Path]]:

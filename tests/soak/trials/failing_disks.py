@@ -40,24 +40,24 @@ def full(step: int, draw: random.Random, folder: Path) -> str | None:
         with mounted(folder, size) as enlarge:
             return run_repair_rerun(folder / "run", "No space left on device; free some space", enlarge, None)
     disk = Disk(folder / "run")
-    disk.room = size
+    disk.capacity = size
     return run_on(disk, "No space left on device; free some space")
 
 
 def refusing(step: int, draw: random.Random, folder: Path) -> str | None:
     """A disk that becomes read-only or fails during the run."""
     disk = Disk(folder / "run")
-    disk.refuses, disk.refuses_at = ERRORS[step % len(ERRORS)], draw.randrange(changes("new"))
-    return run_on(disk, f"cannot be written: {os.strerror(disk.refuses)}; ")
+    disk.error, disk.error_from = ERRORS[step % len(ERRORS)], draw.randrange(changes("new"))
+    return run_on(disk, f"cannot be written: {os.strerror(disk.error)}; ")
 
 
 def vanishing(step: int, draw: random.Random, folder: Path) -> str | None:
-    """A folder that is deleted or moved during the run; a moved run resumes in its new place."""
+    """A folder that is deleted or moved during the run; a moved run resumes in its new folder."""
     run, moved, disk = folder / "run", folder / "moved", Disk(folder / "run")
-    disk.then_at = draw.randrange(2, changes("new") * 3 // 4)
-    disk.then = (lambda: shutil.rmtree(run)) if step % 2 else (lambda: run.rename(moved))  # type: ignore[assignment]
+    disk.callback_at = draw.randrange(2, changes("new") * 3 // 4)
+    disk.callback = (lambda: shutil.rmtree(run)) if step % 2 else (lambda: run.rename(moved))  # type: ignore[assignment]
     failure = run_on(disk, "was removed or replaced during the run", moved)
-    return f"change {disk.then_at}: {failure}" if failure else None
+    return f"change {disk.callback_at}: {failure}" if failure else None
 
 
 FAULTS = {"full": full, "refusing": refusing, "vanishing": vanishing}
@@ -71,7 +71,7 @@ def run_on(disk: Disk, message: str, moved: Path | None = None) -> str | None:
 
 def repair(disk: Disk) -> None:
     """Let the disk work again."""
-    disk.room, disk.refuses, disk.then_at = None, 0, -1
+    disk.capacity, disk.error, disk.callback_at = None, 0, -1
 
 
 def run_repair_rerun(run: Path, message: str, repair_disk: Callable[[], object], moved: Path | None) -> str | None:
@@ -114,9 +114,9 @@ def bytes_needed() -> int:
 @cache
 def may_mount() -> bool:
     """Whether this process may mount a file system."""
-    with TemporaryDirectory() as place:
+    with TemporaryDirectory() as temporary:
         try:
-            with mounted(Path(place), PAGE):
+            with mounted(Path(temporary), PAGE):
                 return True
         except (OSError, subprocess.CalledProcessError):
             return False

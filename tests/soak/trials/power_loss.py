@@ -28,20 +28,20 @@ def trial(seed: int, folder: Path) -> str | None:
     """Let the power fail at one change of the disk, check the files, and give the command again."""
     draw, start = random.Random(seed), list(STARTS)[seed % len(STARTS)]
     disk, run = Disk(folder / "run"), folder / "run"
-    disk.dies_at, disk.forgets_renames = (seed // len(STARTS)) % changes(start), draw.random() < 0.5
+    disk.power_fails_at, disk.undoes_renames = (seed // len(STARTS)) % changes(start), draw.random() < 0.5
     fresh = STARTS[start](run)
     try:
         with disk.inserted():
             run_case(run, fresh)
     except PowerLost:
         if damage := find_damage(run):
-            return f"{start}, change {disk.dies_at}: {damage}"
+            return f"{start}, change {disk.power_fails_at}: {damage}"
     if fresh or not (run / "result.json").exists() or Results(run).status != "done":
         run_case(run, fresh)
     try:
         assert_equal_runs(reference_run(), run)
     except AssertionError as difference:
-        return f"{start}, change {disk.dies_at}: {difference}"
+        return f"{start}, change {disk.power_fails_at}: {difference}"
     return find_damage(run)
 
 
@@ -102,8 +102,8 @@ STARTS = {"new": _new, "stopped": _stopped, "finished": _finished}
 @cache
 def changes(start: str) -> int:
     """Number of changes that a run makes on the disk."""
-    with TemporaryDirectory() as place:
-        run = Path(place) / "run"
+    with TemporaryDirectory() as temporary:
+        run = Path(temporary) / "run"
         fresh, disk = STARTS[start](run), Disk(run)
         with disk.inserted():
             run_case(run, fresh)

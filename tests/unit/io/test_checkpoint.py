@@ -37,9 +37,9 @@ def test_if_the_newest_is_damaged_the_previous_one_is_read(how: str, tmp_path: P
     for serial in (6, 7):
         path = write_checkpoint(tmp_path, checkpoint(serial))
     content = bytearray(path.read_bytes())
-    for place in range(0, len(content), 97):
+    for position in range(0, len(content), 97):
         changed = bytearray(content)
-        changed[place] ^= 0x10
-        path.write_bytes({"flip": changed, "truncate": content[:place], "empty": b"", "garbage": b"x" * 500}[how])
+        changed[position] ^= 0x10
+        path.write_bytes({"flip": changed, "truncate": content[:position], "empty": b"", "garbage": b"x" * 500}[how])
         found, damaged = read_checkpoints(tmp_path)
         assert len(found) == 1 and equal(found[0], checkpoint(6)) and damaged == [path.name]

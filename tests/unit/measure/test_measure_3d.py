@@ -111,9 +111,8 @@ def test_an_elliptical_front_has_a_mean_and_a_range() -> None:
     result = measured(layer(ellipse))
     edges = np.radians(10.0 * np.arange(9))  # edge of each sector that is closest to the long axis
     last = ellipse(edges)
-    quarter = ellipse(
-        edges + np.radians(2.5)
-    )  # a layer of 2 h is h / 2 high on average where it fills a quarter of the sector
+    # a layer of 2 h is h / 2 high on average where it fills a quarter of the sector
+    quarter = ellipse(edges + np.radians(2.5))
     assert result.front_range is not None
     for name, expected in {"front_max": last, "front_connected": last, "front_height": quarter}.items():
         assert result.front[name] == pytest.approx(expected.mean(), abs=0.2 * H)

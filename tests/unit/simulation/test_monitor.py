@@ -1,4 +1,4 @@
-"""Stages-time checks: defects planted in a run are reported within one check with their cause; valid runs pass."""
+"""Run-time checks: defects planted in a run are reported within one check with their cause; valid runs pass."""
 
 from __future__ import annotations
 
