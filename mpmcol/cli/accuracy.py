@@ -43,5 +43,5 @@ def certify(
         click.echo(json.dumps({one.quantity: vars(one) for one in quantities}))
     elif not quiet:
         click.echo("\n".join(map(str, quantities)))
-        click.echo(f"discretization errors, without the error of the model; runs in {out}")
+        click.echo(f"discretisation errors, without the error of the model; runs in {out}")
     click.get_current_context().exit(exit_code(outcomes))

@@ -1,4 +1,4 @@
-"""`mpmcol plan`: changes that make a case cheaper within an accuracy."""
+"""`mpmcol plan`: changes that make a case cheaper at a given accuracy."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from mpmcol.cli.options import ACCURACY, PATH, overrides_option
 )
 @click.option("--apply", "target", metavar="FILE", type=PATH, help="Write the case as recommended to this TOML file.")
 def plan(case: str, overrides: tuple[str, ...], accuracy: float, target: Path | None) -> None:
-    """List changes that make a case cheaper within an accuracy.
+    """List changes that make a case cheaper at a given accuracy.
 
     CASE is a TOML file or the name of a shipped case (mpmcol cases). Each change is listed with its saving and with its
     effect on runout (zeta) and height (beta); then the cheapest configuration within the accuracy is recommended.

@@ -68,7 +68,7 @@ def run(
     the gate, released, and simulated until it is at rest. mpmcol measure, plot and render read the results folder.
 
     With --accuracy, the cheapest configuration that was within this error in mpmcol pareto is used. These are
-    discretization errors, without the error of the model.
+    discretisation errors, without the error of the model.
 
     Ctrl-C, SIGTERM, SIGUSR1 and --max-wall stop the run with a checkpoint (exit code 75); a second Ctrl-C aborts it.
     Repeating the command resumes a stopped or killed run, with results that are identical to those of an uninterrupted

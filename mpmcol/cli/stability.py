@@ -39,8 +39,9 @@ def stability(
     that distinguishes them. SCENARIO is the name of a scenario or of a group (time-step, wall, axis, ...); all by
     default. The exit code is 4 if an outcome is unexpected, also if a method passes that should fail.
 
-    With --map, short collapses with many combinations of method are run; a chart and tables show where they pass,
-    degrade or fail. MAP is a TOML file or a shipped map (default, quick). Repeating the command completes missing runs.
+    With --map, short collapses with many combinations of method options are run; a chart and tables show where they
+    pass, degrade or fail. MAP is a TOML file or a shipped map (default, quick). Repeating the command completes missing
+    runs.
     """
     if to_map:
         if to_list or len(names) > 1:

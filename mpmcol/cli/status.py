@@ -29,7 +29,7 @@ STATUS_TEXT = {
 def status(folder: Path, to_json: bool) -> None:
     """Show progress and remaining time of a sweep, study or run.
 
-    DIR is the folder of a sweep or of a single run; the runs of a study are in the folder "runs" inside of the study's
+    DIR is the folder of a sweep or of a single run; the runs of a study are in the folder "runs" inside the study's
     folder.
     """
     from mpmcol.sweep.plan import as_json
