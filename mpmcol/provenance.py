@@ -35,14 +35,14 @@ def versions() -> dict[str, str]:
 
 def environment() -> dict[str, Any]:
     """Versions, and the machine on which a report is made."""
-    system = {"machine": platform.machine(), "cpu": _cpu(), "cores": os.cpu_count(), "system": platform.system()}
+    system = {"machine": platform.machine(), "cpu": cpu_name(), "cores": os.cpu_count(), "system": platform.system()}
     return {**versions(), **system}
 
 
-def _cpu() -> str:
-    """Name of the processor, where the system reports it."""
+def cpu_name() -> str:
+    """Name of the processor, or its architecture where the system does not report the name."""
     try:
         lines = Path("/proc/cpuinfo").read_text().splitlines()
-    except OSError:
-        return platform.processor()
-    return next((line.partition(":")[2].strip() for line in lines if line.startswith("model name")), "")
+        return next(line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
+    except (OSError, StopIteration):
+        return platform.processor() or platform.machine()

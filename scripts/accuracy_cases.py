@@ -92,7 +92,7 @@ def verify(column: Column, advice: Recommendation, out: Path, jobs: int | None) 
     first = next(row for row in make_rows(outcomes) if row["cells"] == advice.cells)
     fine = FINE if column.a < TALL else FINE_TALL
     runs = [_reference(column, variant, cells, folder / "reference") for variant, cells in fine.items()]
-    rows = make_rows(run_sweep(runs, folder / "reference", jobs, 1))
+    rows = make_rows(run_sweep(runs, folder / "reference", jobs=jobs, threads=1))
     reference = {quantity: (rows[0][quantity] + rows[1][quantity]) / 2.0 for quantity in QUANTITIES}
     return Verification(
         {quantity: first[quantity] / reference[quantity] - 1.0 for quantity in QUANTITIES},
@@ -117,7 +117,7 @@ def main() -> None:
     parser.add_argument("out", type=Path, help="folder of the runs")
     parser.add_argument("--accuracy", type=lambda text: to_unit(text, ""), default=0.05, help="default: 5%%")
     parser.add_argument("--count", type=int, default=20, help="columns (default: 20)")
-    parser.add_argument("--jobs", type=int, help="simultaneous runs")
+    parser.add_argument("--jobs", type=int, help="number of concurrent runs")
     args = parser.parse_args()
     within = within_twice = bars = 0
     for number in range(args.count):

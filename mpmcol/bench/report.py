@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from mpmcol.errors import UsageError
+from mpmcol.provenance import cpu_name
 
 SCHEMA = 3
 SLOWDOWN = 1.5
@@ -120,7 +121,7 @@ def describe_machine() -> dict[str, Any]:
     from llvmlite import binding
 
     return {
-        "cpu": _cpu_model(),
+        "cpu": cpu_name(),
         "llvm_cpu": binding.get_host_cpu_name(),
         "cores": os.cpu_count(),
         "system": platform.platform(terse=True),
@@ -130,14 +131,6 @@ def describe_machine() -> dict[str, Any]:
         "llvm": ".".join(map(str, binding.llvm_version_info)),
         "numpy": np.__version__,
     }
-
-
-def _cpu_model() -> str:
-    try:
-        lines = Path("/proc/cpuinfo").read_text().splitlines()
-        return next(line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
-    except (OSError, StopIteration):
-        return platform.processor() or platform.machine()
 
 
 def table_lines(case: BenchmarkCase) -> list[str]:

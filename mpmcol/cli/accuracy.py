@@ -28,6 +28,7 @@ def certify(
     overrides: Sequence[str],
     advice: Recommendation,
     out: Path,
+    *,
     threads: int | None,
     to_json: bool,
     quiet: bool,

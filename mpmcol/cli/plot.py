@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import click
@@ -37,5 +38,5 @@ def plot(folder: Path, times: tuple[float, ...] | None, out: Path | None, svg: b
     from mpmcol.io.results import Results
     from mpmcol.plotting.run_charts import chart_run
 
-    for path in chart_run(Results(folder), times, svg, out, lambda note: click.echo(note, err=True)):
+    for path in chart_run(Results(folder), times=times, svg=svg, out=out, notify=partial(click.echo, err=True)):
         click.echo(path)

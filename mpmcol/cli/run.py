@@ -89,7 +89,7 @@ def run(
         advice = recommend(case, overrides, accuracy, silent=quiet or to_json)
         if certify:
             folder = out or Path("runs") / f"{stem}-certified"
-            run_certified(case, overrides, advice, folder, threads, to_json, quiet)
+            run_certified(case, overrides, advice, folder, threads=threads, to_json=to_json, quiet=quiet)
         overrides = (*overrides, *advice.overrides)
     loaded = load_case(case, overrides)
     if dry_run:

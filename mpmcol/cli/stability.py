@@ -1,4 +1,4 @@
-"""`mpmcol stability`: catalogue of failure modes, and maps of the method."""
+"""`mpmcol stability`: catalogue of failure modes, and maps of methods."""
 
 from __future__ import annotations
 
@@ -16,17 +16,19 @@ if TYPE_CHECKING:
     from mpmcol.studies.frame import StudyResult
     from mpmcol.studies.method_map import MethodMap
 
-RECORD_SCHEMA = 1
+RECORD_SCHEMA = 2
 FAILED = 4  # exit code
 
 
 @click.command()
 @click.argument("names", nargs=-1, metavar="[SCENARIO]... | --map [MAP]")
 @click.option("--list", "to_list", is_flag=True, help="List the scenarios and their mechanisms; run nothing.")
-@click.option("--map", "to_map", is_flag=True, help="Compute a map of the method instead of the scenarios.")
+@click.option("--map", "to_map", is_flag=True, help="Compute a map of method options instead of the scenarios.")
 @out_option("stability, with --map stability/map-NAME")
 @jobs_option
-@click.option("--report-only", is_flag=True, help="With --map: run nothing, draw the map from the finished runs.")
+@click.option(
+    "--report-only", is_flag=True, help="With --map: run nothing; write tables and chart from the finished runs."
+)
 @click.option("--quiet", is_flag=True, help="Print the verdicts only; with --map, errors only.")
 @json_option("outcomes and names of files")
 def stability(
@@ -46,7 +48,10 @@ def stability(
     if to_map:
         if to_list or len(names) > 1:
             raise click.UsageError("--map requires at most one MAP and excludes --list")
-        click.get_current_context().exit(_map(names[0] if names else "default", out, jobs, report_only, quiet, to_json))
+        code = _run_map(
+            names[0] if names else "default", out, jobs=jobs, report_only=report_only, quiet=quiet, to_json=to_json
+        )
+        click.get_current_context().exit(code)
     if jobs is not None or report_only:
         raise click.UsageError("--jobs and --report-only require --map")
     out = out or Path("stability")
@@ -68,7 +73,7 @@ def stability(
     click.get_current_context().exit(0 if found.passed else FAILED)
 
 
-def _map(name: str, out: Path | None, jobs: int | None, report_only: bool, quiet: bool, to_json: bool) -> int:
+def _run_map(name: str, out: Path | None, *, jobs: int | None, report_only: bool, quiet: bool, to_json: bool) -> int:
     """Run a map and return the exit code; a diverging run is a result of the map, other failures are not."""
     from mpmcol.cli.sweep_display import SweepDisplay
     from mpmcol.studies.frame import RUNS, carry_out_study

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from mpmcol.sweep.progress import TrackedRun
 
 STATUS_SCHEMA = 2
-STATUS_TEXT = {
+STATUS_TEXTS = {
     "unfinished": "unfinished: the process was killed",
     "stopped": "stopped   by a signal or the wall-clock limit",
     "damaged": "damaged: result.json cannot be read",
@@ -89,4 +89,4 @@ def _status_text(run: TrackedRun) -> str:
         return f"failed    {run.status.failure}"
     if run.status.name == "done":
         return f"done      {format_duration(run.seconds)}"
-    return STATUS_TEXT.get(run.status.name, run.status.name)
+    return STATUS_TEXTS.get(run.status.name, run.status.name)

@@ -81,7 +81,7 @@ def sweep(
     elif engine == "commands":
         _print_commands(runs, folder, threads, quiet)
     else:
-        _execute(runs, folder, jobs, threads, scheduler, to_json, quiet)
+        _execute(runs, folder, jobs=jobs, threads=threads, scheduler=scheduler, to_json=to_json, quiet=quiet)
 
 
 def _check_engine(engine: str, scheduler: str | None, jobs: int | None, to_json: bool) -> None:
@@ -103,6 +103,7 @@ def _default_folder(case: str, settings: tuple[str, ...], zipped: bool) -> Path:
 def _execute(
     runs: list[PlannedRun],
     out: Path,
+    *,
     jobs: int | None,
     threads: int | None,
     scheduler: str | None,
@@ -119,7 +120,7 @@ def _execute(
     with SweepDisplay(out, quiet) as display:
         for note in notes(runs):
             display.notify(f"note: {note}")
-        outcomes = run_sweep(runs, out, jobs, threads, scheduler, display)
+        outcomes = run_sweep(runs, out, jobs=jobs, threads=threads, scheduler=scheduler, observer=display)
     report = write_report(outcomes, out)
     if to_json:
         click.echo(as_json(as_record(report)))

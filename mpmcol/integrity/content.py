@@ -109,8 +109,6 @@ def index_problem(folder: Path, is_complete: bool) -> str:
         return f"it, or {series.name}, cannot be read ({error})"
     if not set(listed) <= set(names) or (is_complete and listed != names):
         return f"{series.name} lists other snapshots than the folder holds"
-    return (
-        ""
-        if not is_complete or times == [step["time"] for step in steps]
-        else f"its times differ from those in {series.name}"
-    )
+    if is_complete and times != [step["time"] for step in steps]:
+        return f"its times differ from those in {series.name}"
+    return ""

@@ -51,6 +51,7 @@ def profile_chart(
     shape: ColumnShape,
     deposits: Sequence[tuple[float, Measurement]],
     experiment: Experiment,
+    *,
     gravity: float = 9.81,
     svg: bool = False,
     at_rest: bool = True,
@@ -83,6 +84,7 @@ def front_chart(
     fronts: Mapping[str, Array],
     height: Array,
     experiment: Experiment,
+    *,
     gravity: float = 9.81,
     svg: bool = False,
 ) -> list[Path]:
@@ -120,6 +122,7 @@ def energy_chart(
     shape: ColumnShape,
     time: Array,
     energies: Mapping[str, Array],
+    *,
     gravity: float = 9.81,
     svg: bool = False,
 ) -> list[Path]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from mpmcol.plotting.charts import FRONT_STYLES, energy_chart, front_chart, prof
 
 def chart_run(
     results: Results,
+    *,
     times: Sequence[float] | None = None,
     svg: bool = False,
     out: Path | None = None,
@@ -40,7 +42,7 @@ def chart_run(
     if not (released.any() and results.snapshots):
         raise UsageError(f"{results.folder}: the run ended before the column was released; there is nothing to chart")
     history = {name: column[released] for name, column in results.history.items()}
-    gravity: float = results.case.geometry.gravity
+    options: dict[str, Any] = {"gravity": results.case.geometry.gravity, "svg": svg}
     experiment = find_experiment(results.case.score.experiment, shape.model, shape.section)
     time, height, fronts = history["time"], history["height"], {name: history[name] for name in FRONT_STYLES}
     times_by_index = _readable(results, notify)
@@ -48,9 +50,9 @@ def chart_run(
     at_rest = max(times_by_index) == len(results.snapshots) - 1 and results.came_to_rest
     folder = make_folder(out or Path(results.folder))
     return [
-        *profile_chart(folder / "profile.png", shape, deposits, experiment, gravity, svg, at_rest),
-        *front_chart(folder / "front.png", shape, time, fronts, height, experiment, gravity, svg),
-        *energy_chart(folder / "energy.png", shape, time, history, gravity, svg),
+        *profile_chart(folder / "profile.png", shape, deposits, experiment, at_rest=at_rest, **options),
+        *front_chart(folder / "front.png", shape, time, fronts, height, experiment, **options),
+        *energy_chart(folder / "energy.png", shape, time, history, **options),
     ]
 
 
@@ -77,7 +79,7 @@ def _nearest(times_by_index: dict[int, float], times: Sequence[float] | None) ->
         if not np.abs(moments - time).min() <= spacing:
             raise UsageError(
                 f"no snapshot near t = {time:g} s: there are {len(index)} "
-                f"from {moments[0]:.4g} s to {moments[-1]:.4g} s, at most {spacing:.4g} s apart; ask for one of these"
+                f"from {moments[0]:.4g} s to {moments[-1]:.4g} s, at most {spacing:.4g} s apart; choose one of these"
             )
     nearest = {index[np.argmin(np.abs(moments - time))] for time in wanted}
     return sorted(nearest | {index[-1]})

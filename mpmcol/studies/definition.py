@@ -18,13 +18,13 @@ from mpmcol.errors import UsageError, suggestion
 Value = str | bool | float
 
 
-class Table(BaseModel):
+class DefinitionTable(BaseModel):
     """A table of a definition; unknown keys are refused."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
-T = TypeVar("T", bound=Table)
+T = TypeVar("T", bound=DefinitionTable)
 
 
 def shipped_definitions(folder: str) -> dict[str, Path]:

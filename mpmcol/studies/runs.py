@@ -114,7 +114,7 @@ def carry_out(
 ) -> EndedRuns:
     """Carry out each run once; runs that have already ended in the folder `out` are not repeated."""
     needed = list(dict.fromkeys(runs))
-    outcomes = run_sweep([run.plan(out) for run in needed], out, jobs, threads, observer=observer)
+    outcomes = run_sweep([run.plan(out) for run in needed], out, jobs=jobs, threads=threads, observer=observer)
     return _ended(needed, outcomes, out)
 
 

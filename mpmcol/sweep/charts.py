@@ -34,6 +34,7 @@ def sweep_chart(
     axis: str,
     series: Sequence[Series],
     experiment: Experiment,
+    *,
     slopes: Sequence[Slope] = (),
     title: str = "",
     svg: bool = False,
@@ -59,7 +60,7 @@ def sweep_chart(
         _draw_bands(axes, quantity, experiment, {row["a"] for line in series for row in line.rows})
     ticks = {value: i for i, value in enumerate(dict.fromkeys(values))} if _are_text(values) else {}
     for line, colour in zip(series, COLOURS * len(series), strict=False):
-        _draw_series(axes, quantity, axis, line, colour if len(series) > 1 else "black", ticks, len(series) == 1)
+        _draw_series(axes, quantity, axis, line, colour=colour, ticks=ticks, is_single=len(series) == 1)
     for slope in slopes:
         _draw_slope(axes, slope, series)
     axes.set(ylabel=LABELS[quantity], title=title)
@@ -137,7 +138,7 @@ def _draw_bands(axes: Axes, quantity: str, experiment: Experiment, aspects: set[
 
 
 def _draw_series(
-    axes: Axes, quantity: str, axis: str, line: Series, colour: str, ticks: Mapping[Any, int], is_single: bool
+    axes: Axes, quantity: str, axis: str, line: Series, *, colour: str, ticks: Mapping[Any, int], is_single: bool
 ) -> None:
     """Markers of a series, grey for runs that are not at rest."""
     for at_rest, paint in ((True, colour), (False, "0.65")):
@@ -165,7 +166,7 @@ def _draw_slope(axes: Axes, slope: Slope, series: Sequence[Series]) -> None:
     index = next(i for i, line in enumerate(series) if line.label == slope.series)
     inside = [row["a"] for row in series[index].rows if row["at_rest"] and slope.lo <= row["a"] < slope.hi]
     a = np.geomspace(min(inside), max(inside), 2)
-    colour = COLOURS[index % len(COLOURS)] if len(series) > 1 else "black"
+    colour = COLOURS[index % len(COLOURS)]
     dashes = FRONT_STYLES.get(slope.front, {}).get("linestyle", "-")
     name = ", ".join(filter(None, (slope.series, slope.front)))
     label = f"{name}: {_formula(slope)}" if name else _formula(slope)

@@ -91,4 +91,4 @@ def _draw(path: Path, quantity: str, group: ChartGroup) -> None:
     shown = [slope for slope in group.slopes if slope.quantity.startswith(quantity)]
     if len(group.series) > 1:
         shown = [slope for slope in shown if slope.quantity in ("beta", FRONT_OF_MANY)]
-    sweep_chart(path, quantity, group.axis, group.series, group.experiment, shown, group.title)
+    sweep_chart(path, quantity, group.axis, group.series, group.experiment, slopes=shown, title=group.title)

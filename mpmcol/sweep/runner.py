@@ -34,6 +34,7 @@ class SweepObserver:
 def run_sweep(
     runs: Sequence[PlannedRun],
     out: Path,
+    *,
     jobs: int | None = None,
     threads: int | None = None,
     scheduler: str | None = None,

@@ -39,6 +39,7 @@ def allocate(
     runs: Sequence[PlannedRun],
     jobs: int | None = None,
     threads: int | None = None,
+    *,
     cores: int | None = None,
     memory: float | None = None,
 ) -> Allocation:

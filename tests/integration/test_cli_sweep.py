@@ -8,6 +8,7 @@ import shlex
 import signal
 import subprocess
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -16,6 +17,7 @@ import pytest
 from mpmcol.io.lock import is_locked
 from mpmcol.io.results import Results
 from mpmcol.io.run_status import read_status
+from mpmcol.sweep.progress import MOST_PROGRESS
 from tests.support.cli import invoke, set_options, started
 from tests.support.processes import child_processes, wait_until
 from tests.support.sweeps import final_positions, measured_table
@@ -29,6 +31,12 @@ ENDLESS = set_options(
     )
 )
 SWEEP = ("sweep", "--aspect", "1,2", *TINY)
+
+
+def status_of(out: Path) -> dict[str, Any]:
+    """The record of `mpmcol status --json`."""
+    record: dict[str, Any] = json.loads(invoke("status", out, "--json").stdout)
+    return record
 
 
 def modified(folder: Path) -> dict[str, int]:
@@ -93,8 +101,10 @@ def test_signals_stop_the_runs_of_a_sweep(number: signal.Signals) -> None:
     out = Path("out")
     with started("sweep", "--aspect", "3,4", *ENDLESS, "--jobs", "2", "--out", str(out)) as sweep:
         wait_until(lambda: len(list(out.glob("*/run.vtkhdf"))) == 2)
-        state = json.loads(invoke("status", out, "--json").stdout)
-        assert state["counts"] == {"running": 2} and all(run["progress"] < 1.0 for run in state["runs"])
+        wait_until(lambda: all(run["progress"] > 0.0 for run in status_of(out)["runs"]))
+        state = status_of(out)
+        assert state["counts"] == {"running": 2}
+        assert all(0.0 < run["progress"] <= MOST_PROGRESS and run["seconds"] > 0.0 for run in state["runs"])
         (run,) = {path.parent for path in out.glob("a3-*/run.vtkhdf")}
         assert "running" in invoke("status", run).stdout
         sweep.send_signal(number)

@@ -35,6 +35,8 @@ WAVE_SPEED = 10.0
 
 
 class Vibration(NamedTuple):
+    """Energy, period and motion of the bar."""
+
     energy: float  # final over initial
     period: float
     cross_motion: float  # largest velocity across the bar at the end

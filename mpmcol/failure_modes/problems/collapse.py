@@ -15,7 +15,9 @@ from mpmcol.simulation.run import run
 FEW_FILES = ("output.snapshots=1",)
 
 
-class Collapse(NamedTuple):
+class CollapseResult(NamedTuple):
+    """Fronts, largest volume ratio and history of a complete run."""
+
     front_max: float  # m
     front_height: float  # m
     zeta: float  # by front_height
@@ -24,12 +26,12 @@ class Collapse(NamedTuple):
 
 
 @cache
-def collapsed(case: str, *overrides: str) -> Collapse:
+def collapsed(case: str, *overrides: str) -> CollapseResult:
     """A complete run of a case with overrides; raises NumericalFailure if it diverges."""
     with TemporaryDirectory() as folder:
         results = run(load_case(case, [*overrides, *FEW_FILES]), Path(folder) / "run", threads=1)
         measured = results.measure()
-        return Collapse(
+        return CollapseResult(
             measured.front["front_max"],
             measured.front["front_height"],
             measured.zeta["front_height"],

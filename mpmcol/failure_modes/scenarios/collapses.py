@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from mpmcol.failure_modes.problems.collapse import Collapse, collapsed
+from mpmcol.failure_modes.problems.collapse import CollapseResult, collapsed
 from mpmcol.failure_modes.scenario import Curve, Observation, Scenario, failing, passing
 
 CASE = "quickstart"
@@ -31,7 +31,7 @@ def runout_change(*overrides: str) -> Observation:
     )
 
 
-def _front(found: Collapse) -> Curve:
+def _front(found: CollapseResult) -> Curve:
     collapse = found.history["stage"] == "collapse"
     return found.history["time"][collapse], found.history["front_height"][collapse]
 

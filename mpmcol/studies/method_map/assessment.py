@@ -40,7 +40,7 @@ FLOORS = {"zeta": 0.1, "beta": 0.05, "profile": 0.05, "detachment": 0.25, "volum
 Rating = Literal["passes", "degrades", "fails", "not run"]
 
 
-class Observation(NamedTuple):
+class MapObservation(NamedTuple):
     """What the criteria need of a completed run."""
 
     deposit: Measurement
@@ -92,12 +92,12 @@ class AssessedPoint:
         return self.point.is_default and self.rating in ("degrades", "fails")
 
 
-def observe(run: CompletedRun) -> Observation:
+def observe(run: CompletedRun) -> MapObservation:
     """Read what the criteria need of a run."""
     results = run.results
     low, high = results.summary["worst_J"]
     dt = results.history["dt"]
-    return Observation(results.measure(-1), max(high - 1.0, 1.0 - low), 1.0 - float(dt.min() / dt.max()))
+    return MapObservation(results.measure(-1), max(high - 1.0, 1.0 - low), 1.0 - float(dt.min() / dt.max()))
 
 
 def make_reference(case: str, own: Sequence[CompletedRun], finer: Sequence[CompletedRun], folder: Path) -> MapReference:
@@ -114,7 +114,7 @@ def make_reference(case: str, own: Sequence[CompletedRun], finer: Sequence[Compl
     return reference_of([observe(run) for run in own], [run.results.measure(-1) for run in finer])
 
 
-def reference_of(own: Sequence[Observation], finer: Sequence[Measurement]) -> MapReference:
+def reference_of(own: Sequence[MapObservation], finer: Sequence[Measurement]) -> MapReference:
     """Return the means on the finer grid, and limits from the metrics of the own method."""
     x = stations([*finer, *(one.deposit for one in own)])
     zeta, beta = (float(np.mean(values)) for values in zip(*map(_zeta_and_beta, finer), strict=True))
@@ -129,7 +129,7 @@ def reference_of(own: Sequence[Observation], finer: Sequence[Measurement]) -> Ma
     return MapReference(zeta, beta, x, bare.height, limits, means, deviations, len(own))
 
 
-def metrics_of(one: Observation, reference: MapReference) -> dict[str, float]:
+def metrics_of(one: MapObservation, reference: MapReference) -> dict[str, float]:
     """Return the metrics of a run."""
     deposit = one.deposit
     zeta, beta = _zeta_and_beta(deposit)

@@ -7,14 +7,14 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from mpmcol.studies.definition import Table, Value, load_definition, shipped_definitions
+from mpmcol.studies.definition import DefinitionTable, Value, load_definition, shipped_definitions
 
 Values = Annotated[tuple[Value, ...], Field(min_length=1)]
 Axis = Annotated[dict[str, Values], Field(min_length=1, max_length=1)]  # a key of the case and its values
 Cells = Annotated[float, Field(ge=2.0, le=1000.0)]  # r_i / h
 
 
-class MapCase(Table):
+class MapCase(DefinitionTable):
     """A collapse, and the runs of its default method from which the criteria follow."""
 
     extends: str  # shipped case or path
@@ -31,7 +31,7 @@ class MapCase(Table):
         return self
 
 
-class Block(Table):
+class Block(DefinitionTable):
     """Panels of the chart; a panel has a run for each value across and each value down."""
 
     case: str
@@ -48,7 +48,7 @@ class Block(Table):
         return self
 
 
-class MapDefinition(Table):
+class MapDefinition(DefinitionTable):
     """Blocks of panels, in the order in which they are drawn."""
 
     schema_: Literal[1] = Field(1, alias="schema")

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from mpmcol.case import load_case
+from mpmcol.case import Case, load_case
 from mpmcol.case.schema import leaf_values
 from mpmcol.errors import MpmcolError, UsageError
 from mpmcol.studies.definition import as_text
@@ -53,7 +53,7 @@ def points_of(definition: MapDefinition) -> Iterator[MapPoint]:
 
 def reference_runs(case: MapCase) -> tuple[list[StudyRun], list[StudyRun]]:
     """Return repeated runs of a case with its own method: at the spacing of the map, and at the finer one."""
-    cfl = load_case(case.extends, [f"geometry.aspect={case.aspect}"]).time.cfl
+    cfl = _own_case(case).time.cfl
     levels = ((case.cells, case.repeats), (case.finer, case.finer_repeats))
     own, finer = ([_run(case, cells, {CFL: one}) for one in repeated_cfl(cfl, count)] for cells, count in levels)
     return own, finer
@@ -81,9 +81,14 @@ def _panel_title(name: str, block: Block, varied: Mapping[str, str]) -> str:
 
 def _run(case: MapCase, cells: float, choices: Mapping[str, str]) -> StudyRun:
     """Return the run; values that the case has already are left out, so that blocks share equal runs."""
-    own = load_case(case.extends, [f"geometry.aspect={case.aspect}"])
+    own = _own_case(case)
     changed = {key: text for key, text in sorted(choices.items()) if not _is_own(case.extends, case.aspect, key, text)}
     return study_run(case.extends, case.aspect, round(own.geometry.r_i / cells, 9), **changed)
+
+
+def _own_case(case: MapCase) -> Case:
+    """Load a case with its own method."""
+    return load_case(case.extends, [f"geometry.aspect={case.aspect}"])
 
 
 @cache
@@ -95,6 +100,6 @@ def _is_own(case: str, aspect: float, key: str, text: str) -> bool:
 
 
 def _is_default(case: MapCase, overrides: Mapping[str, str]) -> bool:
-    own = load_case(case.extends, [f"geometry.aspect={case.aspect}"])
+    own = _own_case(case)
     choices = [key for key in overrides if not key.startswith((*CONDITIONS, "output."))]
     return not choices or (choices == [CFL] and float(overrides[CFL]) < own.time.cfl)

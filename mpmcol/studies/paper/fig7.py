@@ -12,11 +12,12 @@ from pathlib import Path
 import numpy as np
 
 from mpmcol.experiments import find_experiment
-from mpmcol.measure import Array, Measurement
+from mpmcol.measure import Measurement
 from mpmcol.plotting.charts import profile_chart
 from mpmcol.studies.paper.fig6 import FIG7_ASPECT, MATERIALS, QUICK_SPACINGS, SPACINGS, channel_run
 from mpmcol.studies.paper.report import Comparison, FigureResult
 from mpmcol.studies.runs import CompletedRun, CompletedRuns, StudyRun
+from mpmcol.studies.surface import rms_difference
 
 TITLE = "Figure 7: the channel column a = 7 in time"
 FRAMES = 6  # besides the deposit at rest
@@ -61,13 +62,13 @@ def _shape_comparisons(run: CompletedRun, states: dict[float, Measurement]) -> l
     front, height = shape.r_i * (1.0 + row["law.zeta"]), shape.h_i * row["law.beta"]
     last = list(states.values())[-1]
     matched = min(states, key=lambda time: abs(states[time].front["front_height"] - front))
-    own = _rms(last, last.front["front_height"] * x, last.height * y) / last.height
+    own = rms_difference(last, last.front["front_height"] * x, last.height * y) / last.height
     return [
         Comparison("deposit against the universal shape, scaled to its own front and height: RMS over height", own),
         Comparison(f"deposit against that shape with front and height of {experiment.label('beta')}: RMS over height",
-                   _rms(last, front * x, height * y) / height),
+                   rms_difference(last, front * x, height * y) / height),
         Comparison("state whose front is nearest to the law's against that shape: RMS over height",
-                   _rms(states[matched], front * x, height * y) / height, comment=f"t = {matched:.3f} s"),
+                   rms_difference(states[matched], front * x, height * y) / height, comment=f"t = {matched:.3f} s"),
     ]  # fmt: skip
 
 
@@ -80,13 +81,6 @@ def _end_comparisons(run: CompletedRun) -> list[Comparison]:
             f"height at rest relative to {find_experiment('paper', 'plane').label('beta')}", beta, comment=lower
         ),
     ]
-
-
-def _rms(state: Measurement, x: Array, y: Array) -> float:
-    """Return the root mean square of the difference in height over the length of the surface (x, y), m."""
-    station = np.linspace(x[0], x[-1], 1001)
-    difference = np.interp(station, state.profile_x, state.profile_y, right=0.0) - np.interp(station, x, y)
-    return float(np.sqrt(np.mean(difference**2)))
 
 
 def _draw(path: Path, run: CompletedRun, deposits: list[tuple[float, Measurement]]) -> None:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,6 +14,7 @@ from mpmcol.measure import FRONTS
 from mpmcol.studies.convergence import first_order_value
 from mpmcol.studies.markdown import document, images, table
 from mpmcol.studies.runs import CompletedRun
+from mpmcol.sweep.table import csv_text
 
 QUANTITIES = (*(f"zeta.{front}" for front in FRONTS), "beta")
 
@@ -103,21 +102,16 @@ def write_figure(result: FigureResult, name: str, title: str, heading: str, out:
     """Write NAME.csv, NAME.md and the charts of a figure into the folder `out`; return the files."""
     charts = {out / chart: draw for chart, draw in result.charts.items()} if result.rows else {}
     files = [out / f"{name}.csv", out / f"{name}.md"]
-    atomic_write(files[0], csv_text(result.rows).encode())
+    atomic_write(files[0], rounded_csv(result.rows).encode())
     atomic_write(files[1], markdown(result, title, heading).encode())
     for path, draw in charts.items():
         draw(path)
     return [*files, *charts]
 
 
-def csv_text(rows: Sequence[Row]) -> str:
-    """Format rows with equal columns as CSV, numbers with six digits."""
-    text = io.StringIO()
-    if rows:
-        writer = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows({name: _format(value, 6) for name, value in row.items()} for row in rows)
-    return text.getvalue()
+def rounded_csv(rows: Sequence[Row]) -> str:
+    """Format rows with equal columns as CSV, numbers with six digits; "" without rows."""
+    return csv_text([{name: _format(value, 6) for name, value in row.items()} for row in rows]) if rows else ""
 
 
 def markdown(result: FigureResult, title: str, heading: str) -> str:

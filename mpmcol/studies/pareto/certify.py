@@ -60,7 +60,7 @@ def certify(
     values = [*overrides, *advice.overrides]
     coarse = max(round(advice.cells / RATIO), 2)
     levels = [_repeated_runs(source, values, cells, out) for cells in (coarse, advice.cells)]
-    outcomes = run_sweep([run for level in levels for run in level], out, jobs, threads, observer=observer)
+    outcomes = run_sweep([run for level in levels for run in level], out, jobs=jobs, threads=threads, observer=observer)
     rows = [row for row in make_rows(outcomes) if row["status"] == "done"]
     results = {
         quantity: [[row[quantity] for row in rows if row["cells"] == cells] for cells in (coarse, advice.cells)]

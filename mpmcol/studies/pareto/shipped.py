@@ -42,9 +42,7 @@ class ShippedConfiguration:
     cells: float  # r_i / h
     seconds_per_point_step: float  # of one core
     bias: Mapping[str, float]  # error of the mean of its runs, by quantity, relative to the grid-converged value
-    bounds: (
-        Mapping[str, float] | None
-    )  # see `ErrorBound`, with the uncertainty of the reference; None: too few spacings
+    bounds: Mapping[str, float] | None  # `ErrorBound` plus uncertainty of the reference; None: too few spacings
 
 
 def parameters_of(case: Case) -> ColumnParameters:

@@ -13,13 +13,20 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from mpmcol.case import Case, load_case
-from mpmcol.studies.definition import Table, Value, as_overrides, as_text, load_definition, shipped_definitions
+from mpmcol.studies.definition import (
+    DefinitionTable,
+    Value,
+    as_overrides,
+    as_text,
+    load_definition,
+    shipped_definitions,
+)
 from mpmcol.studies.runs import CFL, StudyRun, repeated_cfl, study_run
 
 Cells = tuple[Annotated[float, Field(ge=2.0, le=1000.0)], ...]
 
 
-class StudyCase(Table):
+class StudyCase(DefinitionTable):
     """A collapse whose grid-converged runout, height and profile are sought."""
 
     extends: str  # shipped case or path
@@ -28,7 +35,7 @@ class StudyCase(Table):
     finest: float | None = Field(None, ge=2.0)  # largest r_i / h for this case; no limit if absent
 
 
-class Variant(Table):
+class Variant(DefinitionTable):
     """A scheme variant: values of the method that replace those of a case, at some spacings."""
 
     set: dict[str, Value] = Field(default_factory=dict)
@@ -39,7 +46,7 @@ class Variant(Table):
     selectable: bool = False  # whether `mpmcol run --accuracy` may choose it
 
 
-class StudyDefinition(Table):
+class StudyDefinition(DefinitionTable):
     """All cases with all scheme variants at all spacings, each configuration run several times."""
 
     schema_: Literal[1] = Field(1, alias="schema")

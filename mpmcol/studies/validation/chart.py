@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from mpmcol.measure import Array, Measurement
 from mpmcol.plotting.charts import DEPOSIT_STYLE, EXPERIMENT_COLOUR, save_figure
 from mpmcol.studies.runs import CompletedRun
+from mpmcol.studies.surface import height_difference
 from mpmcol.studies.validation import measures
 
 Line = tuple[Array, Array]
@@ -43,7 +44,7 @@ def _draw(
         computed, digitised = failure
         upper.plot(*_mm(computed), color="0.4", linestyle="--", label="failure line")
         upper.plot(*_mm(digitised), "+", color=EXPERIMENT_COLOUR, label="failure line, digitised")
-    station, apart = measures.difference(deposit, *surface)
+    station, apart = height_difference(deposit, *surface)
     lower.axhspan(-width, width, color=EXPERIMENT_COLOUR, alpha=0.15, linewidth=0, label="band of the RMS")
     lower.plot(1e3 * station, 1e3 * apart, color="black", label="deposit minus digitised surface")
     shape = run.results.shape

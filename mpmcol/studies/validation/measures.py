@@ -7,13 +7,14 @@ import numpy as np
 from mpmcol.experiments import Profile, find_experiment, profile_score
 from mpmcol.measure import Array, Measurement, failure_line
 from mpmcol.studies.runs import CompletedRun
+from mpmcol.studies.surface import rms_difference
 from mpmcol.studies.validation.check import Measure
 
 RODS = find_experiment("bui-2008", "plane")
 ROD = 1.6e-3  # m: assumed diameter of the thicker rods, not read in the publication
 SURFACE, FAILURE = RODS.profiles
 (SHAPE,) = find_experiment("lube-2005", "plane").profiles
-STATIONS = 1001
+LINE_POINTS = 1001  # of a failure line, to which distances are measured
 
 
 def column_of(name: str) -> Measure:
@@ -68,19 +69,12 @@ def points_of(profile: Profile) -> tuple[Array, Array]:
 
 
 def rms_mm(deposit: Measurement, x: Array, y: Array) -> float:
-    """Return the root mean square of `difference`, mm."""
-    return 1e3 * float(np.sqrt(np.mean(difference(deposit, x, y)[1] ** 2)))
-
-
-def difference(deposit: Measurement, x: Array, y: Array) -> tuple[Array, Array]:
-    """Return deposit minus surface (x, y), m, at equally spaced stations along the surface (STATIONS,)."""
-    station = np.linspace(x[0], x[-1], STATIONS)
-    height = np.interp(station, deposit.profile_x, deposit.profile_y)  # the profile ends at zero
-    return station, height - np.interp(station, x, y)
+    """Return the root mean square difference in height between a deposit and a surface, mm."""
+    return 1e3 * rms_difference(deposit, x, y)
 
 
 def distance_to_line(x: Array, y: Array, line_x: Array, line_y: Array) -> Array:
     """Return the shortest distances of points (n,) to the line through points in order of increasing y, m."""
-    height = np.linspace(line_y[0], line_y[-1], STATIONS)
+    height = np.linspace(line_y[0], line_y[-1], LINE_POINTS)
     along = np.interp(height, line_y, line_x)
     return np.hypot(x[:, None] - along, y[:, None] - height).min(axis=1)

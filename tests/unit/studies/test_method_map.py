@@ -18,8 +18,8 @@ from mpmcol.studies.method_map.assessment import (
     FLOORS,
     AssessedPoint,
     Assessment,
+    MapObservation,
     MapReference,
-    Observation,
     Rating,
     assess,
     make_reference,
@@ -80,8 +80,8 @@ def deposit(zeta: float = 1.0, beta: float = 0.9, detachment: float = 0.05) -> M
     return Measurement(front, dict.fromkeys(FRONTS, zeta), 0.0, beta, beta, 0.5, None, x, y)
 
 
-def observed(volume: float = 0.004, step_reduction: float = 0.02, **deposit_: float) -> Observation:
-    return Observation(deposit(**deposit_), volume, step_reduction)
+def observed(volume: float = 0.004, step_reduction: float = 0.02, **deposit_: float) -> MapObservation:
+    return MapObservation(deposit(**deposit_), volume, step_reduction)
 
 
 # The runout of the own method is 15 % too short with a scatter of 0.01; on the finer grid zeta = 1.2.
@@ -89,7 +89,7 @@ OWN = [observed(zeta=zeta) for zeta in (1.01, 1.02, 1.03)]
 REFERENCE = reference_of(OWN, [deposit(1.19, 0.92), deposit(1.21, 0.92)])
 
 
-def assessed(run: Observation, reference: MapReference = REFERENCE) -> Assessment:
+def assessed(run: MapObservation, reference: MapReference = REFERENCE) -> Assessment:
     return rate(metrics_of(run, reference), reference.limits)
 
 
@@ -119,7 +119,7 @@ def test_limits_allow_a_further_run_of_the_own_method() -> None:
         (observed(zeta=1.02, step_reduction=0.26, volume=0.9), ["volume", "step_reduction"]),  # the worst first
     ],
 )
-def test_a_run_degrades_if_metrics_exceed_their_limits(run: Observation, exceeded: list[str]) -> None:
+def test_a_run_degrades_if_metrics_exceed_their_limits(run: MapObservation, exceeded: list[str]) -> None:
     result = assessed(run)
     assert (list(result.exceeded), result.rating) == (exceeded, "degrades" if exceeded else "passes")
 

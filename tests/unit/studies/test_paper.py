@@ -12,7 +12,7 @@ import pytest
 from mpmcol.experiments import find_experiment
 from mpmcol.measure import FRONTS
 from mpmcol.studies.paper import FIGURES, factors, fig5, fig6, fig7, fig8, fig9
-from mpmcol.studies.paper.report import Comparison, FigureResult, csv_text, error_summary, markdown, series_row
+from mpmcol.studies.paper.report import Comparison, FigureResult, error_summary, markdown, rounded_csv, series_row
 from mpmcol.studies.runs import CompletedRun, StudyRun
 from tests.support.cli import invoke
 
@@ -55,7 +55,7 @@ def test_a_comparison_is_formatted_in_one_line() -> None:
 def test_tables_have_all_rows() -> None:
     rows = [{"a": 1.0, "zeta": 1.23456789, "law": None}]
     result = FigureResult(rows, [Comparison("n", 2.0, unit="")], {"x.png": print})
-    assert csv_text(rows) == "a,zeta,law\n1,1.23457,\n"
+    assert rounded_csv(rows) == "a,zeta,law\n1,1.23457,\n"
     text = markdown(result, "Title", "heading")
     assert "* n: 2\n" in text and "| 1 | 1.235 |  |" in text and "![x](x.png)" in text
 
