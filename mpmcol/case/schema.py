@@ -141,8 +141,8 @@ class MethodTable(Table):
         "determinant",
     )
     volumetric_strain: Literal["point", "cell"] = option(
-        "volumetric strain increment of each point, or averaged over the closed points of a cell, which avoids "
-        "volumetric locking of nearly incompressible material and of linear shape functions",
+        "volumetric strain increment of each point, or averaged over the points of a cell that have not opened, which "
+        "avoids volumetric locking of nearly incompressible material and of linear shape functions",
         "point",
     )
     opening_strain: bool = option(
@@ -202,7 +202,11 @@ class StagesTable(Table):
     equilibrate: EquilibrateTable = option("first stage: equilibrium under gravity behind the gate", EquilibrateTable())
     collapse: CollapseTable = option("second stage: collapse after the removal of the gate", CollapseTable())
     gate_speed: float = quantity(
-        "speed at which the gate is lifted; inf: instantaneous removal", "m/s", math.inf, gt=0, allow_inf=True
+        "speed at which the gate is lifted, opening from the bottom; inf: instantaneous removal",
+        "m/s",
+        math.inf,
+        gt=0,
+        allow_inf=True,
     )
 
 
