@@ -13,7 +13,7 @@ from mpmcol.experiments import EXPERIMENTS, column_kind
 
 @dataclass(frozen=True)
 class Constraint:
-    """A condition on the values of `keys`; the message is about the first key, {1} stands for the second."""
+    """A condition on the values of `keys`; the message is about the first key, {1} in it is replaced by the second."""
 
     keys: tuple[str, ...]
     holds: Callable[..., bool]

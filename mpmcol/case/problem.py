@@ -25,8 +25,8 @@ class Problem:
     about: str = ""  # key to look up with `mpmcol explain`
 
     def __str__(self) -> str:
-        place = f"{self.file}:{self.line}" if self.line else self.file
-        return "\n".join([f"{place}: {self.message}", *self._excerpt()])
+        location = f"{self.file}:{self.line}" if self.line else self.file
+        return "\n".join([f"{location}: {self.message}", *self._excerpt()])
 
     def _excerpt(self) -> Iterator[str]:
         if self.line:

@@ -55,7 +55,7 @@ def key_names(table: tuple[str, ...] = ()) -> tuple[str, ...]:
 def explain(key: str = "") -> str:
     """Description, accepted values, unit and default of a key, or of all keys of a table.
 
-    An empty key stands for all tables. Raises UsageError with the nearest key if there is no such key.
+    An empty key explains all tables. Raises UsageError with the nearest key if there is no such key.
     """
     if not key:
         tables = [name for name in fields_at((), "") if name not in ("schema", "title", "extends")]

@@ -81,8 +81,8 @@ class CaseInput:
 def shipped_cases() -> dict[str, Path]:
     """Shipped cases by name, from the installed package or from the repository."""
     package = Path(__file__).parents[1]
-    places = (package / "cases", package.parent / "cases")
-    folder = next((place for place in places if place.is_dir()), package)
+    candidates = (package / "cases", package.parent / "cases")
+    folder = next((path for path in candidates if path.is_dir()), package)
     return {path.stem: path for path in sorted(folder.glob("*.toml"), key=lambda path: path.stem)}
 
 

@@ -14,7 +14,7 @@ HEIGHT_SCATTER = 0.05
 
 
 def mark(verified: bool) -> str:
-    """Suffix of a name or comment that stands beside a value: empty if the value is verified."""
+    """Suffix of the name or comment of a value: empty if the value is verified."""
     return "" if verified else " (unverified)"
 
 

@@ -16,7 +16,7 @@ VERTICAL = 1  # axis
 
 @dataclass(frozen=True)
 class Geometry:
-    """What the set-up of a model needs to know about the shape of its column.
+    """Geometry of a column, as the set-up of a model needs it.
 
     dimension: 2, or 3 with the axis of the column at x = z = 0. symmetry: boundary at x = 0 (and z = 0 in three
     dimensions) of a model that is not full. beyond: (horizontal coordinates, r_i, half-depth) -> for each horizontal

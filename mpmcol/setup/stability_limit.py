@@ -1,10 +1,12 @@
 """Single-particle stability limit of the explicit update, as a function of position, material and transfer scheme.
 
-The stiffness matrix of all particles is the sum of single-particle matrices, and so is the lumped mass matrix. The
-largest frequency of any body is therefore at most that of its stiffest particle (element eigenvalue theorem; Irons and
-Treharne 1971, A bound theorem in eigenvalues and its practical applications, Proc. 3rd Conf. Matrix Methods in
-Structural Mechanics). One step of a single particle, with the stress updated last, maps its velocity, velocity gradient
-and stress linearly to the next ones; it is stable while no eigenvalue of this map exceeds one in modulus.
+The stiffness matrix K of all particles is the sum of single-particle matrices K_p, and so is the lumped mass matrix M.
+With K_p <= omega_p^2 M_p, K <= max(omega_p^2) M: the largest frequency of any body is at most that of its
+stiffest particle (element eigenvalue theorem; B. M. Irons and G. Treharne, A bound theorem in eigenvalues and its
+practical applications, 3rd Conf. on Matrix Methods in Structural Mechanics, Wright-Patterson AFB, Ohio, 1971).
+
+One step of a single particle, with the stress updated last, maps its velocity, velocity gradient and stress linearly to
+the next ones; it is stable while no eigenvalue of this map exceeds one in modulus.
 
 Away from walls this means omega dt <= 2 with the Taylor term, where omega^2 = eig(C B W^-1 B^T) / rho, with B from the
 gradients of the weights and W from the weights. Without the Taylor term the nodes receive no velocity gradient, so the

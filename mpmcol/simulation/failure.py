@@ -24,7 +24,7 @@ SEPARATION = "points that separate, or sand that dilates, expand without bound"
 SLOW_STRAIN = 0.02  # volumetric strain of one step: waves and flow cause less, too large a time step causes more
 SOFT = 0.5  # free-fall speed over wave speed above which an impact, at half of it, compresses material by a quarter
 DOMAIN_TOO_SMALL = (
-    "the flow runs farther than in the experiments used to size the domain, or than the case provides for"
+    "the runout exceeds that of the experiments from which the domain was sized, or geometry.domain_length is too small"
 )
 
 
@@ -96,7 +96,7 @@ def not_finite(solver: Solver, row: int | None) -> Failure:
 
 
 def finite_fields(solver: Solver) -> dict[str, np.ndarray]:
-    """Masks (n,) of the points whose values are finite, by field; unused lanes of a record are not regarded."""
+    """Masks (n,) of the points whose values are finite, by field; unused lanes of a record are ignored."""
     points, used = solver.points, len(solver.bodies[COLUMN].law.STATE)
     fields = {
         "mass": points.m, "volume ratio": points.J, "velocity": points.v, "position": points.x, "stress": points.sigma,
@@ -129,7 +129,7 @@ def _volume_failure(solver: Solver, row: int, J: float, c2: float) -> Failure:
 def _speed_failure(row: int, speed: float, wave_speed: float, free_speed: float) -> Failure:
     """The point is faster than waves and than free fall, m/s."""
     cause = f"the point is faster than waves in its material ({wave_speed:.3g} m/s)"
-    cause += f" and than gravity can make it ({free_speed:.3g} m/s)" if free_speed else ""
+    cause += f" and than the limit for free fall ({free_speed:.3g} m/s)" if free_speed else ""
     remedy = LOWER_TIME_STEP + "; if the wave speed is unexpectedly low, check stiffness and density"
     return Failure(
         "speed", cause, speed, max(wave_speed, free_speed), TIME_STEP_TOO_LARGE, remedy, row, smaller_step_helps=True

@@ -35,5 +35,5 @@ def test_a_full_disk_at_the_standard_output_is_reported(tmp_path: Path) -> None:
     with Path("/dev/full").open("w") as full:
         environment = {**os.environ, "PYTHONPATH": str(Path.cwd())}
         done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, cwd=tmp_path, env=environment)
-    assert done.returncode == 5 and "the output cannot be written: No space left" in done.stderr
+    assert done.returncode == 5 and "stdout cannot be written: No space left" in done.stderr
     assert not list(tmp_path.iterdir())

@@ -42,7 +42,7 @@ def trial(seed: int, folder: Path) -> str | None:
         started = time.process_time()
         code, output = command(*arguments)
         seconds = time.process_time() - started
-        is_crash = "error of its own" in output or "Traceback" in output or (code and not output.strip())
+        is_crash = "internal error" in output or "Traceback" in output or (code and not output.strip())
         if code not in CODES or is_crash:
             return f"{name} {kind}: {arguments[0]} ended with exit code {code}, {output}"
         if arguments[0] not in ("run", "plot") and seconds > TIME_LIMIT:
