@@ -115,8 +115,8 @@ def constrain(mask: Any, v: Any, f: Any, a: Any, dt: float, factors: tuple[float
     """Equation of motion of one node, subject to its boundaries, Eq. (22), (24).
 
     mask: what is held there. v: velocity (m/s) before the step. f, a: force per mass (m/s2) without and with damping.
-    factors: `reaction_factors`. A held component has zero velocity after the step; its acceleration is that which
-    stops it, -v / dt, so that the particles receive the impulse of the boundary.
+    factors: `reaction_factors`. A held component has zero velocity after the step. With `wall_impulse` its acceleration
+    is that which stops it, -v / dt, so that the particles receive the impulse of the boundary; without it is zero.
 
     Returns one in the lanes of held components, the velocity after the step, the acceleration that the particles
     receive, and twice the work done on the boundary per mass: kinetic energy of the arrested motion and work of the

@@ -18,7 +18,7 @@ class Settings(NamedTuple):
     cfl: float = 0.5  # factor of Eq. 35
     taylor: float = 1.0  # 1 keeps the velocity gradient in Eq. 20, 0 drops it
     flip_fraction: float = 1.0  # share of Eq. 26 in the velocity update; the rest is PIC
-    position_factor: float = 0.5  # factor of dt^2 S a in Eq. 27: 1/2 trapezoid, 1 as printed, 0 end velocity
+    position_factor: float = 0.5  # factor of the last term of Eq. 27: 1/2 trapezoid, 1 as printed, 0 end velocity
     wall_impulse: bool = True  # include the wall reaction in the FLIP velocity increment
     opening_strain: bool = True  # points that have opened stay free of stress until they have closed
     kernel_correction: bool = True  # shape functions keep the partition of unity beside walls

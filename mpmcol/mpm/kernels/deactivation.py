@@ -53,9 +53,10 @@ def hold_nodes(
 
 @device
 def _is_touched(i, j, k, tiles, mark):
-    """Whether a node lies in the support of points of a marked tile: nodes 4 t - 1 to 4 t + 6 of tile t for all bases.
+    """Whether a node lies in the support of points of a marked tile.
 
-    So the tiles to check are (i + 1) // 4 and the one before.
+    With any shape functions, nodes 4 t - 1 to 4 t + 6 along an axis are in the support of points of tile t, so that
+    the tiles to check are (i + 1) // 4 and the one before.
     """
     x, y, z = (i + 1) // TILE, (j + 1) // TILE, (k + 1) // TILE
     for tx in range(max(x - 1, 0), min(x + 1, tiles[0])):

@@ -25,7 +25,7 @@ def make_axis_stencils(dimension: int, basis: ShapeFunctions, affine: bool) -> C
     @device
     @variant(dimension, basis, affine)
     def axis_stencils(record, grid, settings):
-        """First nodes, their distance from the point (in cells), and the stencils of x, y, z, Eq. (17)-(18).
+        """First nodes, their distance from the point (in cells), and the stencils of x, y, z, Eq. (7)-(8).
 
         Gradients are multiplied by h. The coefficients of APIC are w d / sum(w d^2) with d = (x_i - x_p) / h (Jiang et
         al. 2015, doi:10.1145/2766996).

@@ -1,8 +1,8 @@
 """Counting sort of points by tile, so that tiles of one group can be scattered in parallel and memory is contiguous.
 
 The first node of a point's quadratic stencil determines its tile. A point may travel up to one cell before the next
-sort (half a cell with the cubic basis): its stencil then overlaps no stencil of another tile of the same colour, and
-no nodes beyond those of its tile and the neighbouring tiles. Works in two and three dimensions.
+sort (half a cell with cubic shape functions): its stencil then overlaps no stencil of another tile of the same colour,
+and no nodes beyond those of its tile and the neighbouring tiles. Works in two and three dimensions.
 """
 
 from __future__ import annotations
