@@ -20,14 +20,14 @@ SOFT = ("grid.spacing=0.015", "material.youngs_modulus=0.002 MPa", "stages.initi
 def falling(folder: Path, share: float) -> Stages:
     """A soft column at its release, with one point moving up at `share` times the speed that gravity can cause."""
     case = mpmcol.load_case("quickstart", SOFT)
-    run = Stages(start(case, build_model(case), folder / "run"))
-    run.release()
-    points, waves = run.solver.points, np.sqrt(run.solver.bodies[0].wave_speed2)
-    speed = share * run.solver.settings.free_speed
+    stages = Stages(start(case, build_model(case), folder / "run"))
+    stages.release()
+    points, waves = stages.solver.points, np.sqrt(stages.solver.bodies[0].wave_speed2)
+    speed = share * stages.solver.settings.free_speed
     assert speed > 1.1 * waves
     (row,) = np.flatnonzero(points.id == points.id[points.kind != BASE].max())  # at the top, next to the free surface
     points.v[row, 1] = speed
-    return run
+    return stages
 
 
 def test_the_limit_is_twice_the_speed_of_free_fall_from_the_top_of_the_column_to_the_floor(tmp_path: Path) -> None:
@@ -42,9 +42,9 @@ def test_the_limit_is_twice_the_speed_of_free_fall_from_the_top_of_the_column_to
 def test_a_point_faster_than_its_waves_is_invalid_only_beyond_the_speed_of_gravity(
     share: float, is_fault: bool, tmp_path: Path
 ) -> None:
-    run = falling(tmp_path, share)
-    fault = run.solver.advance(np.inf, max_steps=1)
+    stages = falling(tmp_path, share)
+    fault = stages.solver.advance(np.inf, max_steps=1)
     assert (fault >= 0) == is_fault
     if is_fault:
-        cause = diagnose(run.solver, fault, "collapse")["cause"]
+        cause = diagnose(stages.solver, fault, "collapse")["cause"]
         assert "faster than waves in its material" in cause and "than the limit for free fall" in cause

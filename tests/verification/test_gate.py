@@ -120,14 +120,14 @@ def test_the_gate_rises_at_its_speed(section: tuple[str, ...], tmp_path: Path) -
 
     def record(stage: str, share: float) -> None:
         if stage == "collapse" and share > 0.0:
-            seen.append((run.solver.time, gate_heights(run.model)))
+            seen.append((stages.solver.time, gate_heights(stages.model)))
 
     short = (f"stages.gate_speed={speed}", "stages.collapse.max_time_factor=0.2", "output.snapshots=1")
     case = case_of("quarter", section, *short)
-    run = Stages(start(case, build_model(case), tmp_path / "run", show_progress=record))
-    run.release()
-    run.collapse()
-    y = node_coordinates(run.model.grid)[1].ravel()
+    stages = Stages(start(case, build_model(case), tmp_path / "run", show_progress=record))
+    stages.release()
+    stages.collapse()
+    y = node_coordinates(stages.model.grid)[1].ravel()
     assert seen[-1][0] * speed > HEIGHT
     for time, heights in seen:
         np.testing.assert_array_equal(heights, y[(y > 1e-9) & (y > speed * time - 1e-9)])

@@ -46,13 +46,13 @@ class DefectiveRun:
         self, model: str, folder: Path, plant: Callable[[Stages, int], Any], moment: str, seed: int = 0
     ) -> None:
         case = mpmcol.load_case(MODELS[model][0], [*MODELS[model][1:], *OPTIONS])
-        self.run = Stages(start(case, build_model(case), folder / "run"), self.between_steps)
-        self.run.release()
+        self.stages = Stages(start(case, build_model(case), folder / "run"), self.between_steps)
+        self.stages.release()
         self.plant, self.moment = plant, moment
         self.time, self.point, self.position = np.inf, -1, None
         self.random = np.random.default_rng(seed)
-        self._record = self.run.recorder.record
-        self.run.recorder.record = self.record  # type: ignore[method-assign]
+        self._record = self.stages.recorder.record
+        self.stages.recorder.record = self.record  # type: ignore[method-assign]
 
     def between_steps(self) -> None:
         if self.moment == "step":
@@ -64,81 +64,83 @@ class DefectiveRun:
         self._record(stage)
 
     def plant_once(self) -> None:
-        if self.time < np.inf or self.run.simulation.progress.checks < VALID_CHECKS:
+        if self.time < np.inf or self.stages.simulation.progress.checks < VALID_CHECKS:
             return
-        points = self.run.solver.points
+        points = self.stages.solver.points
         row = int(self.random.choice(np.flatnonzero(points.kind != BASE)))
-        self.time, self.point = self.run.solver.time, int(points.id[row])
+        self.time, self.point = self.stages.solver.time, int(points.id[row])
         self.position = points.x[row].copy()
-        self.plant(self.run, row)
+        self.plant(self.stages, row)
 
     def failure(self) -> dict[str, Any]:
         with pytest.raises(NumericalFailure) as stopped:
-            self.run.collapse()
+            self.stages.collapse()
         self.text = str(stopped.value)
         return stopped.value.failure
 
 
-def put(lane: int, value: float, run: Stages, row: int) -> None:
-    run.solver.points.rows[row, lane] = value
+def put(lane: int, value: float, stages: Stages, row: int) -> None:
+    stages.solver.points.rows[row, lane] = value
 
 
-def history(run: Stages, row: int) -> None:
-    run.solver.points.history[row, 0] = np.nan
+def history(stages: Stages, row: int) -> None:
+    stages.solver.points.history[row, 0] = np.nan
 
 
-def faster(factor: float, run: Stages, row: int) -> None:
-    run.solver.points.v[row, 0] = factor * max(run.solver.settings.free_speed, run.solver.bodies[0].wave_speed2 ** 0.5)
+def faster(factor: float, stages: Stages, row: int) -> None:
+    stages.solver.points.v[row, 0] = factor * max(
+        stages.solver.settings.free_speed, stages.solver.bodies[0].wave_speed2 ** 0.5
+    )
 
 
-def heavier(factor: float, run: Stages, row: int) -> None:
-    run.solver.points.m[row] *= factor
+def heavier(factor: float, stages: Stages, row: int) -> None:
+    stages.solver.points.m[row] *= factor
 
 
-def lifted(cells: float, run: Stages, row: int) -> None:
-    run.solver.points.x[row, 1] += cells * run.model.discretization.h
+def lifted(cells: float, stages: Stages, row: int) -> None:
+    stages.solver.points.x[row, 1] += cells * stages.model.discretization.h
 
 
-def outside(axis: int, run: Stages, row: int) -> None:
-    discretization = run.model.discretization
-    run.solver.points.x[row, axis] = (
+def outside(axis: int, stages: Stages, row: int) -> None:
+    discretization = stages.model.discretization
+    stages.solver.points.x[row, axis] = (
         discretization.length,
         discretization.cells_up * discretization.h - discretization.base,
         discretization.length,
     )[axis]
-    run.solver.sort()
+    stages.solver.sort()
 
 
-def thrown(speed: float, run: Stages, row: int) -> None:
-    run.solver.points.v[run.solver.points.kind != BASE, 1] += speed
+def thrown(speed: float, stages: Stages, row: int) -> None:
+    stages.solver.points.v[stages.solver.points.kind != BASE, 1] += speed
 
 
-def gravity(factor: float, run: Stages, row: int) -> None:
-    run.solver.settings = run.solver.settings._replace(gravity_y=factor * run.solver.settings.gravity_y)
+def gravity(factor: float, stages: Stages, row: int) -> None:
+    stages.solver.settings = stages.solver.settings._replace(gravity_y=factor * stages.solver.settings.gravity_y)
 
 
-def slow_clock(run: Stages, row: int) -> None:
-    run.solver.clock[loop.DT] *= 1e-3
+def slow_clock(stages: Stages, row: int) -> None:
+    stages.solver.clock[loop.DT] *= 1e-3
 
 
-def strained(deviator: float, tension: float, run: Stages, row: int) -> None:
-    points = run.solver.points
+def strained(deviator: float, tension: float, stages: Stages, row: int) -> None:
+    points = stages.solver.points
     sigma = points.sigma
     pressure = -1e3
     sigma[row] = tension + pressure * (1.0 + deviator * np.array([0.0, 1.0, -1.0, 0.0, 0.0, 0.0]))
     points.sigma = sigma
 
 
-def node(lane: int, value: float, run: Stages, row: int) -> None:
-    solver = run.solver
+def node(lane: int, value: float, stages: Stages, row: int) -> None:
+    solver = stages.solver
     records = solver.grid.nodes.reshape(-1, 8)
     tiles = [range(first // 8, (first + solver.grid.tile_doubles) // 8) for first in solver.tiles.active]
     heavy = max((k for tile in tiles for k in tile), key=lambda k: records[k, 0])
     records[heavy, lane] = value
 
 
-def massless(run: Stages, row: int) -> None:
-    node(0, 0.0, run, row)
+def massless(stages: Stages, row: int) -> None:
+    node(0, 0.0, stages, row)
 
 
 class Defect(NamedTuple):
@@ -197,16 +199,16 @@ def test_there_are_enough_defects() -> None:
 @pytest.mark.parametrize(("defect", "model"), PLANTED)
 def test_a_defect_is_reported_within_one_check(defect: Defect, model: str, tmp_path: Path) -> None:
     planted = DefectiveRun(model, tmp_path, defect.plant, defect.moment, crc32(f"{defect.name}, {model}".encode()))
-    failure, solver = planted.failure(), planted.run.solver
+    failure, solver = planted.failure(), planted.stages.solver
     assert failure["check"] == defect.check and defect.cause in failure["cause"], failure
     assert failure["stage"] == "collapse" and failure["step"] == solver.steps
-    interval = planted.run.fall_time / CHECKS_PER_FALL_TIME
+    interval = planted.stages.fall_time / CHECKS_PER_FALL_TIME
     assert planted.time <= failure["time"] <= planted.time + interval + 2.0 * solver.dt + 1e-3
     for text in ("likely cause: ", "remedy: ", f"step {failure['step']}", "stage collapse"):
         assert text in planted.text
     if defect.of_point:
         distance = np.abs(np.array(failure["position"]) - planted.position).max()
-        assert failure["point"] == planted.point or distance < 4.0 * planted.run.model.discretization.h
+        assert failure["point"] == planted.point or distance < 4.0 * planted.stages.model.discretization.h
         assert f"point {failure['point']} at x = " in planted.text
 
 
@@ -221,9 +223,9 @@ def test_a_defect_is_reported_within_one_check(defect: Defect, model: str, tmp_p
 def test_a_slow_change_of_volume_is_not_attributed_to_the_time_step(
     value: float, opening_strain: bool, likely: str, remedy: str, tmp_path: Path
 ) -> None:
-    def plant(run: Stages, row: int) -> None:
-        run.solver.settings = run.solver.settings._replace(opening_strain=opening_strain)
-        put(J, value, run, row)
+    def plant(stages: Stages, row: int) -> None:
+        stages.solver.settings = stages.solver.settings._replace(opening_strain=opening_strain)
+        put(J, value, stages, row)
 
     failure = DefectiveRun("plane", tmp_path, plant, "step").failure()
     assert likely in failure["likely"] and remedy in failure["remedy"] and not failure["smaller_step_helps"]
@@ -233,7 +235,7 @@ def test_a_slow_change_of_volume_is_not_attributed_to_the_time_step(
 def test_a_sudden_loss_of_volume_of_soft_material_is_attributed_to_its_stiffness(
     share: float, likely: str, tmp_path: Path
 ) -> None:
-    solver = DefectiveRun("plane", tmp_path, lambda run, row: None, "step").run.solver
+    solver = DefectiveRun("plane", tmp_path, lambda stages, row: None, "step").stages.solver
     solver.settings = solver.settings._replace(free_speed=share * solver.bodies[0].wave_speed2 ** 0.5)
     solver.points.J[0] = 0.01
     solver.points.grad_v = -np.ones_like(solver.points.grad_v) / solver.dt
@@ -244,16 +246,16 @@ def test_a_sudden_loss_of_volume_of_soft_material_is_attributed_to_its_stiffness
 def test_too_large_a_time_step_is_reported_within_a_few_checks(cfl: float, model: str, tmp_path: Path) -> None:
     """From the first step of the loading by gravity, with cause and remedy."""
     case = mpmcol.load_case(MODELS[model][0], [*MODELS[model][1:]])
-    run = Stages(start(case, build_model(case), tmp_path / "run"))
-    stage = run.model.equilibrate
-    run.solver.clock[loop.DT] *= cfl / stage.settings.cfl
-    run.model = replace(run.model, equilibrate=replace(stage, settings=stage.settings._replace(cfl=cfl)))
+    stages = Stages(start(case, build_model(case), tmp_path / "run"))
+    stage = stages.model.equilibrate
+    stages.solver.clock[loop.DT] *= cfl / stage.settings.cfl
+    stages.model = replace(stages.model, equilibrate=replace(stage, settings=stage.settings._replace(cfl=cfl)))
     with pytest.raises(NumericalFailure, match="a time step beyond the stability limit") as stopped:
-        run.run()
+        stages.run()
     failure = stopped.value.failure
     assert failure["check"] in ("finite", "volume", "speed", "energy") and failure["smaller_step_helps"]
     assert failure["stage"] == "equilibrate" and "lower time.cfl" in failure["remedy"]
-    assert run.simulation.progress.valid_checks <= 3
+    assert stages.simulation.progress.valid_checks <= 3
 
 
 VALID = (
@@ -286,10 +288,10 @@ def test_a_run_that_ends_in_nan_has_a_result(tmp_path: Path, monkeypatch: pytest
     case = mpmcol.load_case("quickstart", ["grid.spacing=0.015", "output.snapshots=1"])
     check_collapse = Stages._check_collapse
 
-    def spoil(run: Stages, lifting_time: float) -> None:
-        check_collapse(run, lifting_time)
-        if run.simulation.progress.checks == 8:
-            run.solver.points.rows[:, VX] = NAN
+    def spoil(stages: Stages, lifting_time: float) -> None:
+        check_collapse(stages, lifting_time)
+        if stages.simulation.progress.checks == 8:
+            stages.solver.points.rows[:, VX] = NAN
 
     monkeypatch.setattr(Stages, "_check_collapse", spoil)
     with pytest.raises(NumericalFailure, match=r"(?s)not finite.*the last valid state \(snapshot 1\) and"):
@@ -304,12 +306,12 @@ def test_a_run_that_ends_in_nan_has_a_result(tmp_path: Path, monkeypatch: pytest
 
 
 def test_detached_particles_are_reported_and_do_not_stop_the_run(tmp_path: Path) -> None:
-    run = DefectiveRun("plane", tmp_path, lambda run, row: None, "never").run
-    top = run.solver.points.id == run.solver.points.id[run.solver.points.kind != BASE].max()
-    run.solver.points.v[top, 0] = 0.9 * run.solver.settings.free_speed
-    run.collapse()
-    (warning,) = run.simulation.progress.warnings[-1:]
-    row = run.recorder.rows[-1]
+    stages = DefectiveRun("plane", tmp_path, lambda stages, row: None, "never").stages
+    top = stages.solver.points.id == stages.solver.points.id[stages.solver.points.kind != BASE].max()
+    stages.solver.points.v[top, 0] = 0.9 * stages.solver.settings.free_speed
+    stages.collapse()
+    (warning,) = stages.simulation.progress.warnings[-1:]
+    row = stages.recorder.rows[-1]
     assert f"front_max {row['front_max']:.4g} m, front_connected {row['front_connected']:.4g} m" in warning
 
 
