@@ -119,7 +119,7 @@ def as_record(report: SweepReport) -> dict[str, Any]:
 
 
 def summary_lines(report: SweepReport) -> Iterator[str]:
-    """Runout and height of every run beside the law, fitted slopes, failures, and the files."""
+    """Runout and height of every run and by the law, fitted slopes, failures, and the files."""
     rows = report.rows
     names = [row["folder"].rpartition("-")[0] for row in rows]
     width = max(map(len, names))

@@ -19,7 +19,7 @@ Value = str | bool | float
 
 
 class DefinitionTable(BaseModel):
-    """A table of a definition; unknown keys are refused."""
+    """A table of the TOML file of a study; unknown keys are refused."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 

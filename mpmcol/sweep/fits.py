@@ -35,7 +35,7 @@ class PowerFit:
 
 @dataclass(frozen=True)
 class Slope:
-    """A quantity fitted over aspect ratios lo <= a < hi, beside the exponent of the experiment's law there."""
+    """A quantity fitted over aspect ratios lo <= a < hi, and the exponent of the experiment's law there."""
 
     series: str  # values of the other keys that vary; "" if none does
     quantity: str

@@ -28,11 +28,11 @@ StopRequest = Callable[[], int]  # returns the level
 
 @dataclass(frozen=True)
 class Task:
-    """What a worker needs to execute a run, besides the run's folder."""
+    """A run for a worker: its folder, which contains the case, threads, and the version of the code to use."""
 
     folder: Path
     threads: int
-    version: str  # of the code
+    version: str
 
 
 @dataclass(frozen=True)

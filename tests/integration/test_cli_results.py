@@ -60,9 +60,11 @@ def profiles(monkeypatch: pytest.MonkeyPatch) -> Profiles:
     drawn: Profiles = []
     draw: Callable[..., list[Path]] = run_charts.profile_chart
 
-    def spy(path: Path, shape: object, deposits: list, *rest: object) -> list[Path]:
-        drawn.append((deposits[-1][0], bool(rest[-1])))
-        return draw(path, shape, deposits, *rest)
+    def spy(
+        path: Path, shape: object, deposits: list, experiment: object, *, at_rest: bool, **options: object
+    ) -> list[Path]:
+        drawn.append((deposits[-1][0], at_rest))
+        return draw(path, shape, deposits, experiment, at_rest=at_rest, **options)
 
     monkeypatch.setattr(run_charts, "profile_chart", spy)
     return drawn

@@ -1,6 +1,6 @@
 """Criteria of the map: when a run passes, when it degrades, when it fails.
 
-A run *fails* if it did not end successfully: the simulation diverged, or its process broke down. It *degrades* if a
+A run *fails* if it did not end successfully: the simulation diverged, or its process crashed. It *degrades* if a
 metric exceeds its limit, and *passes* otherwise. The metrics, the larger the worse, are
 
 * `zeta`, `beta`: error of runout (front_height) and height, relative to the mean of the case's own method on a finer
@@ -12,7 +12,7 @@ metric exceeds its limit, and *passes* otherwise. The metrics, the larger the wo
 The limit of a metric follows from repeated runs of the case's own method at the spacing of the map: 1.5 times their
 mean plus 4 standard deviations, widened for one further run. It is at least a floor: the scatter of experiments (10 %
 in runout, 5 % in height and profile), or what no well-behaved run exceeds. A choice therefore degrades if it adds more
-than half of the error that the grid makes anyway, and no run degrades by scatter alone.
+than half of the error of the grid, and no run degrades by scatter alone.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ Rating = Literal["passes", "degrades", "fails", "not run"]
 
 
 class MapObservation(NamedTuple):
-    """What the criteria need of a completed run."""
+    """Quantities of a completed run to which the criteria apply."""
 
     deposit: Measurement
     volume: float  # largest |J - 1|
@@ -93,7 +93,7 @@ class AssessedPoint:
 
 
 def observe(run: CompletedRun) -> MapObservation:
-    """Read what the criteria need of a run."""
+    """Read the quantities to which the criteria apply."""
     results = run.results
     low, high = results.summary["worst_J"]
     dt = results.history["dt"]

@@ -24,7 +24,7 @@ Row = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class Comparison:
-    """A computed number beside the paper's. With the unit "%" numbers are ratios: 0.036 is 3.6 %."""
+    """A computed number and that of the paper. With the unit "%" numbers are ratios: 0.036 is 3.6 %."""
 
     name: str
     computed: float | None  # None: no value, for example the undisturbed radius of an eroded top

@@ -27,7 +27,7 @@ MIN_RUNS = 2  # successful ones at each spacing
 
 @dataclass(frozen=True)
 class CertifiedQuantity:
-    """A quantity of the finer runs with its absolute error bar and what this consists of."""
+    """A quantity of the finer runs with its absolute error bar and the parts of this."""
 
     quantity: str
     value: float

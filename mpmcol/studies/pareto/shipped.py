@@ -26,7 +26,7 @@ QUANTITIES = (ZETA, BETA)
 
 @dataclass(frozen=True)
 class ColumnParameters:
-    """What a collapse depends on, besides its scale."""
+    """Parameters on which a collapse depends, apart from its scale."""
 
     kind: str  # see `column_kind`
     a: float
