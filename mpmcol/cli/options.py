@@ -1,4 +1,4 @@
-"""Types of options, and the options that several commands share."""
+"""Types of options, and the options and the exit code that several commands share."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import click
 
 PATH = click.Path(path_type=Path)
 JOBS = THREADS = click.IntRange(1, 1024)  # far more than the cores of a machine; the system could not start them
+CHECK_FAILED = 4  # exit code if a check or a scenario has an unexpected outcome
 SECONDS = {"s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
 
 Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mpmcol.cli.options import jobs_option, json_option, out_option
+from mpmcol.cli.options import CHECK_FAILED, jobs_option, json_option, out_option
 
 if TYPE_CHECKING:
     from mpmcol.failure_modes import CatalogueOutcome, Observer
@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from mpmcol.studies.method_map import MethodMap
 
 RECORD_SCHEMA = 2
-FAILED = 4  # exit code
 
 
 @click.command()
@@ -70,7 +69,7 @@ def stability(
         click.echo(as_json(_record(found)))
     elif not quiet:
         click.echo("\n".join(_closing(found, out)))
-    click.get_current_context().exit(0 if found.passed else FAILED)
+    click.get_current_context().exit(0 if found.passed else CHECK_FAILED)
 
 
 def _run_map(name: str, out: Path | None, *, jobs: int | None, report_only: bool, quiet: bool, to_json: bool) -> int:

@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mpmcol.cli.options import jobs_option, json_option, out_option, threads_option
+from mpmcol.cli.options import CHECK_FAILED, jobs_option, json_option, out_option, threads_option
 
 if TYPE_CHECKING:
     from mpmcol.studies.frame import StudyResult
     from mpmcol.studies.validation import Validation
 
 RECORD_SCHEMA = 1
-FAILED = 4  # exit code
 
 
 @click.command()
@@ -56,7 +55,7 @@ def validate(
     click.echo(as_json(_record(result, quick)) if to_json else "\n".join(_lines(result.evaluation)))
     if not quiet and not to_json:
         click.echo(f"in {folder}: {', '.join(path.name for path in result.files)}")
-    click.get_current_context().exit(exit_code(result.outcomes) or (0 if result.evaluation.passed else FAILED))
+    click.get_current_context().exit(exit_code(result.outcomes) or (0 if result.evaluation.passed else CHECK_FAILED))
 
 
 def _lines(validation: Validation) -> Iterator[str]:

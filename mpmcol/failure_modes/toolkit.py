@@ -104,6 +104,7 @@ def make_solver(
     grid: Grid,
     settings: Settings,
     sand: Body | None = None,
+    *,
     body: Body | None = None,
     scheme: Scheme = PAPER,
 ) -> Solver:

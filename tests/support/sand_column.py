@@ -51,7 +51,9 @@ def collapse(settings: Settings, d: int = 2, h: float | None = None, scheme: Sch
     cells = round(length / h), round(0.24 / h), round(length / h)
     grid = walled_grid((0.0, -BASE, 0.0)[:d], h, cells[:d], rollers="left right back front", no_slip="bottom")
     soft = {"youngs_modulus": YOUNG}
-    solver = make_solver(joined(base, column), grid, settings, sand_body(**soft), elastic_body(**soft), scheme)
+    solver = make_solver(
+        joined(base, column), grid, settings, sand_body(**soft), body=elastic_body(**soft), scheme=scheme
+    )
     solver.margin = margin
     return solver
 

@@ -143,7 +143,7 @@ def collapsed_column(name: str = "", displacement: float = 0.0) -> State:
     grid = walled_grid((-CELLS // 2 * H,) * 3, H, (CELLS,) * 3, no_slip=SIDES[axis][int(down[axis] > 0.0)])
     gravity = dict(zip(("gravity_x", "gravity_y", "gravity_z"), (G * down).tolist(), strict=True))
     points = displaced_points(rotated(moving_column(), R), displacement)
-    solver = make_solver(points, grid, DAMPED._replace(**gravity, open_low_sides=True), SAND, ELASTIC)
+    solver = make_solver(points, grid, DAMPED._replace(**gravity, open_low_sides=True), SAND, body=ELASTIC)
     advance_steps(solver, 300)
     return state_of(rotated(by_id(solver), R.T), TALL)
 

@@ -25,7 +25,6 @@ from mpmcol.mpm.settings import PAPER, Scheme, Settings
 HEIGHT = 1.0
 WEIGHT = DENSITY * G * HEIGHT
 DAMPED = PLAIN._replace(alpha_d=0.5)
-AT_REST = 1e-4  # unbalanced force over weight
 
 
 @cache

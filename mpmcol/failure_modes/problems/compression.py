@@ -68,7 +68,7 @@ def compressed(h: float, rate: float) -> Compression:
     platens = elastic_body(HEAVY * DENSITY, HEAVY * E)
     grid = walled_grid((0.0, 0.0), h, (round(1.0 / h), round(0.64 / h)))
     solver = make_solver(
-        joined(block, below, above), grid, WEIGHTLESS._replace(alpha_d=0.1), softening_body(rate), platens
+        joined(block, below, above), grid, WEIGHTLESS._replace(alpha_d=0.1), softening_body(rate), body=platens
     )
     work, end = [0.0], SHORTENING * HEIGHT / (2.0 * SPEED)
     for k in range(1, INTERVALS + 1):

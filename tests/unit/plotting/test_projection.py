@@ -1,3 +1,5 @@
+"""Projection, completion by symmetry, hidden points and silhouettes of the 3D views."""
+
 from __future__ import annotations
 
 import numpy as np

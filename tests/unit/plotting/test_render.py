@@ -1,3 +1,5 @@
+"""Side views of a synthetic run by both back ends, animations, and the command `mpmcol render`."""
+
 from __future__ import annotations
 
 import subprocess
