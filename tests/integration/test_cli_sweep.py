@@ -96,7 +96,9 @@ def test_a_killed_sweep_completes_with_equal_results() -> None:
         assert np.array_equal(mine, other)
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGUSR1])
+@pytest.mark.parametrize(
+    "number", [signal.SIGINT, *(pytest.param(n, marks=pytest.mark.slow) for n in (signal.SIGTERM, signal.SIGUSR1))]
+)
 def test_signals_stop_the_runs_of_a_sweep(number: signal.Signals) -> None:
     out = Path("out")
     with started("sweep", "--aspect", "3,4", *ENDLESS, "--jobs", "2", "--out", str(out)) as sweep:
@@ -115,6 +117,7 @@ def test_signals_stop_the_runs_of_a_sweep(number: signal.Signals) -> None:
     assert Results(run).snapshot(-1).stage == "stopped"
 
 
+@pytest.mark.slow
 def test_two_sweeps_in_one_folder_at_once() -> None:
     command = (*SWEEP, "--out", "out", "--jobs", "2")
     with started(*command) as first, started(*command) as second:

@@ -66,6 +66,7 @@ def test_apic_conserves_angular_momentum_to_roundoff(d: int) -> None:
     assert relative_change("apic", d) < 1e-12
 
 
+@pytest.mark.slow
 @both_dimensions
 def test_apic_conserves_angular_momentum_with_cubic_shape_functions(d: int) -> None:
     """D = h^2 / 3 for cubic B-splines."""

@@ -29,7 +29,7 @@ SCHEMES = [
     Scheme(affine=True),
     Scheme(basis="linear"),
     Scheme(basis="cubic"),
-    Scheme(stress_order="musl", affine=True, basis="cubic"),
+    pytest.param(Scheme(stress_order="musl", affine=True, basis="cubic"), marks=pytest.mark.slow),
 ]
 every_scheme = pytest.mark.parametrize("scheme", SCHEMES, ids=str)
 both_dimensions = pytest.mark.parametrize("d", [2, 3])

@@ -255,6 +255,7 @@ def test_the_report_lists_gaps_causes_and_metrics(tmp_path: Path) -> None:
     assert "passes at 1 of 1 grid points." in "\n".join(closing_lines(points[:1]))
 
 
+@pytest.mark.slow
 def test_a_small_map_from_end_to_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     path, out = write(tmp_path), tmp_path / "stability" / "map-tiny"

@@ -181,6 +181,7 @@ def test_the_error_bar_contains_the_converged_value() -> None:
     assert coincidence.error == coincidence.study_error == pytest.approx(0.09)
 
 
+@pytest.mark.slow
 def test_a_certified_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     arguments = ("run", "lube-cylinder", "--set", "stages.collapse.max_time_factor=1", "--accuracy", "20%", "--certify")
