@@ -106,7 +106,8 @@ def test_another_case_or_code_is_refused_with_the_difference(
         mpmcol.run(other, tmp_path)
     with pytest.raises(UsageError, match="another number of material points than this case"):
         mpmcol.run(small_case("plane", "grid.points_per_cell=9"), tmp_path, force_resume=True)
-    monkeypatch.setattr("mpmcol.simulation.checkpointer.code_version", lambda: "0+other")
+    for module in ("checkpointer", "restart"):
+        monkeypatch.setattr(f"mpmcol.simulation.{module}.code_version", lambda: "0+other")
     with pytest.raises(UsageError, match=r"made by mpmcol .*, this is 0\+other"):
         mpmcol.run(small_case("plane"), tmp_path)
     done = mpmcol.run(other, tmp_path, force_resume=True).summary
