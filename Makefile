@@ -20,7 +20,7 @@ demo: $(READY)   ## run cases/quickstart.toml and draw its charts in runs/demo
 	$(BIN)/mpmcol run cases/quickstart.toml --out runs/demo --fresh
 	$(BIN)/mpmcol plot runs/demo
 
-test: $(READY)   ## run the tests except the slow ones, in two processes: five minutes on two cores
+test: $(READY)   ## run the tests except the slow ones, in two processes
 	$(BIN)/python -m pytest $(PARALLEL)
 
 test-all: $(READY) ## run all tests, also the slow ones

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 def kernel_variant(run: PlannedRun) -> tuple[object, ...]:
     """Identify the compiled kernels that a run needs: runs with equal values share them."""
     case, method = run.case, run.case.method
-    scheme = method.basis, method.stress_order, method.transfer == "apic"
+    scheme = method.basis, method.stress_order, method.transfer == "apic", method.volumetric_strain
     return case.geometry.dimension, case.material.law, case.stages.equilibrate.law, *scheme
 
 

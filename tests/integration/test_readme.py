@@ -107,8 +107,8 @@ def coarse(words: list[str]) -> list[str]:
     """The arguments of a run or a sweep with a coarse grid, a short collapse and few aspect ratios."""
     if words[0] == "run":  # with --set, the name of the default folder would have a hash
         return [*words, *COARSE, *([] if "--out" in words else ["--out", f"runs/{Path(words[1]).stem}"])]
+    words = [word.replace("0.5:7", "0.5:1") if words[0] == "sweep" else word for word in words]
     if words[0] == "sweep" and not {"--dry-run", "--engine"} & set(words):
-        words = [word.replace("0.5:7", "0.5:1") for word in words]
         return [*words, *COARSE, *([] if "--out" in words else ["--out", "sweeps/lube-cylinder"])]
     return words
 

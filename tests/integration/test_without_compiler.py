@@ -34,7 +34,9 @@ TINY = {
 CHOICES = [[], ["method.basis=cubic", "method.transfer=apic", "method.stress_order=musl"]]
 
 
-@pytest.mark.parametrize("choices", CHOICES, ids=["default", "cubic apic musl"])
+@pytest.mark.parametrize(
+    "choices", [CHOICES[0], pytest.param(CHOICES[1], marks=pytest.mark.slow)], ids=["default", "cubic apic musl"]
+)
 @pytest.mark.parametrize("case", list(TINY))
 def test_plain_python_gives_what_the_compiled_kernels_give(case: str, choices: list[str], tmp_path: Path) -> None:
     for disabled in ("0", "1"):
