@@ -6,8 +6,9 @@ from mpmcol.case.load import flattened_text, load_case, resolved_toml
 from mpmcol.case.markdown import markdown_reference
 from mpmcol.case.problem import Problem
 from mpmcol.case.reference import explain, json_schema, key_names
-from mpmcol.case.schema import Case, case_hash
+from mpmcol.case.schema import Case
 from mpmcol.case.source import shipped_cases
+from mpmcol.case.values import case_hash
 
 __all__ = [
     "Case",

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import math
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, Union
 
@@ -11,6 +9,7 @@ from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, mo
 from pydantic_core import PydanticCustomError
 
 from mpmcol.case.constraints import violations
+from mpmcol.case.values import leaf_values
 from mpmcol.experiments import EXPERIMENTS
 from mpmcol.mpm.constitutive import LAWS, elastic
 from mpmcol.units import Number, Table, option, quantity
@@ -295,24 +294,3 @@ def _active_ratio(material: Any) -> float:
     """Ratio of horizontal to vertical stress: 1 / N_phi, or nu / (1 - nu) for a law without friction."""
     elastic_ratio = material.poissons_ratio / (1.0 - material.poissons_ratio)
     return float(getattr(material, "active_pressure_ratio", elastic_ratio))
-
-
-def leaf_values(keys: Table, prefix: str = "") -> dict[str, Any]:
-    """Values of all keys by their dotted names, for example "stages.collapse.damping"."""
-    values: dict[str, Any] = {}
-    for name, field in type(keys).model_fields.items():
-        value, path = getattr(keys, name), prefix + (field.alias or name)
-        values |= leaf_values(value, path + ".") if isinstance(value, Table) else {path: value}
-    return values
-
-
-def case_hash(case: Case) -> str:
-    """Twelve hexadecimal digits that identify the simulation.
-
-    Title, output and score have no influence, nor has the choice between height and aspect.
-    """
-    content = case.model_dump(mode="json", by_alias=True, exclude={"title", "output", "score"})
-    content["geometry"] |= {"aspect": None, "height": case.geometry.h_i}
-    if case.geometry.dimension == 2:  # keys without a meaning in 2D
-        del content["geometry"]["section"], content["geometry"]["depth"]
-    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:12]

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from mpmcol.case import Case
-from mpmcol.case.schema import leaf_values
+from mpmcol.case.values import leaf_values
 from mpmcol.io.checkpoint import FORMAT, Checkpoint, write_checkpoint
 from mpmcol.io.lock import Lock
 from mpmcol.mpm.grid import Tiles

@@ -15,7 +15,7 @@ from typing import Any
 
 from mpmcol.case import Case, Problem, case_hash, load_case, resolved_toml
 from mpmcol.case.problem import case_error
-from mpmcol.case.schema import leaf_values
+from mpmcol.case.values import leaf_values
 from mpmcol.errors import CaseError, UsageError
 from mpmcol.io.atomic import atomic_write, make_folder
 from mpmcol.io.names import GIVEN_CASE_FILE

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from mpmcol.case import load_case
-from mpmcol.case.schema import leaf_values
+from mpmcol.case.values import leaf_values
 from mpmcol.errors import CaseError
 from mpmcol.studies.pareto.study import load_study
 from mpmcol.units import LARGEST, SMALLEST, to_unit

@@ -9,7 +9,7 @@ from functools import cache
 from pathlib import Path
 
 from mpmcol.case import Case, load_case
-from mpmcol.case.schema import leaf_values
+from mpmcol.case.values import leaf_values
 from mpmcol.errors import MpmcolError, UsageError
 from mpmcol.studies.definition import as_text
 from mpmcol.studies.method_map.definition import Block, MapCase, MapDefinition

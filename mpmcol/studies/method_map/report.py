@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-from mpmcol.case.schema import leaf_values
+from mpmcol.case.values import leaf_values
 from mpmcol.io.atomic import atomic_write
 from mpmcol.studies.method_map.assessment import FLOORS, AssessedPoint, MapReference
 from mpmcol.studies.method_map.chart import map_chart

@@ -10,7 +10,7 @@ from typing import Any
 
 from mpmcol.case import Case, load_case
 from mpmcol.case.fields import shown
-from mpmcol.case.schema import leaf_values
+from mpmcol.case.values import leaf_values
 from mpmcol.errors import UsageError
 from mpmcol.studies.definition import Value, as_overrides
 from mpmcol.studies.pareto.shipped import (

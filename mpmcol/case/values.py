@@ -1,0 +1,33 @@
+"""Values of a case by their dotted keys, and the hash that identifies what is simulated."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from typing import TYPE_CHECKING, Any
+
+from mpmcol.units import Table
+
+if TYPE_CHECKING:
+    from mpmcol.case.schema import Case
+
+
+def leaf_values(keys: Table, prefix: str = "") -> dict[str, Any]:
+    """Values of all keys by their dotted names, for example "stages.collapse.damping"."""
+    values: dict[str, Any] = {}
+    for name, field in type(keys).model_fields.items():
+        value, path = getattr(keys, name), prefix + (field.alias or name)
+        values |= leaf_values(value, path + ".") if isinstance(value, Table) else {path: value}
+    return values
+
+
+def case_hash(case: Case) -> str:
+    """Twelve hexadecimal digits that identify the simulation.
+
+    Title, output and score have no influence, nor has the choice between height and aspect.
+    """
+    content = case.model_dump(mode="json", by_alias=True, exclude={"title", "output", "score"})
+    content["geometry"] |= {"aspect": None, "height": case.geometry.h_i}
+    if case.geometry.dimension == 2:  # keys without a meaning in 2D
+        del content["geometry"]["section"], content["geometry"]["depth"]
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:12]
