@@ -4,6 +4,8 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 JOBS ?= 1
+# compiled once before the tests, which need them in both processes
+KERNELS := lube-quarter quickstart lube-channel-dense
 PARALLEL ?= --numprocesses 2 --dist loadfile
 
 help:            ## list the targets
@@ -20,10 +22,13 @@ demo: $(READY)   ## run cases/quickstart.toml and draw its charts in runs/demo
 	$(BIN)/mpmcol run cases/quickstart.toml --out runs/demo --fresh
 	$(BIN)/mpmcol plot runs/demo
 
-test: $(READY)   ## run the tests except the slow ones, in two processes
+kernels: $(READY) ## compile the kernels of the common cases, two at a time
+	printf '%s\n' $(KERNELS) | xargs -P 2 -n 1 $(BIN)/python -m mpmcol.sweep.compile_cache
+
+test: kernels    ## run the tests except the slow ones, in two processes
 	$(BIN)/python -m pytest $(PARALLEL)
 
-test-all: $(READY) ## run all tests, also the slow ones
+test-all: kernels ## run all tests, also the slow ones
 	$(BIN)/python -m pytest $(PARALLEL) -m 'slow or not slow'
 
 soak: $(READY)   ## run the trials of tests/soak for hours and write tests/soak/record.md; make soak HOURS=2 JOBS=4
@@ -41,4 +46,4 @@ bench: $(READY)  ## measure the time per point and step of every kernel
 clean:           ## remove .venv, caches and built files
 	rm -rf $(VENV) runs/demo build dist .pytest_cache .mypy_cache .ruff_cache .import_linter_cache
 
-.PHONY: help install demo test test-all soak check bench clean
+.PHONY: help install demo kernels test test-all soak check bench clean

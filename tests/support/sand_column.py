@@ -33,7 +33,7 @@ WIDTH, HEIGHT, BASE = 0.08, 0.16, 0.02
 LENGTH, SPACING = {2: 0.5, 3: 0.24}, {2: 0.01, 3: 0.02}
 YOUNG = 1e6
 DAMPED = PLAIN._replace(alpha_d=0.05)
-STEPS = 400  # of a state digest
+STEPS = 200  # of a state digest
 OTHER_SCHEME = Scheme(stress_order="musl", affine=True, basis="cubic", volumetric_strain="cell")
 
 

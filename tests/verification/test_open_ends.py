@@ -70,7 +70,9 @@ def test_the_open_ends_of_a_quarter_stop_the_run(axis: int, tmp_path: Path) -> N
     assert stopped.value.failure["value"] == stopped.value.failure["position"][axis] > LENGTH - 0.1
 
 
-@pytest.mark.parametrize("direction", [(1.0, 0.0, 0.0), (0.0, 0.0, -1.0)], ids=["x", "z"])
+@pytest.mark.parametrize(
+    "direction", [(1.0, 0.0, 0.0), pytest.param((0.0, 0.0, -1.0), marks=pytest.mark.slow)], ids=["x", "z"]
+)
 def test_a_single_particle_is_arrested_at_the_end_with_a_warning(direction: tuple[float, ...], tmp_path: Path) -> None:
     """It is detached ahead of the flow, and the run continues."""
     stages = thrown("full", (0.0, 0.0, 0.0), tmp_path)

@@ -12,20 +12,35 @@ from mpmcol.mpm.boundary import HELD_BITS, INACTIVE_BITS
 from mpmcol.mpm.grid import NODE, TILE, Grid, tile_coordinates
 from mpmcol.mpm.jit import device
 
+NEAR_COLUMN, WITH_COLUMN = np.uint8(1), np.uint8(2)  # marks of active tiles
+
 
 @device
-def mark_active(with_column: np.ndarray, margin: int, tiles: tuple[int, int, int], mark: np.ndarray) -> None:
-    """Mark all tiles at most `margin` tiles from those that hold points of the column.
+def mark_active(
+    tile_of: np.ndarray,
+    bucket_of: np.ndarray,
+    buckets: int,
+    margin: int,
+    tiles: tuple[int, int, int],
+    mark: np.ndarray,
+) -> None:
+    """Mark all tiles at most `margin` tiles from those that hold points of the column: in a bucket below `buckets`.
 
     A column point travels one cell at most before the next sort, so with a margin of one tile no held node lies in its
     support.
     """
-    for tile in with_column:
+    for p in range(len(tile_of)):
+        if bucket_of[p] < buckets:
+            mark[tile_of[p]] = WITH_COLUMN
+    for tile in range(len(mark)):
+        if mark[tile] != WITH_COLUMN:
+            continue
         x, y, z = tile_coordinates(tile, tiles)
         for tx in range(max(x - margin, 0), min(x + margin + 1, tiles[0])):
             for ty in range(max(y - margin, 0), min(y + margin + 1, tiles[1])):
                 for tz in range(max(z - margin, 0), min(z + margin + 1, tiles[2])):
-                    mark[(tx * tiles[1] + ty) * tiles[2] + tz] = 1
+                    near = (tx * tiles[1] + ty) * tiles[2] + tz
+                    mark[near] = max(mark[near], NEAR_COLUMN)
 
 
 @device

@@ -34,7 +34,7 @@ def sort_points(rows: np.ndarray, size: int, grid: Grid, count: np.ndarray, mark
     for p in prange(n):
         tile_of[p], bucket_of[p] = _locate(rows, p * size, grid, tiles, buckets)
     if margin > 0:
-        mark_active(np.unique(tile_of[bucket_of < buckets]), margin, tiles, mark)
+        mark_active(tile_of, bucket_of, buckets, margin, tiles, mark)
     occupied, n_active = _occupied(tile_of, count, margin, mark)
     start = _starts(occupied, count)
     by_tile = np.empty(n, np.int32)
@@ -73,14 +73,23 @@ def _occupied(tile_of, count, margin, mark):
 
     If there is a margin, the tiles in `mark` are active; it is zero again on return.
     """
+    n = 0
     for tile in tile_of:
+        n += count[tile] == 0
         count[tile] += 1
-    occupied = np.flatnonzero(count)
-    if margin == 0:
-        return occupied, len(occupied)
-    is_active = mark[occupied] > 0
-    mark[:] = 0
-    return np.concatenate((occupied[is_active], occupied[~is_active])), np.sum(is_active)
+    occupied, n_active = np.empty(n, np.int64), 0
+    for tile in range(len(count)):
+        if count[tile] > 0 and (margin == 0 or mark[tile] > 0):
+            occupied[n_active] = tile
+            n_active += 1
+    if margin > 0:
+        t = n_active
+        for tile in range(len(count)):
+            if count[tile] > 0 and mark[tile] == 0:
+                occupied[t] = tile
+                t += 1
+            mark[tile] = 0
+    return occupied, n_active
 
 
 @device
@@ -118,16 +127,21 @@ def _permute(rows, size, order):
         source = order[first]
         if source < 0 or source == first:
             continue
-        held[:] = rows[first * size : (first + 1) * size]
+        _copy_record(held, 0, rows, first, size)
         target = np.int64(first)
         while source != first:
-            for o in range(0, size, LANES):
-                store(rows, target * size + o, load(rows, source * size + o))
+            _copy_record(rows, target, rows, np.int64(source), size)
             order[target] = -1
             target = np.int64(source)
             source = order[target]
-        rows[target * size : (target + 1) * size] = held
+        _copy_record(rows, target, held, 0, size)
         order[target] = -1
+
+
+@device
+def _copy_record(to, target, rows, source, size):
+    for o in range(0, size, LANES):
+        store(to, target * size + o, load(rows, source * size + o))
 
 
 @device
@@ -167,22 +181,23 @@ def _band_end(occupied, tiles, first):
 
 @device
 def _reachable(occupied, grid, tiles, mark):
-    """Addresses of the tiles whose nodes points can reach before the next sort."""
-    around = 27 if tiles[2] > 1 else 9
-    active, found = np.empty(around * len(occupied), np.int64), 0
+    """Addresses, in order, of the tiles whose nodes points can reach before the next sort."""
+    found = 0
     for tile in occupied:
         x, y, z = tile_coordinates(tile, tiles)
         for tx in range(max(x - 1, 0), min(x + 2, tiles[0])):
             for ty in range(max(y - 1, 0), min(y + 2, tiles[1])):
                 for tz in range(max(z - 1, 0), min(z + 2, tiles[2])):
-                    address = grid.ax[tx * TILE] + grid.ay[ty * TILE] + grid.az[tz * TILE]
-                    if mark[address // grid.tile_doubles] == 0:
-                        mark[address // grid.tile_doubles] = 1
-                        active[found] = address
-                        found += 1
-    for t in range(found):
-        mark[active[t] // grid.tile_doubles] = 0
-    return np.sort(active[:found])
+                    position = (grid.ax[tx * TILE] + grid.ay[ty * TILE] + grid.az[tz * TILE]) // grid.tile_doubles
+                    found += mark[position] == 0
+                    mark[position] = 1
+    active, t = np.empty(found, np.int64), 0
+    for position in range(len(mark)):
+        if mark[position] > 0:
+            active[t] = position * grid.tile_doubles
+            t += 1
+            mark[position] = 0
+    return active
 
 
 def sort_buffers(grid: Grid) -> tuple[np.ndarray, np.ndarray]:

@@ -104,24 +104,26 @@ LAW_CASES: list[tuple[int, str, dict]] = [  # dimension, law of the column, chan
 
 SCHEMES = (
     Scheme(affine=True),
-    Scheme(stress_order="usf"),
     Scheme(stress_order="musl"),
     Scheme(basis="linear"),
     Scheme(basis="cubic"),
 )
-COMBINED_SCHEMES = (Scheme(stress_order="musl", affine=True), Scheme(stress_order="usf", affine=True, basis="cubic"))
+SLOW_SCHEMES = (
+    Scheme(stress_order="usf"),
+    Scheme(stress_order="musl", affine=True),
+    Scheme(stress_order="usf", affine=True, basis="cubic"),
+)
 SLOW = pytest.mark.slow  # each further variant is compiled for five to ten seconds
 CELL = Scheme(volumetric_strain="cell")
 QUICK_IN_3D = (Scheme(affine=True),)
 SCHEME_CASES: list[Any] = [  # scheme, dimension, changed settings
     *((scheme, 2, change) for scheme in SCHEMES for change in (PIC, AXISYMMETRIC)),
-    *(pytest.param(scheme, 2, change, marks=SLOW) for scheme in COMBINED_SCHEMES for change in (PIC, AXISYMMETRIC)),
+    *(pytest.param(scheme, 2, change, marks=SLOW) for scheme in SLOW_SCHEMES for change in (PIC, AXISYMMETRIC)),
     *(pytest.param(scheme, 3, PIC, marks=[] if scheme in QUICK_IN_3D else SLOW) for scheme in SCHEMES),
     (Scheme(basis="cubic"), 2, {"kernel_correction": False}),
     pytest.param(Scheme(basis="cubic"), 3, {"kernel_correction": False}, marks=SLOW),
-    (CELL, 2, {}),
-    pytest.param(CELL, 3, {}, marks=SLOW),
-    (CELL, 2, AXISYMMETRIC),
+    *((CELL._replace(stress_order="usf"), 2, change) for change in ({}, AXISYMMETRIC)),
+    *(pytest.param(CELL, d, change, marks=SLOW) for d, change in ((2, {}), (2, AXISYMMETRIC), (3, {}))),
     pytest.param(CELL._replace(stress_order="musl", basis="linear"), 2, {"exponential_volume": True}, marks=SLOW),
 ]
 

@@ -120,7 +120,7 @@ def test_both_back_ends_agree(folder: Path, tmp_path: Path, monkeypatch: pytest.
     assert np.abs(ours[both] - theirs[both]).mean() < 30
 
 
-@pytest.mark.parametrize("backend", [pytest.param("pyvista", marks=needs_egl), "matplotlib"])
+@pytest.mark.parametrize("backend", [pytest.param("pyvista", marks=[needs_egl, pytest.mark.slow]), "matplotlib"])
 def test_gif_has_every_snapshot(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, backend: str):
     monkeypatch.setattr(backends, "has_egl", lambda: backend == "pyvista")
     rendered = render(folder, gif=True, size=SIZE, out=tmp_path / "a.png")

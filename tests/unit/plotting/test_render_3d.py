@@ -159,6 +159,7 @@ def test_both_back_ends_agree(quarter: Path, tmp_path: Path, monkeypatch: pytest
     assert np.abs(ours[both] - theirs[both]).mean() < 30
 
 
+@pytest.mark.slow
 @both_backends
 def test_animation(quarter: Path, tmp_path: Path, backend: str):
     rendered = render(quarter, gif=True, size=SIZE, out=tmp_path / "a.png")

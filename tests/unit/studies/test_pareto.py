@@ -141,6 +141,7 @@ def test_softness_gives_a_modulus_that_is_never_raised() -> None:
     assert variant_values(case, Variant(softness=1e-6))["material.youngs_modulus"] == case.material.youngs_modulus
 
 
+@pytest.mark.slow
 def test_a_small_study_from_end_to_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     path = write(tmp_path)
