@@ -64,6 +64,7 @@ def _experiment_fits(name: str, model: str, section: str) -> bool:
     return name not in EXPERIMENTS or EXPERIMENTS[name].model == column_kind(model, section)
 
 
+FILTER_STRENGTH = 0.5  # default of method.filter_strength
 _3D = ("quarter", "full")
 _SMALLER = "must be smaller than {1}"
 _LARGER = "must be larger than {1}"
@@ -139,6 +140,16 @@ CONSTRAINTS = (
         ("method.kernel_correction", "method.basis"),
         lambda correction, basis: correction or basis != "linear",
         "has no meaning with {1}, which needs no correction: remove it",
+    ),
+    Constraint(
+        ("method.stress_filter", "method.kernel_correction"),
+        lambda stress_filter, correction: stress_filter in (None, "none") or correction,
+        'must be "none" with {1}: averages beside walls need the correction',
+    ),
+    Constraint(
+        ("method.filter_strength", "method.stress_filter"),
+        lambda strength, stress_filter: strength == FILTER_STRENGTH or stress_filter != "none",
+        "has no meaning with {1}: remove it",
     ),
     Constraint(
         ("method.transfer", "method.basis"),

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, Union
 from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
-from mpmcol.case.constraints import violations
+from mpmcol.case.constraints import FILTER_STRENGTH, violations
 from mpmcol.case.values import leaf_values
 from mpmcol.experiments import EXPERIMENTS
 from mpmcol.mpm.constitutive import LAWS, elastic
@@ -147,11 +147,32 @@ class MethodTable(Table):
     opening_strain: bool = option(
         "track the opening strain: separated material stays stress-free until the opening is closed", True
     )
+    stress_filter: Literal["none", "flow"] = option(
+        "filter of the mean stress: none (the paper), or flow, where the mean stress of flowing points approaches its "
+        "average on the grid, which removes differences between the points of a cell; default: flow, or none without "
+        "kernel_correction",
+        None,
+    )
+    filter_strength: float = quantity(
+        "rate of stress_filter = flow in units of c_p / h: part of the difference removed while a wave crosses a cell",
+        "",
+        FILTER_STRENGTH,
+        gt=0,
+        le=10,
+    )
     deactivate_base: bool = option(
         "deactivate the elastic base during the collapse at distances from the column larger than its thickness; its "
         "nodes are fixed; saves 10 to 20 % of the time in 2D, 50 % in 3D",
         False,
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _resolve_filter(cls, data: Any) -> Any:
+        """Resolve the default of stress_filter."""
+        if not isinstance(data, dict):
+            return data
+        return {"stress_filter": "none" if data.get("kernel_correction") is False else "flow", **data}
 
 
 class TimeTable(Table):

@@ -21,8 +21,8 @@ from mpmcol.setup.discretization import discretize
 
 RESULT_SCHEMA = 1
 HISTORY = (
-    "stage", "step", "time", "dt", "kinetic", "potential", "elastic", "plastic", "damping", "walls", "transfer",
-    "residual", "front_max", "front_connected", "front_height", "height", "J_min", "J_max", "open_points",
+    "stage", "step", "time", "dt", "kinetic", "potential", "elastic", "plastic", "filter", "damping", "walls",
+    "transfer", "residual", "front_max", "front_connected", "front_height", "height", "J_min", "J_max", "open_points",
     "grid_kinetic", "unbalanced",
 )  # fmt: skip
 

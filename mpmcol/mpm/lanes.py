@@ -9,8 +9,8 @@ that P2G needs no shuffles:
     vector x    J      L_xx  L_yx  L_zx   s_xx  s_xy  s_xz  e_o
     vector y    id     L_xy  L_yy  L_zy   s_xy  s_yy  s_yz  kind
     vector z    q_0    L_xz  L_yz  L_zz   s_xz  s_yz  s_zz  q_1
-    node        m      mv_x  mv_y  mv_z   f_x   f_y   f_z   -        after P2G
-    node        m      v~_x  v~_y  v~_z   a_x   a_y   a_z   -        after the grid update
+    node        m      mv_x  mv_y  mv_z   f_x   f_y   f_z   m q      after P2G
+    node        m      v~_x  v~_y  v~_z   a_x   a_y   a_z   q        after the grid update
 
 In two dimensions there is no vector z. The lanes that it leaves in the vectors x and y hold what is still needed of it:
 
@@ -18,9 +18,9 @@ In two dimensions there is no vector z. The lanes that it leaves in the vectors 
     vector y    id     L_xy  L_yy  q_0    s_xy  s_yy  q_1   kind
 
 y is vertical. Plane strain: z is out of plane and L_zz = 0. Axisymmetry: x is the radius r, y the axis, zz the hoop
-direction, L_zz = v_r / r; masses and volumes are per radian. `e_o` is the opening strain, `q` the history variables of
-the constitutive law, `kind` 0 for the column and 1 for the base. Between steps, APIC stores its affine matrix in the
-lanes of L.
+direction, L_zz = v_r / r; masses and volumes are per radian. `e_o` is the opening strain, `q_0` and `q_1` are the
+history variables of the constitutive law, `kind` is 0 for the column and 1 for the base, `q` of a node is the stress
+that the stress filter averages. Between steps, APIC stores its affine matrix in the lanes of L.
 """
 
 from __future__ import annotations
@@ -33,6 +33,7 @@ X_VECTOR, Y_VECTOR, Z_VECTOR = LANES, 2 * LANES, 3 * LANES  # where the columns 
 M, VX, VY, VZ, X, Y, Z, V0 = range(LANES)
 # sums over nodes have velocities in VX, VY, VZ, and accelerations in these
 AX, AY, AZ = X, Y, Z
+Q = V0  # of nodes, and of sums over nodes: the filtered stress
 # other lanes that are the same in two and three dimensions
 J, OPENING, ID, KIND = X_VECTOR, X_VECTOR + 7, Y_VECTOR, Y_VECTOR + 7
 # in two dimensions

@@ -26,6 +26,10 @@ class Settings(NamedTuple):
     axis_gap: float = 0.2  # in h: least distance of a point from the axis
     open_low_sides: bool = False  # the domain has open ends at low x and z, as at high x and z
     free_speed: float = 0.0  # speed that gravity can cause; points faster than this and than their waves are invalid
+    filter_rate: float = 0.0  # rate r of the stress filter, 1/s; 0: no filter
+    filter_shear_rate: float = 1.0  # shear rate from which on the filter acts fully, 1/s
+    filter_opening: float = 0.01  # opening strain e_max from which on points are not filtered
+    filter_modulus: float = 0.0  # bulk modulus K of the column, Pa
     exponential_volume: bool = False  # J grows by exp(dt tr L) instead of det(I + dt L), Eq. 29
 
 

@@ -40,6 +40,7 @@ ENERGY_STYLES: dict[str, dict[str, Any]] = {  # columns of the history
     "kinetic": {"label": "kinetic energy", "linestyle": "-", "color": "0.55", "linewidth": 2.2},
     "plastic": {"label": "plastic work", "linestyle": "--", "color": "black"},
     "damping": {"label": "dissipated by damping", "linestyle": "-.", "color": "black"},
+    "filter": {"label": "dissipated by the stress filter", "linestyle": (0, (3, 1, 1, 1)), "color": "0.4"},
     "elastic": {"label": "elastic energy", "linestyle": (0, (1, 1)), "color": "black"},
     "transfer": {"label": "dissipated by transfer", "linestyle": (0, (6, 2, 1, 2, 1, 2)), "color": "0.4"},
     "walls": {"label": "dissipated at walls", "linestyle": (0, (8, 3)), "color": "0.4"},

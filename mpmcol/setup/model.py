@@ -24,6 +24,8 @@ from mpmcol.setup.time_step import axis_gap
 
 POSITION_FACTORS = {"trapezoid": 0.5, "paper": 1.0, "end": 0.0}
 FALL_MARGIN = 2.0  # particles ejected by others are faster than free fall
+FLOW_SHEAR_RATE = 0.3  # of g / c, the strain rate that the filter itself causes at walls and surfaces
+FILTER_OPENING = 0.01  # opening strain of points that the stress filter no longer changes
 ON_NODE = 1e-6  # in h: tolerance for a node to lie on an edge
 
 
@@ -151,7 +153,18 @@ def make_settings(case: Case, discretization: Discretization, damping: float) ->
         open_low_sides=discretization.is_full,
         free_speed=free_speed(case.geometry.gravity, discretization.h_i + discretization.base),
         exponential_volume=method.volume_update == "exponential",
+        **(stress_filter_settings(case, discretization) if method.stress_filter == "flow" else {}),
     )
+
+
+def stress_filter_settings(case: Case, discretization: Discretization) -> dict[str, float]:
+    """Parameters of the stress filter (`mpmcol.mpm.kernels.stress_filter`) from the case."""
+    return {
+        "filter_rate": case.method.filter_strength * case.material.wave_speed / discretization.h,
+        "filter_shear_rate": FLOW_SHEAR_RATE * case.geometry.gravity / case.material.wave_speed,
+        "filter_opening": FILTER_OPENING,
+        "filter_modulus": case.material.bulk_modulus,
+    }
 
 
 def free_speed(gravity: float, height: float) -> float:

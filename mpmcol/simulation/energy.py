@@ -30,14 +30,19 @@ def stored_energies(case: Case, points: Points) -> Energies:
 def energy_ledger(case: Case, solver: Solver, initial: Energies) -> Energies:
     """Energies and work since the ledger was started with the `initial` stored energies, J.
 
-    potential + kinetic + elastic + plastic + damping + walls + transfer = constant, up to `residual`. `plastic` is the
-    stress work that is not stored; `transfer` is what P2G and G2P take from the kinetic energy of the points and from
-    their stress work.
+    potential + kinetic + elastic + plastic + filter + damping + walls + transfer = constant, up to `residual`.
+    `filter` is the elastic energy that the stress filter takes, `plastic` the stress work that is neither stored nor
+    taken by it; `transfer` is what P2G and G2P take from the kinetic energy of the points and from their stress work.
     """
     now, sums = stored_energies(case, solver.points), solver.ledger
-    plastic = sums[loop.L_WORK] - (now["elastic"] - initial["elastic"])
+    plastic = sums[loop.L_WORK] - sums[loop.L_FILTER] - (now["elastic"] - initial["elastic"])
     transfer = sums[loop.L_GRID] - (now["kinetic"] - initial["kinetic"])
     transfer += sums[loop.L_NODE_WORK] - sums[loop.L_WORK]
-    lost = {"damping": sums[loop.L_DAMPING], "walls": sums[loop.L_WALLS], "transfer": transfer}
+    lost = {
+        "filter": sums[loop.L_FILTER],
+        "damping": sums[loop.L_DAMPING],
+        "walls": sums[loop.L_WALLS],
+        "transfer": transfer,
+    }
     residual = sum(now.values()) - sum(initial.values()) + plastic + sum(lost.values())
     return {name: float(value) for name, value in {**now, "plastic": plastic, **lost, "residual": residual}.items()}

@@ -15,6 +15,7 @@ from mpmcol.setup.model import StageSetup, set_boundaries
 from mpmcol.setup.time_step import time_step_limit
 from mpmcol.simulation.failure import Failure, failure_message, failure_record, identify_failure
 from mpmcol.simulation.monitor import CheckedState, find_failure
+from mpmcol.simulation.quality import quality_notes
 from mpmcol.simulation.state import Simulation
 
 CHECKS_PER_FALL_TIME = 50
@@ -141,6 +142,8 @@ class Stages:
                 f"detached particles ahead of the flow front: front_max {front['front_max']:.4g} m, front_connected "
                 f"{front['front_connected']:.4g} m, front_height {front['front_height']:.4g} m; use front_height"
             )
+        for note in quality_notes(self.simulation):
+            self.simulation.warn(note)
         if missed and self.case.output.times is not None:
             self.simulation.warn(f"output.times: {len(missed)} times are after the end at {self.solver.time:.4g} s")
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import resource
 import sys
+from dataclasses import asdict
 from hashlib import sha256
 from typing import Any
 
@@ -15,6 +16,7 @@ from mpmcol.io.results import RESULT_SCHEMA, measure_snapshot, measure_stop_time
 from mpmcol.io.snapshot import Snapshot
 from mpmcol.mpm.solver import Solver
 from mpmcol.provenance import versions
+from mpmcol.simulation.quality import dissipation_of, stress_quality_of
 from mpmcol.simulation.recorder import derived_values
 from mpmcol.simulation.state import Simulation
 
@@ -56,6 +58,8 @@ def summarize(status: str, simulation: Simulation, final: Snapshot) -> dict[str,
         "ns_per_point_step": progress.wall_s["collapse"] / max(collapse_steps * len(model.points), 1) * 1e9,
         "peak_memory_bytes": peak_memory(),
         "ledger": recorder.energy_ledger(),
+        "dissipation": asdict(shares) if (shares := dissipation_of(simulation)) else None,
+        "stress": asdict(stress) if (stress := stress_quality_of(simulation, final)) else None,
         "worst_J": [float(J) for J in recorder.extreme_J],
         "threads": recorder.threads,
         "versions": versions(),

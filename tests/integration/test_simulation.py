@@ -85,7 +85,8 @@ def test_the_history_is_ordered_and_its_energies_balance(finished: Path) -> None
     assert np.all(np.diff(history["time"][flow]) > 0.0)
     assert np.all(history["time"][history["stage"] == "equilibrate"] <= 0.0)
     total = sum(
-        history[name][flow] for name in ("kinetic", "potential", "elastic", "plastic", "damping", "walls", "transfer")
+        history[name][flow]
+        for name in ("kinetic", "potential", "elastic", "plastic", "filter", "damping", "walls", "transfer")
     )
     start = total - history["residual"][flow]
     np.testing.assert_allclose(start, start[0], rtol=1e-9)

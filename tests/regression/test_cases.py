@@ -16,6 +16,11 @@ from mpmcol.measure import FRONTS
 SHORT = ("stages.collapse.max_time_factor=2.5", "output.snapshots=2")
 COARSE = {
     "quickstart": ("grid.spacing=0.01",),
+    "channel": ("grid.spacing=0.01", "geometry.aspect=2"),
+    "channel-loose": ("grid.spacing=0.01", "geometry.aspect=1"),
+    "channel-dense": ("grid.spacing=0.01", "geometry.aspect=1"),
+    "cylinder": ("grid.spacing=0.01",),
+    "quarter": ("grid.spacing=0.02",),
     "lube-channel": ("grid.spacing=0.01", "geometry.aspect=2"),
     "lube-channel-loose": ("grid.spacing=0.01", "geometry.aspect=1"),
     "lube-channel-dense": ("grid.spacing=0.01", "geometry.aspect=1"),
@@ -25,13 +30,18 @@ COARSE = {
 }
 # steps, zeta by front_max, front_connected, front_height, beta
 EXPECTED: dict[str, tuple[int, float, float, float, float]] = {
-    "quickstart": (3769, 0.860991478, 0.860991478, 0.7776888, 0.978959627),
+    "quickstart": (3776, 0.77414155, 0.77414155, 0.759540132, 0.96933298),
+    "channel": (5737, 2.010157771, 2.010157771, 1.994778671, 0.646857103),
+    "channel-loose": (3794, 0.733147131, 0.733147131, 0.707475916, 0.988291148),
+    "channel-dense": (3888, 0.616029633, 0.616029633, 0.602057063, 0.967337797),
+    "cylinder": (3642, 0.61748003, 0.61748003, 0.593506011, 0.956975785),
+    "quarter": (2243, 0.467671523, 0.467671523, 0.365814726, 0.974067484),
     "lube-channel": (5714, 2.008260687, 2.008260687, 1.95977179, 0.656082867),
     "lube-channel-loose": (3815, 0.87781373, 0.87781373, 0.709667268, 0.993304975),
     "lube-channel-dense": (3936, 0.702208016, 0.702208016, 0.690879446, 0.992793285),
     "lube-cylinder": (3678, 0.649021641, 0.649021641, 0.596467617, 0.972122909),
     "lube-quarter": (2207, 0.437980102, 0.437980102, 0.329851514, 0.999920231),
-    "bui-rods": (1532, 0.668632489, 0.668632489, 0.650019636, 0.998548517),
+    "bui-rods": (1654, 0.654307258, 0.654307258, 0.6443832, 0.998293409),
 }
 
 

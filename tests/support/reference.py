@@ -94,6 +94,10 @@ class ReferenceScheme:
     basis: str = "quadratic"
     exponential_volume: bool = False  # J exp(dt tr L) in place of Eq. 29
     apic: bool = False  # C in place of the velocity gradient in Eq. 20
+    filter_rate: float = 0.0  # r of the stress filter, 1/s
+    filter_shear_rate: float = 1.0  # from which on it acts fully, 1/s
+    filter_opening: float = 0.01  # e_max
+    filter_modulus: float = 0.0  # K of the column
 
 
 # ------------------------------------------------------------------------------------ shape functions
@@ -306,11 +310,19 @@ def mohr_coulomb(s: Array, phi: float, psi: float, p_apex: float, K: float, G: f
 
 
 def stress_update(
-    points: ReferencePoints, materials: Sequence[ReferenceMaterial], scheme: ReferenceScheme
+    points: ReferencePoints,
+    materials: Sequence[ReferenceMaterial],
+    scheme: ReferenceScheme,
+    average: Array | None = None,
 ) -> ReferencePoints:
-    """Points with new sigma, J, opening and history; grad_v is that of the new velocity."""
-    averaged = points if points.cell is None else replace(points, grad_v=_averaged(points))
-    new = [_stress_of(averaged, p, materials[points.material[p]], scheme) for p in range(len(points.x))]
+    """Points with new sigma, J, opening and history; grad_v is that of the new velocity.
+
+    average: of the filtered stress on the grid (n,), for the stress filter.
+    """
+    old = points if points.cell is None else replace(points, grad_v=_averaged(points))
+    if average is not None and scheme.filter_rate > 0.0:
+        old = filtered(old, average, materials, scheme)
+    new = [_stress_of(old, p, materials[old.material[p]], scheme) for p in range(len(old.x))]
     sigma, J, opening, history = (np.array(part) for part in zip(*new, strict=True))
     return replace(points, sigma=sigma, J=J, opening=opening, history=history)
 
@@ -325,6 +337,63 @@ def _averaged(points: ReferencePoints) -> Array:
             mean = V @ np.trace(points.grad_v[members], axis1=1, axis2=2) / V.sum()
             L[p] += (mean - np.trace(points.grad_v[p])) / 3.0 * IDENTITY
     return L
+
+
+def filtered(
+    points: ReferencePoints, average: Array, materials: Sequence[ReferenceMaterial], scheme: ReferenceScheme
+) -> ReferencePoints:
+    """Points whose mean stress has approached its `average` on the grid (n,)."""
+    new = [_filtered_point(points, p, average[p], materials, scheme) for p in range(len(average))]
+    sigma, J, opening = (np.array(part) for part in zip(*new, strict=True))
+    return replace(points, sigma=sigma, J=J, opening=opening)
+
+
+def averaged_stress(points: ReferencePoints, grid: ReferenceGrid, scheme: ReferenceScheme) -> Array:
+    """sum_i w_ip q_i with q_i = sum_p w_ip m_p q_p / m_i (n,)."""
+    gap = np.minimum(points.opening, scheme.filter_opening)
+    q = np.trace(points.sigma, axis1=1, axis2=2) / 3.0 + scheme.filter_modulus * gap
+    all_nodes, all_w, _ = weights(points.x, grid.origin, grid.h, grid.n_nodes, scheme.correct, scheme.basis)
+    m_i, mq_i = np.zeros(grid.n_nodes), np.zeros(grid.n_nodes)
+    for nodes, w, m, value in zip(all_nodes, all_w, points.m, q, strict=True):
+        for node, weight in zip(nodes, w, strict=True):
+            m_i[tuple(node)] += weight * m
+            mq_i[tuple(node)] += weight * m * value
+    q_i = np.where(m_i > scheme.m_min, mq_i / np.where(m_i > scheme.m_min, m_i, 1.0), 0.0)
+    return np.array([w @ q_i[tuple(nodes.T)] for nodes, w in zip(all_nodes, all_w, strict=True)])
+
+
+def _filtered_point(
+    points: ReferencePoints,
+    p: int,
+    average: float,
+    materials: Sequence[ReferenceMaterial],
+    scheme: ReferenceScheme,
+) -> tuple[Array, float, float]:
+    """Stress, J and e_o of point p after the filter."""
+    material, s, J, e_o = materials[points.material[p]], points.sigma[p], points.J[p], points.opening[p]
+    L = points.grad_v[p]
+    if e_o > scheme.filter_opening:
+        return s, J, e_o
+    D = 0.5 * (L + L.T)
+    deviator = D - np.trace(D) / 3.0 * IDENTITY
+    flow = min(1.0, 2.0 * np.sum(deviator**2) / scheme.filter_shear_rate**2)
+    chi = flow * scheme.filter_rate * scheme.dt / (1.0 + scheme.filter_rate * scheme.dt)
+    mean = np.trace(s) / 3.0
+    q = mean + material.K * e_o
+    q = q + chi * (average - q)
+    limit = _apex(material, points.history[p])
+    J = J * (1.0 + (min(q, limit) - mean) / material.K)
+    if q > limit:
+        return limit * IDENTITY, J, (q - limit) / material.K if scheme.opening_strain else e_o
+    return s + (q - mean) * IDENTITY, J, 0.0 if scheme.opening_strain else e_o
+
+
+def _apex(material: ReferenceMaterial, history: Array) -> float:
+    """Mean stress at the apex of the yield surface; infinite without one."""
+    if material.phi is None:
+        return np.inf
+    phi, _ = material.angles(history[0] if material.rate > 0.0 else 0.0)
+    return material.c / np.tan(phi) if material.c > 0.0 else 0.0
 
 
 def _stress_of(
@@ -342,7 +411,7 @@ def _stress_of(
         return rotated + elastic(material, deviatoric, volumetric), J * d, e_o, history
 
     phi, psi = material.angles(history[0] if material.rate > 0.0 else 0.0)
-    p_apex = material.c / np.tan(phi) if material.c > 0.0 else 0.0
+    p_apex = _apex(material, history)
     if e_o > 0.0:
         opened = (1.0 + e_o) * d - 1.0
         if opened > 0.0:
@@ -395,8 +464,8 @@ def with_updated_stress(
     scheme: ReferenceScheme,
 ) -> ReferencePoints:
     """Points with the stress updated by the gradient of v (N..., d), and their own gradient unchanged."""
-    L = velocity_gradient(points.x, v, grid, scheme)
-    return replace(stress_update(replace(points, grad_v=L), materials, scheme), grad_v=points.grad_v)
+    L, average = velocity_gradient(points.x, v, grid, scheme), averaged_stress(points, grid, scheme)
+    return replace(stress_update(replace(points, grad_v=L), materials, scheme, average), grad_v=points.grad_v)
 
 
 def step(
@@ -416,7 +485,7 @@ def step(
     if scheme.stress_order == "usf":
         return new
     if scheme.stress_order == "usl":
-        return stress_update(new, materials, scheme)
+        return stress_update(new, materials, scheme, averaged_stress(points, grid, scheme))
     m, p, _ = p2g(replace(new, x=points.x), grid, scheme)
     updated = with_updated_stress(
         replace(new, x=points.x), nodal_velocity(m, p, fixed, scheme), grid, materials, scheme

@@ -12,13 +12,13 @@ from mpmcol.io.results import Results
 TINY = ("grid.spacing=0.015", "output.snapshots=3", "stages.collapse.max_time_factor=1.0")  # of the case quickstart
 SHORT = ("stages.collapse.max_time_factor=1.2", "output.snapshots=4")
 SMALL_CASES = {  # name -> shipped case and overrides, to be cut short with SHORT
-    "plane": ("lube-channel", "grid.spacing=0.015"),
+    "plane": ("channel", "grid.spacing=0.015"),
     "softening": ("lube-channel-dense", "grid.spacing=0.015"),
     "lifted gate": ("quickstart", "grid.spacing=0.0125", "stages.gate_speed=0.5"),
     "axisymmetric": ("lube-cylinder", "grid.spacing=0.0139"),
     "base deactivated": ("lube-cylinder", "grid.spacing=0.0139", "method.deactivate_base=true"),
-    "quarter": ("lube-quarter", "grid.spacing=0.0194", "geometry.aspect=0.4", "stages.initial_stress=k0"),
-    "musl": ("lube-cylinder", "grid.spacing=0.0194", "method.stress_order=musl", "method.transfer=apic"),
+    "quarter": ("quarter", "grid.spacing=0.0194", "geometry.aspect=0.4", "stages.initial_stress=k0"),
+    "musl": ("cylinder", "grid.spacing=0.0194", "method.stress_order=musl", "method.transfer=apic"),
 }
 MACHINE_DEPENDENT = {"wall_s", "core_seconds", "ns_per_point_step", "peak_memory_bytes", "resumed", "threads"}
 

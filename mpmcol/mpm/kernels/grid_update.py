@@ -7,6 +7,7 @@ import numpy as np
 from mpmcol.mpm.boundary import constrain, held_components, reaction_factors
 from mpmcol.mpm.grid import NODE, Grid, Tiles
 from mpmcol.mpm.jit import phase, prange
+from mpmcol.mpm.lanes import Q
 from mpmcol.mpm.settings import Settings
 from mpmcol.mpm.simd import fma, load, reduce_sum, splat, store, swap_halves, vector, where_positive
 
@@ -35,7 +36,7 @@ def update_grid(
 ) -> None:
     """Velocity and acceleration from momentum and force, with damping and boundary conditions.
 
-    Reads: nodes (m, mv, f), fixed. Writes: nodes (v~, a), report (n_active, 6). Eq. (21)-(24).
+    Reads: nodes (m, mv, f, m q), fixed. Writes: nodes (v~, a, q), report (n_active, 6). Eq. (21)-(24).
     """
     nodes, fixed, active, size = grid.nodes, grid.fixed, tiles.active, grid.tile_doubles
     floor = MASS_FLOOR * smallest_mass
@@ -54,7 +55,7 @@ def update_grid(
             raw, f = rates * mask, swap_halves(rates) * mask  # Eq. 21; f per mass
             drag = settings.alpha_d * where_positive(raw, abs(f), where_positive(-raw, -abs(f), 0.0))  # Eq. 23
             held, v, a, wall_work = constrain(fixed[o // NODE], raw, f, f - drag, dt, factors)  # Eq. 22, 24
-            store(nodes, o, vector(m, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0) + v + swap_halves(a))
+            store(nodes, o, vector(m, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, nodes[o + Q] / m) + v + swap_halves(a))
             mass += m
             before, after = fma(m_i * raw, raw, before), fma(m_i * v, v, after)
             damping = fma(m_i, where_positive(held, 0.0, drag * (raw + v)), damping)
@@ -69,7 +70,7 @@ def update_grid(
 def find_velocities(grid: Grid, tiles: Tiles, smallest_mass: float) -> None:
     """Velocity from momentum, zero where a boundary holds it, for a stress update without motion.
 
-    Reads: nodes (m, mv), fixed. Writes: nodes (m, v). Eq. (21).
+    Reads: nodes (m, mv, m q), fixed. Writes: nodes (m, v, q). Eq. (21).
     """
     nodes, fixed, active, size = grid.nodes, grid.fixed, tiles.active, grid.tile_doubles
     floor = MASS_FLOOR * smallest_mass
@@ -81,4 +82,4 @@ def find_velocities(grid: Grid, tiles: Tiles, smallest_mass: float) -> None:
                 store(nodes, o, zero)
             else:
                 v = where_positive(held_components(fixed[o // NODE]), 0.0, load(nodes, o) * (1.0 / m) * mask)
-                store(nodes, o, vector(m, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0) + v)
+                store(nodes, o, vector(m, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, nodes[o + Q] / m) + v)

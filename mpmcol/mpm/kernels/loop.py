@@ -11,7 +11,7 @@ import numpy as np
 from mpmcol.mpm.constitutive import ConstitutiveLaw
 from mpmcol.mpm.jit import device, driver, variant
 from mpmcol.mpm.kernels.grid_update import DAMPING, KINETIC_AFTER, KINETIC_BEFORE, UNBALANCED, WALLS, WEIGHT
-from mpmcol.mpm.kernels.particle_update import FAULT, NODE_WORK, SPEED, TRAVEL, WORK
+from mpmcol.mpm.kernels.particle_update import FAULT, FILTER, NODE_WORK, SPEED, TRAVEL, WORK
 from mpmcol.mpm.kernels.step import make_step
 from mpmcol.mpm.kernels.stress import NO_FAULT
 from mpmcol.mpm.lanes import LANES, RECORD_SIZE
@@ -22,7 +22,7 @@ from mpmcol.mpm.shape_functions import SHAPE_FUNCTIONS
 TIME, DT, TRAVELLED, STEPS, CLOCK = range(5)
 # ledger: sums since the start of the run, J (per metre or radian in two dimensions); kinetic energy of the nodes, J,
 # and unbalanced force ratio of the last step
-L_DAMPING, L_WALLS, L_WORK, L_NODE_WORK, L_GRID, L_KINETIC, L_UNBALANCED, LEDGER = range(8)
+L_DAMPING, L_WALLS, L_WORK, L_NODE_WORK, L_GRID, L_FILTER, L_KINETIC, L_UNBALANCED, LEDGER = range(9)
 
 
 @device
@@ -55,16 +55,18 @@ def sum_points(report, ledger, clock, courant):
 
     courant: time.cfl times h.
     """
-    speed, travel, work, node_work, fault = 0.0, 0.0, 0.0, 0.0, NO_FAULT
+    speed, travel, work, node_work, lost, fault = 0.0, 0.0, 0.0, 0.0, 0.0, NO_FAULT
     for t in range(len(report)):
         speed = max(speed, report[t, SPEED])
         travel = max(travel, report[t, TRAVEL])
         work += report[t, WORK]
         node_work += report[t, NODE_WORK]
+        lost += report[t, FILTER]
         if fault == NO_FAULT:
             fault = report[t, FAULT]
     ledger[L_WORK] += work
     ledger[L_NODE_WORK] += node_work
+    ledger[L_FILTER] += lost
     clock[TRAVELLED] += travel
     clock[DT] = courant / speed
     return fault

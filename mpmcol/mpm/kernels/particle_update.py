@@ -20,7 +20,7 @@ from mpmcol.mpm.shape_functions import SHAPE_FUNCTIONS
 from mpmcol.mpm.simd import extract, load, maximum, splat
 
 # what is reported for each tile of points
-SPEED, TRAVEL, WORK, NODE_WORK, FAULT, TILE_REPORT = range(6)
+SPEED, TRAVEL, WORK, NODE_WORK, FAULT, FILTER, TILE_REPORT = range(7)
 
 
 class Bodies(NamedTuple):
@@ -46,7 +46,7 @@ def make_update_points(
     def update_points(rows, grid, tiles, settings, column, base, c2_column, c2_base, dt, report):
         """Move all points and update their stress.
 
-        Reads: nodes (v~, a). Writes: rows, report (n_tiles, 5). Eq. (26)-(34), and c_p + |v_p| of Eq. (35)-(36).
+        Reads: nodes (v~, a). Writes: rows, report (n_tiles, 6). Eq. (26)-(34), and c_p + |v_p| of Eq. (35)-(36).
         """
         nodes, start, split, cells = grid.nodes, tiles.start, tiles.split, tiles.cells
         box, everywhere = column_box(grid, settings), Box(-np.inf, np.inf, np.inf, -np.inf, np.inf)
@@ -54,6 +54,7 @@ def make_update_points(
         for t in prange(len(split)):
             first, stop = start[t], start[t + 1]
             travel, node_work = splat(0.0), splat(0.0)
+            averages = np.empty(stop - first + LANES)
             if affine:  # the stress update first needs the velocity gradient in its lanes
                 matrices = np.empty(matrix_size * (stop - first))
             for p in range(first, stop):
@@ -61,12 +62,12 @@ def make_update_points(
                 if affine:
                     _, x, y, z = interpolate(load(rows, p * size), nodes, grid, settings)
                     save_columns(matrices, matrix_size * (p - first), dimension, x, y, z)
-                displacement, work = gather(rows, p * size, nodes, grid, settings, limits, dt)
+                displacement, work, averages[p - first] = gather(rows, p * size, nodes, grid, settings, limits, dt)
                 travel, node_work = maximum(travel, abs(displacement)), node_work + work
             report[t, TRAVEL], report[t, NODE_WORK] = inv_h * largest_axis(travel), sum_axes(node_work)
             update_tile_stress(
                 rows, cells, first, split[t], stop, column, base, c2_column, c2_base, settings, box, everywhere, dt,
-                report[t],
+                averages, report[t],
             )  # fmt: skip
             if affine:
                 for p in range(first, stop):
@@ -85,14 +86,20 @@ def make_update_tile_stress(
     @device
     @variant(dimension, column_law, base_law, *scheme)
     def update_tile_stress(
-        rows, cells, first, split, stop, column, base, c2_column, c2_base, settings, box, everywhere, dt, report
-    ):
-        """Update points `first` to `stop`, of which those of the base start at `split`; write WORK, SPEED and FAULT."""
-        work, speed, fault = update_column(rows, cells, first, split, column, settings, box, c2_column, dt)
-        base_work, base_speed, base_fault = update_base(
-            rows, cells, split, stop, base, settings, everywhere, c2_base, dt
+        rows, cells, first, split, stop, column, base, c2_column, c2_base, settings, box, everywhere, dt, averages,
+        report,
+    ):  # fmt: skip
+        """Update points `first` to `stop`, of which those of the base start at `split`.
+
+        averages: of the filtered stress at these points, Pa. Writes WORK, SPEED, FAULT and FILTER of the report.
+        """
+        work, speed, fault, lost = update_column(
+            rows, cells, first, split, column, settings, box, c2_column, dt, averages
         )
-        report[WORK], report[SPEED] = work + base_work, max(speed, base_speed)
+        base_work, base_speed, base_fault, base_lost = update_base(
+            rows, cells, split, stop, base, settings, everywhere, c2_base, dt, averages[split - first :]
+        )
+        report[WORK], report[SPEED], report[FILTER] = work + base_work, max(speed, base_speed), lost + base_lost
         report[FAULT] = fault if fault != NO_FAULT else base_fault
 
     return update_tile_stress

@@ -23,7 +23,7 @@ from mpmcol.mpm.kernels.particle_update import (
 )
 from mpmcol.mpm.kernels.transfer import make_transfer
 from mpmcol.mpm.kernels.transfer_common import PREFETCH_DISTANCE, force_mask, prefetch_record, store_gradient
-from mpmcol.mpm.lanes import L_ZZ, LANES, RECORD_SIZE, VX, X_VECTOR, Y_VECTOR, Z_VECTOR, X
+from mpmcol.mpm.lanes import L_ZZ, LANES, RECORD_SIZE, VX, X_VECTOR, Y_VECTOR, Z_VECTOR, Q, X
 from mpmcol.mpm.settings import Scheme
 from mpmcol.mpm.shape_functions import SHAPE_FUNCTIONS
 from mpmcol.mpm.simd import extract, load, maximum, splat, store, where_positive
@@ -40,7 +40,7 @@ def make_g2p(dimension: int, scheme: Scheme) -> Callable[..., None]:
     def g2p(rows, grid, tiles, settings, dt, pending, report):
         """Move all points. With MUSL they keep their positions for now; `pending` (n, 8) receives the new vectors 0.
 
-        Reads: nodes (v~, a). Writes: rows, pending, report (n_tiles, 5). Eq. (26)-(28).
+        Reads: nodes (v~, a). Writes: rows, pending, report (n_tiles, 6). Eq. (26)-(28).
         """
         nodes, start, limits, inv_h = grid.nodes, tiles.start, particle_limits(grid, settings), 1.0 / grid.h
         for t in prange(len(start) - 1):
@@ -50,7 +50,7 @@ def make_g2p(dimension: int, scheme: Scheme) -> Callable[..., None]:
                 o, old = p * size, load(rows, p * size)
                 if affine:
                     _, x, y, z = interpolate(old, nodes, grid, settings)
-                displacement, work = gather(rows, o, nodes, grid, settings, limits, dt)
+                displacement, work, _ = gather(rows, o, nodes, grid, settings, limits, dt)
                 if affine:
                     store_gradient(rows, o, dimension, x, y, z)
                 if is_musl:
@@ -77,25 +77,26 @@ def make_update_stresses(
     def update_stresses(rows, grid, tiles, settings, column, base, c2_column, c2_base, dt, pending, report):
         """Update the stress of all points, whose own gradient is unchanged; with MUSL they then move to `pending`.
 
-        Reads: nodes (v), pending. Writes: rows, report (n_tiles, 5). Eq. (28)-(34), and c_p + |v_p| of Eq. (35)-(36).
+        Reads: nodes (v, q), pending. Writes: rows, report (n_tiles, 6). Eq. (28)-(34), c_p + |v_p| of Eq. (35)-(36).
         """
         nodes, start, split, cells = grid.nodes, tiles.start, tiles.split, tiles.cells
         box, everywhere = column_box(grid, settings), Box(-np.inf, np.inf, np.inf, -np.inf, np.inf)
         for t in prange(len(split)):
             first, stop = start[t], start[t + 1]
-            matrices = np.empty(matrix_size * (stop - first))
+            matrices, averages = np.empty(matrix_size * (stop - first)), np.empty(stop - first + LANES)
             for p in range(first, stop):
                 prefetch_record(rows, size, p + PREFETCH_DISTANCE)
                 o, at = p * size, matrix_size * (p - first)
                 own_x, own_y = load(rows, o + X_VECTOR), load(rows, o + Y_VECTOR)
                 save_columns(matrices, at, dimension, own_x, own_y, own_x if flat else load(rows, o + Z_VECTOR))
                 mean, x, y, z = interpolate(load(rows, o), nodes, grid, settings)
+                averages[p - first] = extract(mean, Q)
                 store_gradient(rows, o, dimension, x, y, z)
                 if flat:
                     rows[o + L_ZZ] = extract(mean, VX) / rows[o + X] if settings.axisymmetric else 0.0
             update_tile_stress(
                 rows, cells, first, split[t], stop, column, base, c2_column, c2_base, settings, box, everywhere, dt,
-                report[t],
+                averages, report[t],
             )  # fmt: skip
             for p in range(first, stop):
                 restore_columns(rows, p * size, dimension, matrices, matrix_size * (p - first))

@@ -18,6 +18,7 @@ from mpmcol.mpm.kernels.stress_common import (
     exponential,
     open_or_close,
 )
+from mpmcol.mpm.kernels.stress_filter import make_stress_filter
 from mpmcol.mpm.kernels.volumetric_averaging import make_volumetric_excess
 from mpmcol.mpm.lanes import LANES, RECORD_SIZE
 from mpmcol.mpm.simd import any_positive, load, maximum, reduce_max, reduce_sum, splat, vector, where_positive
@@ -74,9 +75,11 @@ def make_update_stress(dimension: int, law: ConstitutiveLaw, volumetric_strain: 
 
     @device
     @variant(dimension, law, volumetric_strain)
-    def update_stress(rows, cells, first, stop, params, settings, box, c2, dt):
-        """Returns the stress work (J), the largest c_p + |v_p| (m/s), and the row of the first invalid point."""
-        work, speed, fault = splat(0.0), splat(0.0), NO_FAULT
+    def update_stress(rows, cells, first, stop, params, settings, box, c2, dt, averages):
+        """Returns the stress work (J), the largest c_p + |v_p| (m/s), the row of the first invalid point, and the
+        energy that the stress filter takes (J). averages: of the filtered stress at the points, Pa.
+        """
+        work, speed, lost, fault = splat(0.0), splat(0.0), splat(0.0), NO_FAULT
         if averaged:
             excesses = np.empty(stop - first + LANES)
             volumetric_excess(rows, cells, first, stop, excesses)
@@ -84,36 +87,43 @@ def make_update_stress(dimension: int, law: ConstitutiveLaw, volumetric_strain: 
             count = min(stop - p, LANES)
             exists = float(count) - vector(0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5)
             excess = load(excesses, p - first) if averaged else 0.0
-            work_p, speed_p, valid = update_eight(rows, p * size, count, params, settings, box, c2, dt, excess)
+            work_p, speed_p, valid, lost_p = update_eight(
+                rows, p * size, count, params, settings, box, c2, dt, excess, load(averages, p - first)
+            )
             work = work + where_positive(exists, work_p, 0.0)
+            lost = lost + where_positive(exists, lost_p, 0.0)
             speed = maximum(speed, where_positive(exists, speed_p, 0.0))
             invalid = where_positive(exists, 1.0 - valid, 0.0)
             if fault == NO_FAULT and any_positive(invalid):
                 fault = p + _first_positive(invalid)
-        return reduce_sum(work), reduce_max(speed), fault
+        return reduce_sum(work), reduce_max(speed), fault, reduce_sum(lost)
 
     return update_stress
 
 
 def _make_update_eight(dimension: int, law: ConstitutiveLaw) -> Callable[..., Any]:
     stress_update, tensors = make_stress_update(dimension, law), TENSORS[dimension]
+    filter_stress = make_stress_filter(tensors, law)
     load_points, store_points = tensors.load_points, tensors.store_points
     subtract_diagonal, check_inside = tensors.subtract_diagonal, tensors.check_inside
 
     @device
     @variant(dimension, law)
-    def update_eight(rows, o, count, params, settings, box, c2, dt, excess):
+    def update_eight(rows, o, count, params, settings, box, c2, dt, excess, average):
         """Update the stress of `count` <= 8 points, the first of whose records starts at `o`.
 
-        excess: rate to subtract from the diagonal of the velocity gradient. Returns three vectors: stress work (J),
-        wave speed plus speed (m/s), and one for every point that is valid and inside the box.
+        excess: rate to subtract from the diagonal of the velocity gradient. average: of the filtered stress, Pa.
+        Returns four vectors: stress work (J), wave speed plus speed (m/s), one for every point that is valid and inside
+        the box, and the energy that the filter takes (J).
         """
         x, v2, V0, J, opening, history, s, L, labels = load_points(rows, o)
-        rates = subtract_diagonal(L, excess)
+        rates, lost = subtract_diagonal(L, excess), splat(0.0)
+        if settings.filter_rate > 0.0:
+            s, J, opening, lost = filter_stress(s, L, V0, J, opening, history, params, settings, dt, average)
         s, J, opening, history, work = stress_update(s, rates, V0, J, opening, history, params, settings, dt)
         store_points(rows, o, count, J, opening, history, s, L, labels)
         speed, valid = check_point(J, v2, c2, settings)
-        return work, speed, check_inside(valid, x, box)
+        return work, speed, check_inside(valid, x, box), lost
 
     return update_eight
 

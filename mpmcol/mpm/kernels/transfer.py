@@ -55,7 +55,7 @@ def make_p2g(dimension: int, basis: str) -> Callable[..., None]:
     def p2g(rows: np.ndarray, grid: Grid, tiles: Tiles, settings: Settings) -> None:
         """Scatter mass, momentum and force; tiles of one group in parallel, each node summed in a fixed order.
 
-        Reads: rows. Writes: nodes (m, mv, f). Eq. (13), (14), (19), (20).
+        Reads: rows. Writes: nodes (m, mv, f, m q). Eq. (13), (14), (19), (20).
         """
         nodes, start, grouped, group_start = grid.nodes, tiles.start, tiles.grouped, tiles.group_start
         for group in range(len(group_start) - 1):

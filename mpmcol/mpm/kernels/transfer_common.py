@@ -9,7 +9,7 @@ import numpy as np
 from mpmcol.mpm.boundary import keep_within
 from mpmcol.mpm.grid import Grid
 from mpmcol.mpm.jit import device
-from mpmcol.mpm.lanes import AX, L_ZZ, LANES, S_ZZ, V0, VX, X_VECTOR, Y_VECTOR, Z_VECTOR, J, M, X
+from mpmcol.mpm.lanes import AX, L_ZZ, LANES, S_ZZ, V0, VX, X_VECTOR, Y_VECTOR, Z_VECTOR, J, M, Q, X
 from mpmcol.mpm.settings import Settings
 from mpmcol.mpm.shape_functions.quadratic import spline_lanes
 from mpmcol.mpm.simd import extract, fma, load, prefetch, splat, store, swap_halves, vector, where_positive
@@ -71,13 +71,13 @@ def force_mask(d: int) -> Any:
 @device
 def update_point(
     rows: np.ndarray, o: int, old: Any, mean: Any, gradient: Any, d: int, limits: Any, settings: Settings, dt: float
-) -> tuple[Any, Any]:
+) -> tuple[Any, Any, float]:
     """Write new velocity, position and velocity gradient of the point whose record starts at `o`, Eq. (26)-(28).
 
     old: vector 0 of its record. mean: weighted sums of v~ and a over its nodes. gradient: columns of the velocity
     gradient along x, y, z; in two dimensions the third is ignored. limits: see `update_motion`. Returns two vectors
     with an axis per lane from X on: the displacement (m), and the work (J) of the old stress on the motion of the
-    nodes, plus that of gravity where the limits stop the point.
+    nodes, plus that of gravity where the limits stop the point; and the average of the filtered stress (Pa).
     """
     grad_x, grad_y, grad_z = gradient
     work = incremental_work(load(rows, o + X_VECTOR), grad_x, dt) + incremental_work(
@@ -96,7 +96,7 @@ def update_point(
     store_gradient(rows, o, d, grad_x, grad_y, grad_z)
     if d == 2:
         rows[o + L_ZZ] = l_zz
-    return displacement, work + limit_work
+    return displacement, work + limit_work, extract(mean, Q)
 
 
 @device

@@ -7,6 +7,7 @@ from typing import Any
 
 from mpmcol.mpm.jit import device, variant
 from mpmcol.mpm.kernels.interpolation import GRADIENT, make_axis_stencils, make_interpolate
+from mpmcol.mpm.kernels.stress_filter import make_filtered_stress
 from mpmcol.mpm.kernels.transfer_common import broadcast, force_mask, momentum_mask, update_point
 from mpmcol.mpm.lanes import S_ZZ, V0, X_VECTOR, Y_VECTOR, Z_VECTOR, J, M, X, Y, Z
 from mpmcol.mpm.shape_functions import ShapeFunctions
@@ -16,7 +17,7 @@ from mpmcol.mpm.simd import extract, fma, load, splat, store, vector
 def make_scatter(dimension: int, basis: ShapeFunctions) -> Callable[..., Any]:
     """P2G of one point."""
     axis_stencils, width, flat = make_axis_stencils(dimension, basis, affine=False), basis.WIDTH, dimension == 2
-    depth = 1 if flat else width
+    depth, filtered_stress = 1 if flat else width, make_filtered_stress(dimension)
 
     @device
     @variant(dimension, basis)
@@ -31,8 +32,9 @@ def make_scatter(dimension: int, basis: ShapeFunctions) -> Callable[..., Any]:
 
         # Eq. 19, 20, 14: mass, momentum at the point, weight (and the hoop stress of axisymmetry)
         momentum = splat(m) * momentum_mask(dimension)
+        q = filtered_stress(rows, o, settings)
         f_x, f_y, f_z = m * settings.gravity_x - hoop, m * settings.gravity_y, m * settings.gravity_z
-        at_point = fma(record, momentum, vector(m, 0.0, 0.0, 0.0, f_x, f_y, 0.0 if flat else f_z, 0.0))
+        at_point = fma(record, momentum, vector(m, 0.0, 0.0, 0.0, f_x, f_y, 0.0 if flat else f_z, m * q))
         # Eq. 20: m L (x_i - x_p); Eq. 13: -V sigma . grad w
         taylor, force = (settings.taylor * h) * momentum, (-volume * inv_h) * force_mask(dimension)
         column_x, column_y = load(rows, o + X_VECTOR), load(rows, o + Y_VECTOR)

@@ -8,6 +8,7 @@ import numpy as np
 
 from mpmcol.mpm.grid import Grid
 from mpmcol.mpm.jit import device
+from mpmcol.mpm.kernels.stress_filter import make_filtered_stress
 from mpmcol.mpm.kernels.transfer_common import (
     broadcast,
     force_mask,
@@ -18,6 +19,8 @@ from mpmcol.mpm.kernels.transfer_common import (
 from mpmcol.mpm.lanes import S_ZZ, V0, X_VECTOR, Y_VECTOR, J, M, X, Y
 from mpmcol.mpm.settings import Settings
 from mpmcol.mpm.simd import extract, fma, load, splat, store, vector
+
+filtered_stress = make_filtered_stress(2)
 
 
 @device
@@ -35,7 +38,8 @@ def scatter(rows: np.ndarray, o: int, nodes: np.ndarray, grid: Grid, settings: S
 
     # Eq. 19, 20, 14: mass, momentum at the point, weight (and the hoop stress of axisymmetry)
     momentum = splat(m) * momentum_mask(2)
-    weight = vector(m, 0.0, 0.0, 0.0, m * settings.gravity_x - hoop, m * settings.gravity_y, 0.0, 0.0)
+    q = filtered_stress(rows, o, settings)
+    weight = vector(m, 0.0, 0.0, 0.0, m * settings.gravity_x - hoop, m * settings.gravity_y, 0.0, m * q)
     at_point = fma(record, momentum, weight)
     # Eq. 20: m L (x_i - x_p); Eq. 13: -V sigma . grad w
     taylor, force = settings.taylor * momentum, (-volume * inv_h) * force_mask(2)
@@ -67,7 +71,7 @@ def _add_column(nodes, a, y0, y1, y2, p, wx, wy0, wy1, wy2, q0, q1, q2):
 @device
 def gather(
     rows: np.ndarray, o: int, nodes: np.ndarray, grid: Grid, settings: Settings, limits: tuple[Any, Any], dt: float
-) -> tuple[Any, Any]:
+) -> tuple[Any, Any, float]:
     """Update velocity, position and velocity gradient of one point from its nine nodes.
 
     Eq. (26)-(28); returns as `update_point`.

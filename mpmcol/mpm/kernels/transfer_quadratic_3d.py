@@ -8,6 +8,7 @@ import numpy as np
 
 from mpmcol.mpm.grid import Grid
 from mpmcol.mpm.jit import device
+from mpmcol.mpm.kernels.stress_filter import make_filtered_stress
 from mpmcol.mpm.kernels.transfer_common import (
     broadcast,
     force_mask,
@@ -18,6 +19,8 @@ from mpmcol.mpm.kernels.transfer_common import (
 from mpmcol.mpm.lanes import V0, X_VECTOR, Y_VECTOR, Z_VECTOR, J, M, X, Y, Z
 from mpmcol.mpm.settings import Settings
 from mpmcol.mpm.simd import extract, fma, load, splat, store, vector
+
+filtered_stress = make_filtered_stress(3)
 
 
 @device
@@ -33,7 +36,8 @@ def scatter(rows: np.ndarray, o: int, nodes: np.ndarray, grid: Grid, settings: S
 
     # Eq. 19, 20, 14: mass, momentum at the point, weight
     momentum = splat(m) * momentum_mask(3)
-    weight = vector(m, 0.0, 0.0, 0.0, m * settings.gravity_x, m * settings.gravity_y, m * settings.gravity_z, 0.0)
+    q = filtered_stress(rows, o, settings)
+    weight = vector(m, 0.0, 0.0, 0.0, m * settings.gravity_x, m * settings.gravity_y, m * settings.gravity_z, m * q)
     at_point = fma(record, momentum, weight)
     # Eq. 20: m L (x_i - x_p); Eq. 13: -V sigma . grad w
     taylor, force = settings.taylor * momentum, (-volume * inv_h) * force_mask(3)
@@ -79,7 +83,7 @@ def _add_line(nodes, o, x_lines, w, w_yz, p, t):
 @device
 def gather(
     rows: np.ndarray, o: int, nodes: np.ndarray, grid: Grid, settings: Settings, limits: tuple[Any, Any], dt: float
-) -> tuple[Any, Any]:
+) -> tuple[Any, Any, float]:
     """Update velocity, position and velocity gradient of one point from its twenty-seven nodes.
 
     Eq. (26)-(28); returns as `update_point`.

@@ -19,6 +19,7 @@ from mpmcol.errors import UsageError
 from mpmcol.mpm.jit import driver
 from tests.support.cli import invoke
 
+compiles_plain_loops = pytest.mark.slow  # for 45 s of a core
 PHASES = ("clear", "p2g", "update_grid", "update_points", "g2p", "stress", "step", "sort")
 
 
@@ -40,7 +41,8 @@ def slower(report: Report, phase: str, factor: float) -> Report:
     return replace(report, cases=tuple(cases))
 
 
-@pytest.mark.parametrize("model", [*MODELS[:2], pytest.param(MODELS[2], marks=pytest.mark.slow)])
+@compiles_plain_loops
+@pytest.mark.parametrize("model", MODELS)
 def test_plain_loops_agree_with_the_kernels(model: str) -> None:
     solver = make_solver(model, 2000)
     solver.advance(1.0, max_steps=30)
@@ -79,6 +81,7 @@ def test_the_compiled_clock_is_the_monotonic_clock() -> None:
     assert before <= compiled() <= seconds()
 
 
+@compiles_plain_loops
 def test_every_phase_is_reported(case: BenchmarkCase) -> None:
     assert tuple(row.phase for row in case.rows) == PHASES
     for row in case.rows:
@@ -86,6 +89,7 @@ def test_every_phase_is_reported(case: BenchmarkCase) -> None:
         assert (row.plain is None) == (row.phase == "sort")
 
 
+@compiles_plain_loops
 def test_the_bound_is_the_larger_of_traffic_and_arithmetic(case: BenchmarkCase) -> None:
     assert case.bound > 0.0
     machine = Machine(bandwidth=10.0, vector_rate=8.0)
@@ -93,6 +97,7 @@ def test_the_bound_is_the_larger_of_traffic_and_arithmetic(case: BenchmarkCase) 
     assert machine.bound(3, 1.0) - machine.bound(3, 0.0) == pytest.approx(6 * 64 / 10.0)
 
 
+@compiles_plain_loops
 def test_a_report_is_read_back_from_json(case: BenchmarkCase, tmp_path: Path) -> None:
     report = make_report([case])
     (tmp_path / "report.json").write_text(report.to_json())
@@ -107,6 +112,7 @@ def test_other_files_are_rejected(text: str, tmp_path: Path) -> None:
         load_report(tmp_path / "other.json")
 
 
+@compiles_plain_loops
 def test_only_slowdowns_beyond_the_noise_are_reported(case: BenchmarkCase) -> None:
     report = make_report([case])
     assert compare(report, report) == []
@@ -116,6 +122,7 @@ def test_only_slowdowns_beyond_the_noise_are_reported(case: BenchmarkCase) -> No
     assert found[0].ratio == pytest.approx(1e3) and "plain loops: 1.00" in str(found[0])
 
 
+@compiles_plain_loops
 def test_the_command_prints_writes_and_compares(tmp_path: Path) -> None:
     arguments = ["--quick", "--model", "plane", "--points", "1000", "--threads", "1"]
     first = invoke("bench", *arguments, "--json", tmp_path / "new.json")

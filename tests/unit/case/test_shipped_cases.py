@@ -9,11 +9,16 @@ from tests.support.case_files import Write
 
 SHIPPED = [
     "bui-rods",
+    "channel",
+    "channel-dense",
+    "channel-loose",
+    "cylinder",
     "lube-channel",
     "lube-channel-dense",
     "lube-channel-loose",
     "lube-cylinder",
     "lube-quarter",
+    "quarter",
     "quickstart",
 ]
 

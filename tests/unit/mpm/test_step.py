@@ -17,6 +17,7 @@ from mpmcol.mpm.particles import Points
 from mpmcol.mpm.settings import Scheme, Settings
 from mpmcol.mpm.solver import Body, Solver
 from tests.support import reference
+from tests.support.sand_column import OTHER_SCHEME
 
 ELASTIC = {"density": 2000.0, "youngs_modulus": 1e6, "poissons_ratio": 0.25}
 PLASTIC = {
@@ -84,6 +85,9 @@ def as_reference(points: Points) -> reference.ReferencePoints:
 
 SOFTENING = "mohr-coulomb-softening"
 AXISYMMETRIC, PIC = {"axisymmetric": True}, {"flip_fraction": 0.0}
+FILTER = {  # K of ELASTIC; shear rates are about 1/s, and some points have opened further than the limit
+    "filter_rate": 500.0, "filter_shear_rate": 2.5, "filter_opening": 5e-4, "filter_modulus": 1e6 / 1.5,
+}  # fmt: skip
 OPTIONS: list[dict] = [
     {"taylor": 0.0},
     PIC,
@@ -93,37 +97,38 @@ OPTIONS: list[dict] = [
     {"kernel_correction": False},
     {"alpha_d": 0.7, "gravity_x": 2.0},
     {"exponential_volume": True},
+    FILTER,
+    FILTER | {"opening_strain": False},
 ]
 LAW_CASES: list[tuple[int, str, dict]] = [  # dimension, law of the column, changed settings
     *((2, law, change) for law in ("elastic", "mohr-coulomb") for change in ({}, AXISYMMETRIC, *OPTIONS)),
-    *((2, SOFTENING, change) for change in ({}, AXISYMMETRIC)),
+    *((2, SOFTENING, change) for change in ({}, AXISYMMETRIC, FILTER)),
+    (2, "mohr-coulomb", FILTER | AXISYMMETRIC),
     *((3, law, {}) for law in ("elastic", "mohr-coulomb")),
     pytest.param(3, SOFTENING, {}, marks=pytest.mark.slow),
     *((3, "mohr-coulomb", change | {"gravity_z": 1.0}) for change in OPTIONS),
 ]
 
-SCHEMES = (
-    Scheme(affine=True),
-    Scheme(stress_order="musl"),
-    Scheme(basis="linear"),
-    Scheme(basis="cubic"),
-)
+SLOW = pytest.mark.slow  # each further variant is compiled for ten seconds of a core
+CELL = Scheme(volumetric_strain="cell")
+# those of further tests, so that they are compiled once
+SCHEMES = (Scheme(affine=True), Scheme(stress_order="usf"), Scheme(basis="linear"), OTHER_SCHEME)
 SLOW_SCHEMES = (
-    Scheme(stress_order="usf"),
+    Scheme(stress_order="musl"),
+    Scheme(basis="cubic"),
     Scheme(stress_order="musl", affine=True),
     Scheme(stress_order="usf", affine=True, basis="cubic"),
+    CELL,
 )
-SLOW = pytest.mark.slow  # each further variant is compiled for five to ten seconds
-CELL = Scheme(volumetric_strain="cell")
-QUICK_IN_3D = (Scheme(affine=True),)
+IN_3D = (*SCHEMES[:2], *SLOW_SCHEMES[:2], CELL)
+QUICK_IN_3D = Scheme(basis="linear")
+CHANGES = (PIC, AXISYMMETRIC, FILTER)
 SCHEME_CASES: list[Any] = [  # scheme, dimension, changed settings
-    *((scheme, 2, change) for scheme in SCHEMES for change in (PIC, AXISYMMETRIC)),
-    *(pytest.param(scheme, 2, change, marks=SLOW) for scheme in SLOW_SCHEMES for change in (PIC, AXISYMMETRIC)),
-    *(pytest.param(scheme, 3, PIC, marks=[] if scheme in QUICK_IN_3D else SLOW) for scheme in SCHEMES),
-    (Scheme(basis="cubic"), 2, {"kernel_correction": False}),
-    pytest.param(Scheme(basis="cubic"), 3, {"kernel_correction": False}, marks=SLOW),
-    *((CELL._replace(stress_order="usf"), 2, change) for change in ({}, AXISYMMETRIC)),
-    *(pytest.param(CELL, d, change, marks=SLOW) for d, change in ((2, {}), (2, AXISYMMETRIC), (3, {}))),
+    *((scheme, 2, change) for scheme in SCHEMES for change in CHANGES),
+    *(pytest.param(scheme, 2, change, marks=SLOW) for scheme in SLOW_SCHEMES for change in CHANGES),
+    *((QUICK_IN_3D, 3, change) for change in (PIC, FILTER)),
+    *(pytest.param(scheme, 3, change, marks=SLOW) for scheme in IN_3D for change in (PIC, FILTER)),
+    *(pytest.param(Scheme(basis="cubic"), d, {"kernel_correction": False}, marks=SLOW) for d in (2, 3)),
     pytest.param(CELL._replace(stress_order="musl", basis="linear"), 2, {"exponential_volume": True}, marks=SLOW),
 ]
 
@@ -165,7 +170,9 @@ def compare_with_reference(d: int, law: str, change: dict, scheme: Scheme) -> No
             wall_impulse=settings.wall_impulse, opening_strain=settings.opening_strain,
             correct=settings.kernel_correction, axisymmetric=settings.axisymmetric, m_min=1e-20 * points.m.min(),
             stress_order=scheme.stress_order, basis=scheme.basis, apic=scheme.affine,
-            exponential_volume=settings.exponential_volume,
+            exponential_volume=settings.exponential_volume, filter_rate=settings.filter_rate,
+            filter_shear_rate=settings.filter_shear_rate, filter_opening=settings.filter_opening,
+            filter_modulus=settings.filter_modulus,
         )  # fmt: skip
         assert solver.advance(1.0, max_steps=1) == -1
         expected = reference.step(expected, reference_grid, np.stack(fixed, -1), materials, options)

@@ -1,0 +1,55 @@
+"""Where the released potential energy of a collapse went."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Dissipation:
+    """Shares of the potential energy released so far; their sum is one, up to the remaining energy."""
+
+    released: float  # J (per metre or per radian in two dimensions)
+    friction: float  # plastic work
+    damping: float  # local damping, Eq. 23
+    walls: float
+    transfer: float
+    filter: float
+    remaining: float  # kinetic, and elastic energy gained
+    smooth_damping: float  # what damping takes from a smooth flow: 2 alpha_d times the largest kinetic energy
+
+    @property
+    def numerical(self) -> float:
+        """Share of transfer, filter and walls: a wall that material does not slide along does no physical work."""
+        return self.transfer + self.filter + self.walls
+
+    @property
+    def damping_ratio(self) -> float:
+        """Damping over that of a smooth flow; infinite if damping took energy that it should not."""
+        return self.damping / self.smooth_damping if self.smooth_damping > 0.0 else (np.inf if self.damping else 0.0)
+
+
+def dissipation(history: Mapping[str, np.ndarray], alpha_d: float) -> Dissipation | None:
+    """Shares at the end of a history; None before the release, or if nothing was released.
+
+    history: columns of history.csv. alpha_d: local damping of the collapse.
+    """
+    flow = history["stage"] != "equilibrate"
+    if not flow.any():
+        return None
+    rows = {name: values[flow] for name, values in history.items()}
+    released = float(rows["potential"][0] - rows["potential"][-1])
+    if not released > 0.0:
+        return None
+    last = {name: float(rows[name][-1]) / released for name in ("plastic", "damping", "walls", "transfer", "filter")}
+    remaining = sum(float(rows[name][-1] - rows[name][0]) for name in ("kinetic", "elastic")) / released
+    return Dissipation(
+        released=released,
+        friction=last.pop("plastic"),
+        **last,
+        remaining=remaining,
+        smooth_damping=2.0 * alpha_d * float(rows["kinetic"].max()) / released,
+    )

@@ -1,0 +1,80 @@
+"""Notes on the quality of a finished collapse: dissipation by numerics, noise of the stresses, locking."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from mpmcol.io.snapshot import Snapshot
+from mpmcol.measure.dissipation import Dissipation, dissipation
+from mpmcol.measure.stress import StressQuality, stress_quality
+from mpmcol.simulation.recorder import take_snapshot
+from mpmcol.simulation.state import Simulation
+
+MOST_DAMPING = 2.0  # times that of a smooth flow
+MOST_NUMERICAL = 0.1  # share of the released energy
+MOST_STRESS_FREE, HIGHEST_PRESSURE = 0.1, 2.0  # share of the points; multiple of the weight at the foot
+LOCKED = -0.5, 1.5  # percentiles 1 and 99 of the pressure over that weight, of material that bears tension
+
+
+def dissipation_of(simulation: Simulation) -> Dissipation | None:
+    """Shares of the energy released so far; None before the release."""
+    rows = simulation.recorder.rows
+    history = {name: np.array([row[name] for row in rows]) for name in rows[0]} if rows else {"stage": np.array([])}
+    return dissipation(history, simulation.case.stages.collapse.damping)
+
+
+def stress_quality_of(simulation: Simulation, snapshot: Snapshot) -> StressQuality | None:
+    """Quality of the stresses of the column in a snapshot."""
+    own = snapshot.column & np.isfinite(snapshot.arrays["position"]).all(axis=1)
+    x, stress, mass, volume = (
+        snapshot.arrays[name][own].astype(np.float64) for name in ("position", "stress", "mass", "volume")
+    )
+    shape = simulation.recorder.shape
+    return stress_quality(x[:, : shape.dimension], stress, mass, volume, shape, simulation.case.geometry.gravity)
+
+
+def quality_notes(simulation: Simulation) -> Iterator[str]:
+    """What a user must know of the energies of a collapse, and of the stresses if it is at rest."""
+    is_filtered = simulation.case.method.stress_filter != "none"
+    if shares := dissipation_of(simulation):
+        yield from _dissipation_notes(shares, is_filtered)
+    if simulation.progress.at_rest:
+        solver = simulation.solver
+        snapshot = take_snapshot(
+            simulation.case, solver.points, simulation.recorder.initial_positions, solver.time, solver.steps, "rest"
+        )
+        if quality := stress_quality_of(simulation, snapshot):
+            yield from _stress_notes(quality, is_filtered)
+
+
+def _dissipation_notes(shares: Dissipation, is_filtered: bool) -> Iterator[str]:
+    if shares.damping_ratio > MOST_DAMPING:
+        remedy = "lower stages.collapse.damping" if is_filtered else 'set method.stress_filter = "flow"'
+        yield (
+            f"local damping took {100.0 * shares.damping:.1f} % of the released energy, {shares.damping_ratio:.1f} "
+            f"times what it takes from a smooth flow: it acts on noise of the nodal forces; {remedy}"
+        )
+    if shares.numerical > MOST_NUMERICAL:
+        yield (
+            f"transfer and walls took {100.0 * (shares.transfer + shares.walls):.1f} % of the released energy and the "
+            f"stress filter {100.0 * shares.filter:.1f} %: use a smaller grid.spacing"
+        )
+
+
+def _stress_notes(quality: StressQuality, is_filtered: bool) -> Iterator[str]:
+    lowest, highest = LOCKED
+    if quality.stress_free > MOST_STRESS_FREE or quality.pressure_max > HIGHEST_PRESSURE:
+        remedy = "use averages over several cells" if is_filtered else 'set method.stress_filter = "flow"'
+        yield (
+            f"the stresses of single points are noise: {100.0 * quality.stress_free:.0f} % of the points inside the "
+            f"deposit bear nothing, and the largest pressure is {quality.pressure_max:.1f} times the weight at its "
+            f"foot; {remedy}"
+        )
+    if quality.pressure_p1 < lowest and quality.pressure_p99 > highest:
+        yield (
+            f"volumetric locking: 98 % of the pressures are between {quality.pressure_p1:.1f} and "
+            f"{quality.pressure_p99:.1f} times the weight at the foot; set method.stress_filter = "
+            '"flow" or method.volumetric_strain = "cell"'
+        )

@@ -1,0 +1,56 @@
+"""Notes on dissipation and stresses: of coarse runs, and of given numbers."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+import mpmcol
+from mpmcol.measure.dissipation import Dissipation
+from mpmcol.measure.stress import StressQuality
+from mpmcol.simulation.quality import _dissipation_notes, _stress_notes
+
+GOOD = Dissipation(1.0, 0.93, 0.03, 0.0, 0.02, 0.02, 0.0, 0.02)
+QUIET = StressQuality(2000.0, 0.02, 0.0, 0.8, 1.0, 0.1)
+
+
+def notes_of(folder: Path, *overrides: str) -> tuple[str, dict]:
+    case = mpmcol.load_case("quickstart", ["grid.spacing=0.01", "output.snapshots=1", *overrides])
+    summary = mpmcol.run(case, folder, threads=1).summary
+    return "\n".join(summary["warnings"]), summary
+
+
+def test_the_filter_quiets_the_stresses_of_a_run(tmp_path: Path) -> None:
+    plain, noisy = notes_of(tmp_path / "plain", "method.stress_filter=none")
+    filtered, quiet = notes_of(tmp_path / "filtered")
+    assert "stresses of single points are noise" in plain and 'set method.stress_filter = "flow"' in plain
+    assert "noise: " not in filtered
+    assert quiet["stress"]["stress_free"] < 0.02 < noisy["stress"]["stress_free"]
+    assert quiet["stress"]["pressure_max"] < 1.2 < noisy["stress"]["pressure_max"]
+    assert quiet["dissipation"]["damping"] < noisy["dissipation"]["damping"]
+    assert noisy["dissipation"]["filter"] == 0.0 < quiet["dissipation"]["filter"] < 0.03
+    for shares in (noisy["dissipation"], quiet["dissipation"]):
+        parts = ("friction", "damping", "walls", "transfer", "filter", "remaining")
+        assert sum(shares[part] for part in parts) == pytest.approx(1.0, abs=1e-6)
+
+
+def test_good_numbers_give_no_note() -> None:
+    assert list(_dissipation_notes(GOOD, True)) == list(_stress_notes(QUIET, True)) == []
+
+
+@pytest.mark.parametrize(("is_filtered", "remedy"), [(True, "lower stages.collapse.damping"), (False, "stress_filter")])
+def test_too_much_damping_is_reported(is_filtered: bool, remedy: str) -> None:
+    (note,) = _dissipation_notes(replace(GOOD, damping=0.06), is_filtered)
+    assert "6.0 % of the released energy, 3.0 times" in note and remedy in note
+
+
+def test_large_numerical_losses_are_reported() -> None:
+    (note,) = _dissipation_notes(replace(GOOD, transfer=0.09), True)
+    assert "transfer and walls took 9.0 %" in note and "filter 2.0 %" in note and "smaller grid.spacing" in note
+
+
+def test_locking_is_named() -> None:
+    (note,) = _stress_notes(replace(QUIET, pressure_p1=-0.7, pressure_p99=1.8, pressure_max=1.9), False)
+    assert "volumetric locking: 98 % of the pressures are between -0.7 and 1.8 times" in note
