@@ -14,7 +14,7 @@ from mpmcol.measure.sections import Array
 from mpmcol.measure.shape import ColumnShape
 
 INSIDE = 2.0  # cells: points below this thickness of material are inside the deposit
-STRESS_FREE = 1e-3  # of the weight at the foot: points with a smaller pressure bear nothing
+STRESS_FREE = 1e-3  # of the weight at the foot: points with a smaller pressure are stress-free
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class StressQuality:
     """Pressures of points, as multiples of the largest weight at the foot of the deposit."""
 
     weight_at_foot: float  # Pa, largest of all columns of cells
-    stress_free: float  # share of the points inside the deposit that bear nothing
+    stress_free: float  # share of the points inside the deposit without stress
     pressure_p1: float  # percentiles of the pressure of all points
     pressure_p99: float
     pressure_max: float
@@ -32,7 +32,7 @@ class StressQuality:
 def stress_quality(
     x: Array, stress: Array, mass: Array, volume: Array, shape: ColumnShape, gravity: float
 ) -> StressQuality | None:
-    """Compare the pressures of points with the weight above them; None for fewer points than a cell has inside.
+    """Compare the pressures of points with the weight above them; None if no point is inside the deposit.
 
     Args:
         x: positions, (n, 2) or (n, 3), m; y points upward.
@@ -41,6 +41,8 @@ def stress_quality(
         shape: the column as released.
         gravity: m/s2.
     """
+    if len(x) == 0:
+        return None
     h = shape.spacing
     cell = np.floor(x / h).astype(np.int64)
     column = _number(np.delete(cell, 1, axis=1))

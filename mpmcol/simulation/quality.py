@@ -12,6 +12,7 @@ from mpmcol.measure.stress import StressQuality, stress_quality
 from mpmcol.simulation.recorder import take_snapshot
 from mpmcol.simulation.state import Simulation
 
+MEASURED = ("position", "stress", "mass", "volume")
 MOST_DAMPING = 2.0  # times that of a smooth flow
 MOST_NUMERICAL = 0.1  # share of the released energy
 MOST_STRESS_FREE, HIGHEST_PRESSURE = 0.1, 2.0  # share of the points; multiple of the weight at the foot
@@ -27,10 +28,9 @@ def dissipation_of(simulation: Simulation) -> Dissipation | None:
 
 def stress_quality_of(simulation: Simulation, snapshot: Snapshot) -> StressQuality | None:
     """Quality of the stresses of the column in a snapshot."""
-    own = snapshot.column & np.isfinite(snapshot.arrays["position"]).all(axis=1)
-    x, stress, mass, volume = (
-        snapshot.arrays[name][own].astype(np.float64) for name in ("position", "stress", "mass", "volume")
-    )
+    arrays = {name: snapshot.arrays[name][snapshot.column].astype(np.float64) for name in MEASURED}
+    valid = np.isfinite(np.column_stack(list(arrays.values()))).all(axis=1)  # after a failure some may not be
+    x, stress, mass, volume = (values[valid] for values in arrays.values())
     shape = simulation.recorder.shape
     return stress_quality(x[:, : shape.dimension], stress, mass, volume, shape, simulation.case.geometry.gravity)
 
@@ -69,7 +69,7 @@ def _stress_notes(quality: StressQuality, is_filtered: bool) -> Iterator[str]:
         remedy = "use averages over several cells" if is_filtered else 'set method.stress_filter = "flow"'
         yield (
             f"the stresses of single points are noise: {100.0 * quality.stress_free:.0f} % of the points inside the "
-            f"deposit bear nothing, and the largest pressure is {quality.pressure_max:.1f} times the weight at its "
+            f"deposit are stress-free, and the largest pressure is {quality.pressure_max:.1f} times the weight at its "
             f"foot; {remedy}"
         )
     if quality.pressure_p1 < lowest and quality.pressure_p99 > highest:

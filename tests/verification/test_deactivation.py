@@ -144,7 +144,8 @@ def test_a_run_deactivates_the_base_from_the_release(tmp_path: Path) -> None:
         shares.append(np.mean(np.all(last.arrays["displacement"][base] == 0.0, axis=1)))
         stress.append(last.arrays["stress"][base])
     assert 0.2 < shares[0] < 0.9 and shares[1] == 0.0
-    assert np.abs(stress[0] - stress[1]).max() < 1e-2 * np.abs(stress[1]).max()
+    difference, largest = np.abs(stress[0] - stress[1]), np.abs(stress[1]).max()
+    assert difference.max() < 3e-2 * largest and np.sqrt(np.mean(difference**2)) < 2e-3 * largest
     assert still.measure().zeta["front_max"] == pytest.approx(moved.measure().zeta["front_max"], abs=1e-3)
     flow = still.history["stage"] == "collapse"
     assert np.abs(still.history["residual"][flow]).max() < 1e-9 * still.history["damping"][flow].max()

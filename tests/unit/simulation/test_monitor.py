@@ -310,7 +310,7 @@ def test_detached_particles_are_reported_and_do_not_stop_the_run(tmp_path: Path)
     top = stages.solver.points.id == stages.solver.points.id[stages.solver.points.kind != BASE].max()
     stages.solver.points.v[top, 0] = 0.9 * stages.solver.settings.free_speed
     stages.collapse()
-    (warning,) = stages.simulation.progress.warnings[-1:]
+    (warning,) = (text for text in stages.simulation.progress.warnings if text.startswith("detached particles"))
     row = stages.recorder.rows[-1]
     assert f"front_max {row['front_max']:.4g} m, front_connected {row['front_connected']:.4g} m" in warning
 

@@ -30,7 +30,7 @@ def test_the_filter_quiets_the_stresses_of_a_run(tmp_path: Path) -> None:
     assert quiet["stress"]["stress_free"] < 0.02 < noisy["stress"]["stress_free"]
     assert quiet["stress"]["pressure_max"] < 1.2 < noisy["stress"]["pressure_max"]
     assert quiet["dissipation"]["damping"] < noisy["dissipation"]["damping"]
-    assert noisy["dissipation"]["filter"] == 0.0 < quiet["dissipation"]["filter"] < 0.03
+    assert noisy["dissipation"]["filter"] == 0.0 < quiet["dissipation"]["filter"] < 0.05
     for shares in (noisy["dissipation"], quiet["dissipation"]):
         parts = ("friction", "damping", "walls", "transfer", "filter", "remaining")
         assert sum(shares[part] for part in parts) == pytest.approx(1.0, abs=1e-6)
