@@ -9,6 +9,7 @@ import click
 from mpmcol.cli.options import PATH, positive_integer
 
 LEAST_PIXELS, MOST_PIXELS = 200, 8000
+COLORS = ("displacement", "velocity", "pressure", "shear")
 
 
 def parse_size(context: click.Context, parameter: click.Parameter, text: str) -> tuple[int, int]:
@@ -25,21 +26,24 @@ def parse_size(context: click.Context, parameter: click.Parameter, text: str) ->
 @click.argument("folder", metavar="DIR", type=PATH)
 @click.option("--gif", is_flag=True, help="Also write an animation of all snapshots.")
 @click.option("--view", type=click.Choice(["side", "3d", "top"]), help="Camera view  [default: side, in 3D 3d]")
+@click.option("--color", type=click.Choice(COLORS), default=COLORS[0], show_default=True, help="Colour of the points.")
 @click.option("--snapshot", metavar="N", default=-1, show_default=True, help="Snapshot index (-1: last).")
 @click.option("--out", metavar="FILE", type=PATH, help="PNG file to write  [default: in DIR]")
 @click.option(
     "--size", metavar="WIDTHxHEIGHT", default="1280x720", show_default=True, callback=parse_size,
     help=f"Size in pixels, each {LEAST_PIXELS} to {MOST_PIXELS}.",
 )  # fmt: skip
-def render(folder: Path, gif: bool, view: str | None, snapshot: int, out: Path | None, size: tuple[int, int]) -> None:
-    """Draw the material points of a run, coloured by displacement.
+def render(
+    folder: Path, gif: bool, view: str | None, color: str, snapshot: int, out: Path | None, size: tuple[int, int]
+) -> None:
+    """Draw the material points of a run.
 
-    DIR is a results folder. In the top view of a cylinder (--view top), points that moved by at least 1 mm since the
-    release are red.
+    DIR is a results folder. Pressure and shear stress are those of the mean stress of a cell. In the top view of a
+    cylinder (--view top), points that moved by at least 1 mm since the release are red.
     """
     from mpmcol.plotting.render import render as draw
 
-    rendered = draw(folder, gif=gif, view=view, snapshot=snapshot, size=size, out=out)
+    rendered = draw(folder, gif=gif, view=view, color=color, snapshot=snapshot, size=size, out=out)
     for path in rendered.paths:
         click.echo(path)
     if rendered.note:

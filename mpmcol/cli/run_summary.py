@@ -72,10 +72,10 @@ def _cost(summary: dict[str, Any]) -> Iterator[str]:
 
 def _quality(summary: dict[str, Any]) -> Iterator[str]:
     """Where the energy went, and how quiet the stresses are."""
-    if shares := summary["dissipation"]:
+    if shares := summary.get("dissipation"):
         names = ("friction", "damping", "walls", "transfer", "filter")
         yield "energy released: " + ", ".join(f"{name} {100.0 * shares[name]:.1f} %" for name in names)
-    if stress := summary["stress"]:
+    if stress := summary.get("stress"):
         yield (
             f"pressure over the weight at the foot: 99 % below {stress['pressure_p99']:.2f}, at most "
             f"{stress['pressure_max']:.2f}; stress-free inside: {100.0 * stress['stress_free']:.0f} % of the points"

@@ -27,6 +27,8 @@ UNITS = {
     "velocity": "m/s",
     "displacement": "m",
     "stress": "Pa",
+    "pressure": "Pa",
+    "shear_stress": "Pa",
     "volume_ratio": "1",
     "opening_strain": "1",
     "mass": "kg",
@@ -36,6 +38,7 @@ UNITS = {
 }
 EXTENSIVE = {"mass", "volume"}
 PER = {"plane": "/m", "axisymmetric": "/rad"}  # in 3D, all that is modelled
+COMPONENTS = {"velocity": "x y z", "displacement": "x y z", "stress": "xx yy zz xy yz xz"}
 ATTRIBUTES = {"velocity": "Vectors", "stress": "Tensors", "id": "GlobalIds"}
 DAMAGE = (OSError, KeyError, ValueError, TypeError, AttributeError, IndexError, RuntimeError, MemoryError)
 
@@ -48,9 +51,10 @@ class Snapshot:
 
     time: s since the release, or since the start if the run ended during equilibration. arrays: "position" (n, 3) m,
     "velocity" (n, 3) m/s, "displacement" since the release (n, 3) m, "stress" (n, 6: xx yy zz xy yz xz) Pa, tension
-    positive, "volume_ratio" (n) J, "opening_strain" (n), "mass" (n) and "volume" (n) per metre in plane strain, per
-    radian in axisymmetry, of the modelled part in 3D, "material" (n) 0 column and 1 base, "id" (n), and the history
-    variables of the constitutive law by name.
+    positive, "pressure" and "shear_stress" (n) of the mean stress of a cell, Pa, "volume_ratio" (n) J,
+    "opening_strain" (n), "mass" (n) and "volume" (n) per metre in plane strain, per radian in axisymmetry, of the
+    modelled part in 3D, "material" (n) 0 column and 1 base, "id" (n), and the history variables of the constitutive
+    law by name.
     """
 
     time: float
@@ -157,7 +161,8 @@ def describe_snapshot(path: Path) -> vtkhdf.Step:
 
 def _attributes(name: str, per: str) -> dict[str, str | np.bytes_]:
     units: dict[str, str | np.bytes_] = {"units": UNITS[name] + (per if name in EXTENSIVE else "")}
-    return units | ({"Attribute": np.bytes_(ATTRIBUTES[name])} if name in ATTRIBUTES else {})
+    components: dict[str, str | np.bytes_] = {"components": COMPONENTS[name]} if name in COMPONENTS else {}
+    return units | components | ({"Attribute": np.bytes_(ATTRIBUTES[name])} if name in ATTRIBUTES else {})
 
 
 def _single_precision(values: np.ndarray) -> np.ndarray:

@@ -13,6 +13,7 @@ import numpy as np
 from mpmcol.measure.sections import Array
 from mpmcol.measure.shape import ColumnShape
 
+MOST_CELLS = 2**19  # along an axis; only points of failed runs are farther away
 INSIDE = 2.0  # cells: points below this thickness of material are inside the deposit
 STRESS_FREE = 1e-3  # of the weight at the foot: points with a smaller pressure are stress-free
 
@@ -44,8 +45,7 @@ def stress_quality(
     if len(x) == 0:
         return None
     h = shape.spacing
-    cell = np.floor(x / h).astype(np.int64)
-    column = _number(np.delete(cell, 1, axis=1))
+    column = _cells(np.delete(x, 1, axis=1), h)
     above = gravity * _mass_above(column, x[:, 1], mass) / _area(x, column, shape)
     density = mass.sum() / volume.sum()
     inside = above > INSIDE * h * density * gravity
@@ -53,9 +53,7 @@ def stress_quality(
         return None
     foot = float(above.max())
     pressure = -stress[:, :3].mean(axis=1) / foot
-    members = _number(cell)
-    mean = np.bincount(members, pressure * volume) / np.bincount(members, volume)
-    difference = pressure - mean[members]
+    difference = pressure - cell_means(x, pressure, volume, h)
     p1, p99 = np.percentile(pressure, (1.0, 99.0))
     return StressQuality(
         weight_at_foot=foot,
@@ -67,9 +65,29 @@ def stress_quality(
     )
 
 
-def _number(cells: np.ndarray) -> np.ndarray:
-    """Number the distinct rows of `cells` (n, k); returns the number of each row (n,)."""
-    return np.unique(cells, axis=0, return_inverse=True)[1].reshape(-1)
+def cell_means(x: Array, values: Array, volume: Array, spacing: float) -> Array:
+    """Mean of `values` (n,), weighted by volume, over the points in the cell of each point (n,); x (n, d) in m.
+
+    The cells are those of the grid; non-finite positions count as the origin.
+    """
+    members = _cells(np.where(np.isfinite(x), x, 0.0), spacing)
+    return (np.bincount(members, values * volume) / np.bincount(members, volume))[members]
+
+
+def pressure_and_shear(x: Array, stress: Array, volume: Array, spacing: float) -> tuple[Array, Array]:
+    """Pressure and sqrt(J2) of the cell means of `stress` (n, 6: xx yy zz xy yz xz), Pa."""
+    xx, yy, zz, xy, yz, xz = (cell_means(x, component, volume, spacing) for component in stress.T)
+    p = -(xx + yy + zz) / 3.0
+    normal2 = (xx + p) ** 2 + (yy + p) ** 2 + (zz + p) ** 2
+    return p, np.sqrt(0.5 * normal2 + xy**2 + yz**2 + xz**2)
+
+
+def _cells(x: Array, spacing: float) -> np.ndarray:
+    """Number of the cell of each point (n,), consecutive from 0."""
+    cell = np.clip(np.floor(x / spacing), -MOST_CELLS, MOST_CELLS).astype(np.int64)
+    cell -= cell.min(axis=0)
+    number = np.ravel_multi_index(tuple(cell.T), tuple(cell.max(axis=0) + 1))
+    return np.unique(number, return_inverse=True)[1].reshape(-1)
 
 
 def _mass_above(column: np.ndarray, y: Array, mass: Array) -> Array:

@@ -19,7 +19,7 @@ from mpmcol.setup.model import build_model
 TYPICAL_TRANSITS = {"gravity": 7.0, "k0": 2.0}
 TYPICAL_TAU = 5.0
 TRIAL_SECONDS = 1.0  # of stepping, to measure the pace
-SNAPSHOT_BYTES_PER_POINT = 90
+SNAPSHOT_BYTES_PER_POINT = 98
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,6 @@ import numpy as np
 from mpmcol.io.snapshot import Snapshot
 from mpmcol.measure.dissipation import Dissipation, dissipation
 from mpmcol.measure.stress import StressQuality, stress_quality
-from mpmcol.simulation.recorder import take_snapshot
 from mpmcol.simulation.state import Simulation
 
 MEASURED = ("position", "stress", "mass", "volume")
@@ -42,9 +41,7 @@ def quality_notes(simulation: Simulation) -> Iterator[str]:
         yield from _dissipation_notes(shares, is_filtered)
     if simulation.progress.at_rest:
         solver = simulation.solver
-        snapshot = take_snapshot(
-            simulation.case, solver.points, simulation.recorder.initial_positions, solver.time, solver.steps, "rest"
-        )
+        snapshot = simulation.recorder.snapshot_of(solver.points, solver.time, solver.steps, "rest")
         if quality := stress_quality_of(simulation, snapshot):
             yield from _stress_notes(quality, is_filtered)
 
@@ -65,8 +62,8 @@ def _dissipation_notes(shares: Dissipation, is_filtered: bool) -> Iterator[str]:
 
 def _stress_notes(quality: StressQuality, is_filtered: bool) -> Iterator[str]:
     lowest, highest = LOCKED
+    remedy = "use averages over several cells" if is_filtered else 'set method.stress_filter = "flow"'
     if quality.stress_free > MOST_STRESS_FREE or quality.pressure_max > HIGHEST_PRESSURE:
-        remedy = "use averages over several cells" if is_filtered else 'set method.stress_filter = "flow"'
         yield (
             f"the stresses of single points are noise: {100.0 * quality.stress_free:.0f} % of the points inside the "
             f"deposit are stress-free, and the largest pressure is {quality.pressure_max:.1f} times the weight at its "
@@ -75,6 +72,5 @@ def _stress_notes(quality: StressQuality, is_filtered: bool) -> Iterator[str]:
     if quality.pressure_p1 < lowest and quality.pressure_p99 > highest:
         yield (
             f"volumetric locking: 98 % of the pressures are between {quality.pressure_p1:.1f} and "
-            f"{quality.pressure_p99:.1f} times the weight at the foot; set method.stress_filter = "
-            '"flow" or method.volumetric_strain = "cell"'
+            f"{quality.pressure_p99:.1f} times the weight at the foot; {remedy}"
         )

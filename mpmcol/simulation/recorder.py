@@ -18,6 +18,7 @@ from mpmcol.io.run_folder import write_history
 from mpmcol.io.snapshot import Snapshot, as_stored, describe_snapshot, list_snapshots, write_index, write_snapshot
 from mpmcol.io.vtkhdf import Step
 from mpmcol.measure import measure
+from mpmcol.measure.stress import pressure_and_shear
 from mpmcol.mpm.constitutive import LAWS
 from mpmcol.mpm.kernels import loop
 from mpmcol.mpm.particles import BASE, Points
@@ -105,7 +106,8 @@ class Recorder:
 
     def snapshot_of(self, points: Points, time: float, steps: int, stage: str) -> Snapshot:
         """A snapshot of points, with displacements from the positions at `start_ledger`."""
-        return take_snapshot(self.case, points, self.initial_positions, time, steps, stage)
+        spacing = self.model.discretization.h
+        return take_snapshot(self.case, points, self.initial_positions, time, steps, stage, spacing)
 
     def append_snapshot(self, snapshot: Snapshot) -> Snapshot:
         """Write `snapshot` as the next one, with the index and the history; return it as it is stored."""
@@ -189,13 +191,22 @@ def positions_by_id(points: Points) -> np.ndarray:
 
 
 def take_snapshot(
-    case: Case, points: Points, initial_positions: np.ndarray, time: float, steps: int, stage: str
+    case: Case, points: Points, initial_positions: np.ndarray, time: float, steps: int, stage: str, spacing: float
 ) -> Snapshot:
-    """A snapshot of points, with displacements from `initial_positions` (n, d), which are sorted by point id."""
+    """A snapshot of points, with displacements from `initial_positions` (n, d), which are sorted by point id.
+
+    spacing: of the grid, over whose cells the stress is averaged, m.
+    """
+    sigma, is_base = points.sigma, points.kind == BASE
+    pressure, shear_stress = np.empty(len(points)), np.empty(len(points))
+    for own in (is_base, ~is_base):
+        if own.any():
+            pressure[own], shear_stress[own] = pressure_and_shear(points.x[own], sigma[own], points.V[own], spacing)
     arrays = {
         "position": _padded(points.x), "velocity": _padded(points.v),
         "displacement": _padded(points.x - initial_positions[points.id]),
-        "stress": points.sigma, "volume_ratio": points.J, "opening_strain": points.opening, "mass": points.m,
+        "stress": sigma, "pressure": pressure, "shear_stress": shear_stress,
+        "volume_ratio": points.J, "opening_strain": points.opening, "mass": points.m,
         "volume": points.V, "material": points.kind.astype(np.uint8), "id": points.id.astype(np.int32),
     }  # fmt: skip
     for k, name in enumerate(LAWS[case.material.law].STATE):

@@ -16,12 +16,14 @@ FEW_FILES = ("output.snapshots=1",)
 
 
 class CollapseResult(NamedTuple):
-    """Fronts, largest volume ratio and history of a complete run."""
+    """Fronts, largest volume ratio, energies, stresses and history of a complete run."""
 
     front_max: float  # m
     front_height: float  # m
     zeta: float  # by front_height
     largest_J: float
+    dissipation: dict[str, float]  # as in result.json
+    stress: dict[str, float]
     history: dict[str, np.ndarray]
 
 
@@ -36,5 +38,7 @@ def collapsed(case: str, *overrides: str) -> CollapseResult:
             measured.front["front_height"],
             measured.zeta["front_height"],
             results.summary["worst_J"][1],
+            results.summary["dissipation"],
+            results.summary["stress"],
             results.history,
         )

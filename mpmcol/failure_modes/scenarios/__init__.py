@@ -18,6 +18,7 @@ MODULES = (
     "locking",
     "motion",
     "damping",
+    "noise",
     "opening",
     "initial",
     "softening",

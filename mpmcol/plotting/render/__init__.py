@@ -1,6 +1,7 @@
 """Images and animations of a run: its material points from the side, in a cutaway view or from above.
 
-The side and cutaway views are coloured by displacement; the top view shows where the surface of the deposit moved.
+The side and cutaway views are coloured by a quantity of the points (`coloring.py`); the top view shows where the
+surface of the deposit moved.
 """
 
 from __future__ import annotations
@@ -18,10 +19,11 @@ from mpmcol.io.results import Results, measure_snapshot
 from mpmcol.io.snapshot import list_snapshots
 from mpmcol.plotting.render import cutaway, side
 from mpmcol.plotting.render.backends import draw_frames
+from mpmcol.plotting.render.coloring import COLORINGS, Coloring
 from mpmcol.plotting.render.frame import View, read_for_rendering
 from mpmcol.plotting.render.top import draw_top_view
 
-FitView = Callable[[Sequence[Path], tuple[int, int]], View]
+FitView = Callable[[Sequence[Path], tuple[int, int], Coloring], View]
 
 FIT_VIEW: dict[str, FitView] = {"side": side.fit_view, "3d": cutaway.fit_view}
 # The default of each model comes first.
@@ -42,6 +44,7 @@ def render(
     *,
     gif: bool,
     view: str | None = None,
+    color: str = "displacement",
     snapshot: int = -1,
     size: tuple[int, int] = (1280, 720),
     out: Path | None = None,
@@ -52,13 +55,14 @@ def render(
         results_folder: of the run.
         gif: also write the animation, beside the PNG.
         view: "side", "3d" or "top", if the model of the run has it (default: "side" in 2D, "3d" in 3D).
+        color: quantity by which the points are coloured: "displacement", "velocity", "pressure" or "shear".
         snapshot: index of the snapshot; negative indices count from the end.
         size: width and height, pixels.
         out: the PNG (default: `snapshot-<number>.png`, or `topview.png`, in the results folder). The animation takes
             the same name with the suffix .gif (default: `collapse.gif`).
 
     Raises:
-        UsageError: the model has no such view, the run no such snapshot, or `out` is not a PNG.
+        UsageError: the model has no such view, the view no colours, the run no such snapshot, or `out` is not a PNG.
         OutputError: a file cannot be read or written.
     """
     paths = list_snapshots(results_folder)
@@ -66,13 +70,16 @@ def render(
     view = _choose_view(view, gif, chosen)
     target = _target(out or results_folder / ("topview.png" if view == "top" else f"snapshot-{chosen.stem}.png"))
     if view == "top":
+        if color != "displacement":
+            raise UsageError("the top view shows which points have moved; omit --color or choose another view")
         atomic_write(target, _encode([_top_view_of(results_folder, chosen, size)], "PNG"))
         return Rendered([target], "matplotlib", "")
-    images, note = draw_frames([chosen], FIT_VIEW[view]([chosen], size))
+    coloring = COLORINGS[color]
+    images, note = draw_frames([chosen], FIT_VIEW[view]([chosen], size, coloring))
     atomic_write(target, _encode(images, "PNG"))
     written = [target]
     if gif:
-        images, note = draw_frames(paths, FIT_VIEW[view](paths, size))
+        images, note = draw_frames(paths, FIT_VIEW[view](paths, size, coloring))
         written.append(out.with_suffix(".gif") if out else results_folder / "collapse.gif")
         atomic_write(written[-1], _animate(images))
     return Rendered(written, "matplotlib" if note else "pyvista", note)

@@ -16,6 +16,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 
 from mpmcol.io.snapshot import Snapshot
+from mpmcol.plotting.render.coloring import Coloring
 from mpmcol.plotting.render.frame import (
     BASE_COLOR,
     RELEASED,
@@ -68,7 +69,7 @@ class CutawayView(View):
         axes.plot(*self.released.T, **RELEASED)
 
 
-def fit_view(paths: Sequence[Path], size: tuple[int, int]) -> CutawayView:
+def fit_view(paths: Sequence[Path], size: tuple[int, int], coloring: Coloring) -> CutawayView:
     """The view that contains the column at release and in all snapshots, on a circular part of the base."""
     limit = radius = depth = 0.0
     corners = []
@@ -80,12 +81,13 @@ def fit_view(paths: Sequence[Path], size: tuple[int, int]) -> CutawayView:
         corners += [projected.min(axis=0), projected.max(axis=0)]
         radius = max(radius, BASE_MARGIN * float(np.hypot(x[:, 0], x[:, 2]).max()))
         depth = max(depth, -float(position[:, 1].min()))
-        limit = max(limit, float(snapshot.displacement_magnitude[column].max()))
-    limit = max(limit, float(meta["point_size"]))
+        limit = max(limit, coloring.limit(snapshot, meta))
     released = released_outline(snapshot, meta, VIEWER)
     corners += [*released, *_base_outline(radius, depth)]
     (left, bottom), (right, top) = np.min(corners, axis=0), np.max(corners, axis=0)
-    return CutawayView(fit((left, right, bottom, top), canvas_size(size)), limit, size, meta, radius, released)
+    return CutawayView(
+        fit((left, right, bottom, top), canvas_size(size)), coloring, limit, size, meta, radius, released
+    )
 
 
 def _base_outline(radius: float, depth: float) -> np.ndarray:

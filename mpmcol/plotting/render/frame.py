@@ -19,6 +19,7 @@ from PIL import Image
 
 from mpmcol.errors import OutputError
 from mpmcol.io.snapshot import Meta, Snapshot, read_meta, read_snapshot
+from mpmcol.plotting.render.coloring import Coloring
 from mpmcol.plotting.render.projection import circle, complete_by_symmetry, silhouette
 
 COLORMAP = "viridis"
@@ -39,12 +40,13 @@ def canvas_size(size: tuple[int, int]) -> tuple[int, int]:
 class View(ABC):
     """A view of a run, the same for every frame of an animation.
 
-    extent: part of the view plane that is shown, m. limit: displacement at the upper end of the colour scale, m.
-    size: width and height of the image, pixels. The material takes the full width between the heading (HEAD) and the
-    scales (FOOT).
+    extent: part of the view plane that is shown, m. coloring: quantity by which points are coloured; limit: its value
+    at the upper end of the colour scale. size: width and height of the image, pixels. The material takes the full width
+    between the heading (HEAD) and the scales (FOOT).
     """
 
     extent: Extent
+    coloring: Coloring
     limit: float
     size: tuple[int, int]
     meta: Meta
@@ -69,8 +71,8 @@ class View(ABC):
         return max(1.3 * float(self.meta["point_size"]) / (right - left) * self.size[0], 1.0)
 
     def colors(self, snapshot: Snapshot) -> np.ndarray:
-        """Red, green and blue (n, 3), 0 to 1, of all points; column points are coloured by displacement."""
-        colors = colormaps[COLORMAP](snapshot.displacement_magnitude / self.limit)[:, :3]
+        """Red, green and blue (n, 3), 0 to 1, of all points; those of the base are grey."""
+        colors = colormaps[COLORMAP](self.coloring.values(snapshot) / self.limit)[:, :3]
         colors[~snapshot.column] = to_rgb(BASE_COLOR)
         return colors
 
@@ -166,8 +168,8 @@ def _add_scale_bar(figure: Figure, view: View) -> None:
 
 
 def _add_color_bar(figure: Figure, view: View) -> None:
-    scale = ScalarMappable(Normalize(0, 1000 * view.limit), colormaps[COLORMAP])
+    scale = ScalarMappable(Normalize(0, view.coloring.factor * view.limit), colormaps[COLORMAP])
     axes = figure.add_axes((0.35, FOOT / 2, 0.6, 0.025))
     bar = figure.colorbar(scale, cax=axes, orientation="horizontal", ticks=MaxNLocator(6))
     bar.ax.tick_params(labelsize=14)
-    bar.set_label("displacement magnitude (mm)", size=14)
+    bar.set_label(view.coloring.label, size=14)

@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from mpmcol.io.snapshot import Snapshot
+from mpmcol.plotting.render.coloring import Coloring
 from mpmcol.plotting.render.frame import EDGE, RELEASED, View, canvas_size, fit, read_for_rendering
 
 
@@ -49,15 +50,14 @@ class SideView(View):
         return self.meta.get("release") == "two-sided"
 
 
-def fit_view(paths: Iterable[Path], size: tuple[int, int]) -> SideView:
+def fit_view(paths: Iterable[Path], size: tuple[int, int], coloring: Coloring) -> SideView:
     """The view that contains the column at release and in all snapshots, and the full depth of the base."""
     boxes, limit = [], 0.0
     for path in paths:
         snapshot, meta = read_for_rendering(path)
         column = snapshot.x[snapshot.column]
         boxes.append([*column.max(axis=0), -snapshot.x[:, 1].min()])
-        limit = max(limit, float(snapshot.displacement_magnitude[snapshot.column].max()))
+        limit = max(limit, coloring.limit(snapshot, meta))
         boxes.append([float(meta["r_i"]), float(meta["h_i"]), 0.0])
     right, top, depth = np.max(boxes, axis=0).astype(float)
-    limit = max(limit, float(meta["point_size"]))
-    return SideView(fit((0.0, right, -depth, top), canvas_size(size)), limit, size, meta)
+    return SideView(fit((0.0, right, -depth, top), canvas_size(size)), coloring, limit, size, meta)

@@ -18,10 +18,12 @@ from mpmcol.errors import OutputError, UsageError
 from mpmcol.io.snapshot import Meta, Snapshot, list_snapshots, read_snapshot, write_snapshot
 from mpmcol.plotting.render import backends, render
 from mpmcol.plotting.render import frame as frame_module
+from mpmcol.plotting.render.coloring import COLORINGS
 from mpmcol.plotting.render.frame import View, canvas_size
 from mpmcol.plotting.render.side import fit_view
 from tests.support.cli import invoke
 
+DISPLACEMENT = COLORINGS["displacement"]
 SIZE = (480, 270)
 STEPS = 4
 POINT = 0.005
@@ -85,7 +87,7 @@ def assert_correct_image(path: Path, folder: Path) -> None:
     assert image.std() > 20
     rows, columns = np.nonzero(coloured(image))
     last = list_snapshots(folder)[-1]
-    left, right, _, _ = fit_view([last], SIZE).extent
+    left, right, _, _ = fit_view([last], SIZE, DISPLACEMENT).extent
     spread = 1 + (STEPS - 1) / STEPS
     scale = SIZE[0] / (right - left)
     assert columns.min() == pytest.approx(-left * scale, abs=4)
@@ -184,7 +186,7 @@ def test_invalid_requests_are_rejected(folder: Path, tmp_path: Path, without_egl
 def drawn_lines(snapshots: Path, release: str = "one-sided") -> tuple[View, list[Line2D], Figure]:
     """The view of the last snapshot, and the lines drawn around its points."""
     path = list_snapshots(snapshots)[-1]
-    view = fit_view([path], SIZE)
+    view = fit_view([path], SIZE, DISPLACEMENT)
     view = replace(view, meta=view.meta | {"release": release})
     figures: list[Figure] = []
     with pytest.MonkeyPatch.context() as patch:
@@ -222,7 +224,7 @@ def test_base_ends_before_the_border_of_the_image(folder: Path, tmp_path: Path, 
     render(folder, gif=False, size=SIZE, out=tmp_path / "a.png")
     image = pixels(tmp_path / "a.png")
     below = image[np.nonzero(coloured(image))[0].max() + 10]
-    left, right, _, _ = fit_view(list_snapshots(folder)[-1:], SIZE).extent
+    left, right, _, _ = fit_view(list_snapshots(folder)[-1:], SIZE, DISPLACEMENT).extent
     end = SIZE[0] * (1 + left / 2 / (right - left))  # half of the left margin is free
     assert end < SIZE[0] - 5
     assert np.flatnonzero(below.mean(axis=1) < 220).max() == pytest.approx(end, abs=4)
@@ -247,7 +249,7 @@ def test_points_at_non_finite_positions_are_omitted(folder: Path, tmp_path: Path
     snapshot.arrays["position"][::50] = np.nan
     snapshot.arrays["displacement"][::50] = np.nan
     write_snapshot(tmp_path, 0, replace(snapshot, stage="failed"), META)
-    assert fit_view(list_snapshots(tmp_path), SIZE).limit == fit_view([last], SIZE).limit
+    assert fit_view(list_snapshots(tmp_path), SIZE, DISPLACEMENT).limit == fit_view([last], SIZE, DISPLACEMENT).limit
     render(tmp_path, gif=False, size=SIZE)
     assert coloured(pixels(tmp_path / "snapshot-000000.png")).any()
 

@@ -24,11 +24,13 @@ from mpmcol.io.snapshot import Meta, Snapshot, list_snapshots, write_snapshot
 from mpmcol.measure import Measurement
 from mpmcol.plotting import render as module
 from mpmcol.plotting.render import backends, cutaway, frame, projection, render
+from mpmcol.plotting.render.coloring import COLORINGS
 from mpmcol.plotting.render.frame import canvas_size, read_for_rendering
 from mpmcol.plotting.render.projection import TOP
 from mpmcol.plotting.render.top import MOVED_COLOR, UNDISTURBED_COLOR, draw_top_view
 from tests.support.cli import invoke
 
+DISPLACEMENT = COLORINGS["displacement"]
 SIZE = (480, 270)
 STEPS = 3
 POINT = 0.0025
@@ -124,7 +126,7 @@ def pixel(point: tuple[float, float, float], view: cutaway.CutawayView) -> tuple
 def test_column_has_the_expected_size(quarter: Path, tmp_path: Path, backend: str):
     """At the elevation e the width is 2 R; the height combines H cos e and the depth of the top times sin e."""
     rows, columns = np.nonzero(coloured(drawn(quarter, tmp_path / "a.png", 0)))
-    view = cutaway.fit_view(list_snapshots(quarter)[:1], SIZE)
+    view = cutaway.fit_view(list_snapshots(quarter)[:1], SIZE, DISPLACEMENT)
     scale = SIZE[0] / (view.extent[1] - view.extent[0])
     azimuth, elevation = np.radians((35, 28))
     front = R * np.sin(elevation) * np.cos(azimuth)  # the lower corner of the nearer cut
@@ -136,7 +138,7 @@ def test_column_has_the_expected_size(quarter: Path, tmp_path: Path, backend: st
 @both_backends
 def test_cut_shows_the_undisturbed_core(quarter: Path, tmp_path: Path, backend: str):
     image = drawn(quarter, tmp_path / "a.png")
-    view = cutaway.fit_view(list_snapshots(quarter)[-1:], SIZE)
+    view = cutaway.fit_view(list_snapshots(quarter)[-1:], SIZE, DISPLACEMENT)
     undisturbed = np.array([68, 1, 84])
     top = image[pixel((-CORE / 3, H, -CORE / 3), view)]
     assert np.abs(top - undisturbed).max() < 40
@@ -175,7 +177,7 @@ def test_omitting_hidden_points_does_not_change_the_image(
     quarter: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, backend: str
 ):
     fast = drawn(quarter, tmp_path / "a.png")
-    view = cutaway.fit_view(list_snapshots(quarter)[-1:], SIZE)
+    view = cutaway.fit_view(list_snapshots(quarter)[-1:], SIZE, DISPLACEMENT)
     snapshot, _ = read_for_rendering(list_snapshots(quarter)[-1])
     few = len(view.points(snapshot)[0])
     monkeypatch.setattr(projection, "HIDDEN_DEPTH", np.inf)
@@ -190,7 +192,7 @@ def test_a_quarter_is_drawn_like_the_full_model(quarter: Path, tmp_path: Path, b
 
 
 def test_note_states_mirroring_and_cut(quarter: Path):
-    view = cutaway.fit_view(list_snapshots(quarter), SIZE)
+    view = cutaway.fit_view(list_snapshots(quarter), SIZE, DISPLACEMENT)
     assert view.note == " (quarter mirrored, cut open)"
     assert replace(view, meta={**view.meta, "model": "full"}).note == " (cut open)"
 
@@ -206,7 +208,7 @@ def test_outline_of_the_released_column(tmp_path: Path, square: bool):
 
 def test_rigid_floor_is_drawn(tmp_path: Path, backend: str):
     image = drawn(fabricate(tmp_path, has_base=False), tmp_path / "a.png")
-    view = cutaway.fit_view(list_snapshots(tmp_path)[-1:], SIZE)
+    view = cutaway.fit_view(list_snapshots(tmp_path)[-1:], SIZE, DISPLACEMENT)
     beside = image[pixel((-0.04, 0, FRONT), view)]
     assert np.ptp(beside) < 12 and 120 < beside.mean() < 220
     assert (image[pixel((0.04, 0, FRONT), view)] == 255).all()  # cut away
@@ -318,3 +320,8 @@ def test_command(axisymmetric: Path, quarter: Path, tmp_path: Path):
     assert (result.exit_code, result.stdout.split(), result.stderr) == (0, [str(target)], "")
     result = invoke("render", quarter, "--view", "below")
     assert result.exit_code == 2 and "'side', '3d', 'top'" in result.stderr
+
+
+def test_the_top_view_has_no_other_colours(quarter: Path) -> None:
+    with pytest.raises(UsageError, match="omit --color"):
+        render(quarter, gif=False, view="top", color="pressure")
