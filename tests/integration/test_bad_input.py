@@ -36,7 +36,7 @@ def refusal(text: str) -> str:
 # --- small random samples
 
 
-@pytest.mark.parametrize(("trials", "count"), [(mutated_files, 600), (case_values, 500), (command_lines, 60)])
+@pytest.mark.parametrize(("trials", "count"), [(mutated_files, 300), (case_values, 250), (command_lines, 40)])
 def test_a_small_sample(trials, count: int, tmp_path: Path) -> None:
     wrong = {}
     for seed in range(count):

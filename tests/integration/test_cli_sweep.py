@@ -97,7 +97,7 @@ def test_a_killed_sweep_completes_with_equal_results() -> None:
 
 
 @pytest.mark.parametrize(
-    "number", [signal.SIGINT, *(pytest.param(n, marks=pytest.mark.slow) for n in (signal.SIGTERM, signal.SIGUSR1))]
+    "number", [pytest.param(n, marks=pytest.mark.slow) for n in (signal.SIGINT, signal.SIGTERM, signal.SIGUSR1)]
 )
 def test_signals_stop_the_runs_of_a_sweep(number: signal.Signals) -> None:
     out = Path("out")
@@ -126,6 +126,7 @@ def test_two_sweeps_in_one_folder_at_once() -> None:
     assert len(measured_table(Path("out"))) == 2
 
 
+@pytest.mark.slow
 def test_a_run_that_diverges_does_not_stop_the_others() -> None:
     arguments = ("sweep", "--aspect", "2", *TINY, "--set", "time.cfl=0.5,1.9", "--out", "out")
     for attempt in range(2):
@@ -140,6 +141,7 @@ def test_a_run_that_diverges_does_not_stop_the_others() -> None:
     assert "1 done, 1 failed" in invoke("status", "out").stdout
 
 
+@pytest.mark.slow
 def test_commands_have_copies_of_their_cases_and_run_in_a_shell() -> None:
     Path("mine.toml").write_text('extends = "lube-cylinder"\n')
     arguments = ("sweep", "mine.toml", "--aspect", "1,2", *TINY, "--out", "out")

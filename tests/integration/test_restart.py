@@ -20,6 +20,8 @@ from mpmcol.simulation.interrupt import StopRequest
 from tests.support.cli import invoke
 from tests.support.runs import SMALL_CASES, assert_equal_runs, small_case
 
+QUICK = ("plane", "softening", "quarter")
+
 
 @pytest.fixture
 def stop_after(monkeypatch: pytest.MonkeyPatch) -> Any:
@@ -46,7 +48,7 @@ def stop_after(monkeypatch: pytest.MonkeyPatch) -> Any:
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=pytest.mark.slow) if name == "musl" else name for name in SMALL_CASES]
+    "name", [name if name in QUICK else pytest.param(name, marks=pytest.mark.slow) for name in SMALL_CASES]
 )
 def test_a_run_stopped_repeatedly_ends_with_equal_bits(name: str, stop_after: Any, tmp_path: Path) -> None:
     case, whole, cut = small_case(name), tmp_path / "whole", tmp_path / "cut"

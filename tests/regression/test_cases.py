@@ -49,7 +49,12 @@ def test_every_case_has_its_numbers() -> None:
     assert set(shipped_cases()) == set(COARSE) == set(EXPECTED)
 
 
-@pytest.mark.parametrize("name", list(COARSE))
+SLOW = ("channel-loose", "lube-channel-loose", "lube-channel", "lube-cylinder", "lube-quarter")  # like others
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow) if name in SLOW else name for name in COARSE]
+)
 def test_case_gives_its_numbers(name: str, tmp_path: Path) -> None:
     summary = mpmcol.run(mpmcol.load_case(name, [*SHORT, *COARSE[name]]), tmp_path / name).summary
     zeta = [summary["zeta"][front] for front in FRONTS]

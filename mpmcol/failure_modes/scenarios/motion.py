@@ -104,6 +104,7 @@ SCENARIOS = (
                 "derived here from Eq. 29: det(I + dt W) = 1 + omega^2 dt^2 for the spin W of a plane rotation",
             ),
         ),
+        slow=True,
     ),
     Scenario(
         name="shear-jaumann",

@@ -79,6 +79,7 @@ SCENARIOS = (
             passing("opening_strain = true", partial(area_gain, True), default=True),
         ),
         axes=("time (s)", "area over initial area (-)"),
+        slow=True,
     ),
     Scenario(
         name="opening-toe",

@@ -164,6 +164,7 @@ def test_an_unknown_check_is_refused() -> None:
     assert result.exit_code == 2 and "did you mean 'rods-surface'" in result.output
 
 
+@pytest.mark.slow
 def test_the_rods_from_the_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """On a coarse grid the front passes, and wrong friction angles are rejected. The second time nothing is run. With a
     band that excludes the value the command fails."""
