@@ -37,7 +37,7 @@ from mpmcol.failure_modes.toolkit import (
 )
 from mpmcol.mpm.kernels.loop import L_WORK
 from mpmcol.mpm.settings import Scheme
-from tests.support.sand_column import DAMPED, ledger_of
+from tests.support.sand_column import DAMPED, FILTERED, ledger_of
 
 SCHEMES = [
     Scheme(volumetric_strain="cell"),
@@ -67,6 +67,15 @@ def test_the_ledger_of_a_collapse_closes(d: int, axisymmetric: bool, wall_impuls
     assert -0.01 < ledger.transfer + ledger.walls < 0.06
     assert 0.0 < ledger.stored < 0.01
     assert abs(ledger.residual) <= 1e-6
+
+
+@pytest.mark.parametrize(("d", "axisymmetric"), [(2, False), (2, True), (3, False)], ids=str)
+def test_the_stress_filter_takes_little_energy_and_reduces_that_of_damping(d: int, axisymmetric: bool) -> None:
+    """The energy of the filter is a part of the work of the stress, so that the ledger closes."""
+    plain, filtered = (ledger_of(settings._replace(axisymmetric=axisymmetric), d) for settings in (DAMPED, FILTERED))
+    assert plain.filtered == 0.0 < filtered.filtered < 0.03
+    assert filtered.damping < 0.9 * plain.damping
+    assert abs(filtered.residual) <= 1e-6
 
 
 @pytest.mark.parametrize(
