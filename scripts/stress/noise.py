@@ -1,6 +1,6 @@
 """Noise of the stresses with and without the stress filter, and what it changes.
 
-    python -m scripts.stress.noise OUT [GROUP ...] [--jobs N] [--threads N]
+    python scripts/stress/noise.py OUT [GROUP ...] [--jobs N] [--threads N]
 
 Runs the columns of the groups (default: all) and prints one Markdown table for each. Completed runs in OUT are not
 repeated, so that the script can be interrupted and repeated.
@@ -104,7 +104,7 @@ def main() -> None:
     parser.add_argument("groups", nargs="*", metavar="GROUP", help=", ".join(GROUPS))
     parser.add_argument("--jobs", type=int)
     parser.add_argument("--threads", type=int, default=1)
-    args = parser.parse_args()
+    args = parser.parse_intermixed_args()
     for group in args.groups or GROUPS:
         rows = GROUPS[group]
         ended = carry_out(rows.values(), args.out, jobs=args.jobs, threads=args.threads)
