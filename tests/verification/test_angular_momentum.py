@@ -29,7 +29,7 @@ H, STEPS = 0.1, 200
 SPIN = np.array([[0.0, -3.0, 1.0], [3.0, 0.0, -2.0], [-1.0, 2.0, 0.0]])
 TRANSFERS = {"pic": 0.0, "tpic": 1.0, "apic": 1.0}  # Taylor term
 END = WEIGHTLESS._replace(flip_fraction=0.0, position_factor=0.0, cfl=0.3)
-both_dimensions = pytest.mark.parametrize("d", [2, 3])
+both_dimensions = pytest.mark.parametrize("d", [2, pytest.param(3, marks=pytest.mark.slow)])
 
 
 def rotating_block(transfer: str, d: int, basis: str = "quadratic") -> Solver:

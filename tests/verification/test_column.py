@@ -46,6 +46,7 @@ def test_stress_is_within_half_a_percent_at_ten_cells_and_second_order(d: int) -
     assert np.all((orders > 1.85) & (orders < 2.15)), (errors, orders)
 
 
+@pytest.mark.slow
 def test_cubic_shape_functions_are_second_order() -> None:
     """The error at ten cells is 0.21 %, with quadratic B-splines 0.25 %."""
     errors = [stress_error(*settled(cells, 2, Scheme(basis="cubic"))) for cells in (5, 10, 20)]
