@@ -1,8 +1,9 @@
 """Runout compared with that of an independent scalar code for the same columns.
 
 Single particles decide the runout of the other code, which is that of the farthest one: its standard deviation over
-runs that differ only in round-off is 2.5 to 4 % for either code (`scripts/front_scatter.py`). The uncertainty of a front
-is the range of its three definitions; the tolerance beyond it is about twice the standard deviation of a difference.
+runs that differ only in round-off is 2.5 to 4 % for either code (`scripts/front_scatter.py`). The uncertainty of a
+front is the range of its three definitions; the tolerance beyond it is about twice the standard deviation of a
+difference.
 """
 
 from __future__ import annotations
