@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import json
 import types
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, Literal, Union, get_args, get_origin
 
 from pydantic.fields import FieldInfo
@@ -82,8 +82,18 @@ def shown(value: Any) -> str:
         case dict():
             return "a table"
         case list() | tuple():
-            return shortened(f"[{', '.join(shown(item) for item in value[:_MAX_LENGTH])}]")
+            return shortened(f"[{', '.join(_first_items(value))}]")
     return shortened(str(value))
+
+
+def _first_items(values: Sequence[Any]) -> Iterator[str]:
+    """The first items of an array, as many as can be shown."""
+    length = 0
+    for item in values:
+        yield (text := shown(item))
+        length += len(text)
+        if length > _MAX_LENGTH:
+            return
 
 
 def shortened(text: str, longest: int = _MAX_LENGTH) -> str:

@@ -36,7 +36,7 @@ def refusal(text: str) -> str:
 # --- small random samples
 
 
-@pytest.mark.parametrize(("trials", "count"), [(mutated_files, 300), (case_values, 250), (command_lines, 40)])
+@pytest.mark.parametrize(("trials", "count"), [(mutated_files, 600), (case_values, 500), (command_lines, 60)])
 def test_a_small_sample(trials, count: int, tmp_path: Path) -> None:
     wrong = {}
     for seed in range(count):
@@ -106,7 +106,7 @@ def test_long_texts_are_not_numbers(text: str) -> None:
     for arguments in given:
         codes: list[int] = []
         assert find_failure(partial(_note_code, codes, arguments)) is None
-        assert codes == [2], arguments[:-1]
+        assert set(codes) == {2}, arguments[:-1]
 
 
 def _note_code(codes: list[int], arguments: list[str]) -> None:

@@ -160,7 +160,9 @@ def test_plot_requires_a_valid_snapshot(folder: Path):
     assert plotted.exit_code == 5 and "all 4 snapshots are damaged" in plotted.stderr
 
 
-@pytest.mark.parametrize(("result", "text"), ENDINGS[:2])
+@pytest.mark.parametrize(
+    ("result", "text"), [*ENDINGS[:2], *(pytest.param(*ending, marks=pytest.mark.slow) for ending in ENDINGS[2:])]
+)
 def test_only_a_column_at_rest_is_called_the_deposit(folder: Path, profiles: Profiles, result: dict | None, text: str):
     end(folder, result)
     assert invoke("plot", folder, "--times", "0.1").exit_code == 0

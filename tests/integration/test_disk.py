@@ -119,17 +119,17 @@ def test_the_result_of_a_stopped_run_is_removed_when_it_resumes(tmp_path: Path) 
 # ------------------------------------------------------------------------------------ random trials, a few of each
 
 
-@pytest.mark.parametrize("seed", random.Random(11).sample(range(power_loss.COUNT), 4))
+@pytest.mark.parametrize("seed", random.Random(11).sample(range(power_loss.COUNT), 6))
 def test_loss_of_power_at_any_moment(seed: int, tmp_path: Path) -> None:
     assert power_loss.trial(seed, tmp_path) is None
 
 
-@pytest.mark.parametrize("seed", random.Random(12).sample(range(failing_disks.COUNT), 4))
+@pytest.mark.parametrize("seed", random.Random(12).sample(range(failing_disks.COUNT), 6))
 def test_any_failing_disk(seed: int, tmp_path: Path) -> None:
     assert failing_disks.trial(seed, tmp_path) is None
 
 
-@pytest.mark.parametrize("seed", random.Random(13).sample(range(damaged_files.COUNT), 12))
+@pytest.mark.parametrize("seed", random.Random(13).sample(range(damaged_files.COUNT), 25))
 def test_any_damage(seed: int, tmp_path: Path) -> None:
     assert damaged_files.trial(seed, tmp_path) is None
 

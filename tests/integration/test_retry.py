@@ -99,10 +99,7 @@ def test_a_failure_that_no_time_step_prevents_is_not_retried(tmp_path: Path) -> 
     assert Results(tmp_path / "a").summary["retries"] == []
 
 
-SLOW = pytest.mark.slow
-
-
-@pytest.mark.parametrize("calls", [3, pytest.param(12, marks=SLOW), 16, pytest.param(22, marks=SLOW)])
+@pytest.mark.parametrize("calls", [3, 12, 16, 22])
 def test_a_killed_run_with_retries_ends_with_equal_bits(
     calls: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -14,19 +14,19 @@ from mpmcol.case import shipped_cases
 from mpmcol.measure import FRONTS
 
 SHORT = ("stages.collapse.max_time_factor=2.5", "output.snapshots=2")
-COARSE = {
-    "quickstart": ("grid.spacing=0.01",),
-    "channel": ("grid.spacing=0.01", "geometry.aspect=2"),
-    "channel-loose": ("grid.spacing=0.01", "geometry.aspect=1"),
-    "channel-dense": ("grid.spacing=0.01", "geometry.aspect=1"),
-    "cylinder": ("grid.spacing=0.01",),
-    "quarter": ("grid.spacing=0.02",),
+TWINS = ("channel", "channel-loose", "channel-dense", "cylinder", "quarter")  # of lube-*, with the stress filter
+OF_PAPER = {
     "lube-channel": ("grid.spacing=0.01", "geometry.aspect=2"),
     "lube-channel-loose": ("grid.spacing=0.01", "geometry.aspect=1"),
     "lube-channel-dense": ("grid.spacing=0.01", "geometry.aspect=1"),
     "lube-cylinder": ("grid.spacing=0.01",),
     "lube-quarter": ("grid.spacing=0.02",),
+}
+COARSE = {
+    "quickstart": ("grid.spacing=0.01",),
     "bui-rods": ("grid.spacing=0.01",),
+    **OF_PAPER,
+    **{twin: OF_PAPER[f"lube-{twin}"] for twin in TWINS},
 }
 # steps, zeta by front_max, front_connected, front_height, beta
 EXPECTED: dict[str, tuple[int, float, float, float, float]] = {

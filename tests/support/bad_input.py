@@ -22,7 +22,8 @@ from mpmcol.setup.memory import grid_bytes, memory_bytes, require_memory_for
 from mpmcol.setup.model import build_model
 from mpmcol.sweep.runs import PlannedRun
 
-LONGEST = 4.0  # s of CPU time; the largest inputs of the tests take 0.4 s alone and 1.0 s beside another process
+LONGEST = 1.0  # s of CPU time
+ATTEMPTS = 3  # at an action that takes too long: other programs slow it down
 PATIENCE = 120  # s of wall-clock time after which an action counts as hanging
 ROOM = 2**30  # bytes that an action may allocate
 SMALL = 20_000_000  # bytes of a model that is built for the check
@@ -34,12 +35,19 @@ class Hang(BaseException):
 
 
 def find_failure(action: Callable[[], str | None], longest: float = LONGEST) -> str | None:
-    """Execute an action; return its own report, a traceback, or that it took too long; None if it passed."""
+    """Execute an action; return its own report, a traceback, or that it took too long; None if it passed.
+
+    An action that takes too long is repeated; its shortest time counts.
+    """
+    took = math.inf
     try:
-        with _limited():
-            started = time.process_time()
-            failure = action()
-            took = time.process_time() - started
+        for _ in range(ATTEMPTS):
+            with _limited():
+                started = time.process_time()
+                failure = action()
+                took = min(took, time.process_time() - started)
+            if failure or took <= longest:
+                break
     except Hang:
         return f"hangs: {PATIENCE} s"
     except Exception as bug:

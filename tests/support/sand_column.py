@@ -39,7 +39,7 @@ FILTERED = DAMPED._replace(
     filter_shear_rate=0.3 * G / SAND.wave_speed2**0.5,
     filter_modulus=SAND.params.bulk_modulus,
 )
-STEPS = 200  # of a state digest
+STEPS = 400  # of a state digest
 OTHER_SCHEME = Scheme(stress_order="musl", affine=True, basis="cubic", volumetric_strain="cell")
 
 

@@ -130,9 +130,18 @@ def test_a_margin_as_wide_as_the_domain_changes_no_bit(d: int) -> None:
     np.testing.assert_array_equal(*rows)
 
 
-def test_a_run_deactivates_the_base_from_the_release(tmp_path: Path) -> None:
-    """One fall time later the front and the stress of the base agree with a fully active base."""
-    keys = ["grid.spacing=0.01", "stages.collapse.max_time_factor=1.0", "output.snapshots=1"]
+@pytest.mark.parametrize("stress_filter", ["none", "flow"])
+def test_a_run_deactivates_the_base_from_the_release(stress_filter: str, tmp_path: Path) -> None:
+    """One fall time later the front and the stress of the base agree with a fully active base.
+
+    With the stress filter the stress does so on average: below the edge of the column it differs by 2 % at four points.
+    """
+    keys = [
+        f"method.stress_filter={stress_filter}",
+        "grid.spacing=0.01",
+        "stages.collapse.max_time_factor=1.0",
+        "output.snapshots=1",
+    ]
     still, moved = (
         mpmcol.run(mpmcol.load_case("quickstart", [*keys, f"method.deactivate_base={value}"]), tmp_path / value)
         for value in ("true", "false")
@@ -145,7 +154,8 @@ def test_a_run_deactivates_the_base_from_the_release(tmp_path: Path) -> None:
         stress.append(last.arrays["stress"][base])
     assert 0.2 < shares[0] < 0.9 and shares[1] == 0.0
     difference, largest = np.abs(stress[0] - stress[1]), np.abs(stress[1]).max()
-    assert difference.max() < 3e-2 * largest and np.sqrt(np.mean(difference**2)) < 2e-3 * largest
+    assert np.sqrt(np.mean(difference**2)) < 2e-3 * largest
+    assert stress_filter == "flow" or difference.max() < 1e-2 * largest
     assert still.measure().zeta["front_max"] == pytest.approx(moved.measure().zeta["front_max"], abs=1e-3)
     flow = still.history["stage"] == "collapse"
     assert np.abs(still.history["residual"][flow]).max() < 1e-9 * still.history["damping"][flow].max()
