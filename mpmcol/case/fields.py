@@ -91,14 +91,16 @@ def _first_items(values: Sequence[Any]) -> Iterator[str]:
     length = 0
     for item in values:
         yield (text := shown(item))
-        length += len(text)
+        length += len(text) + len(", ")
         if length > _MAX_LENGTH:
             return
 
 
 def shortened(text: str, longest: int = _MAX_LENGTH) -> str:
     """A text without unprintable characters, cut to a maximum length."""
-    printable = "".join(character if character.isprintable() else "?" for character in text[: longest + 1])
+    printable = text[: longest + 1]
+    if not printable.isprintable():
+        printable = "".join(character if character.isprintable() else "?" for character in printable)
     return printable if len(printable) <= longest else printable[: longest - 3] + "..."
 
 

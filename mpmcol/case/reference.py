@@ -22,6 +22,7 @@ _EXTENDS = FieldInfo(
 )
 
 
+@cache
 def fields_at(table: tuple[str, ...], law: str) -> dict[str, FieldInfo]:
     """Fields of a table by name; () is the top level; the keys of material depend on the law."""
     if not table:
@@ -38,7 +39,7 @@ def field_at(key: tuple[str, ...], law: str) -> FieldInfo:
     """Field of a key; without a known law, a key of material is looked up in all laws."""
     laws = [law] if law in LAWS else list(LAWS)
     found = [fields_at(key[:-1], name).get(key[-1]) for name in laws]
-    return next((field for field in found if field), option("a key that does not exist"))
+    return next((field for field in found if field), None) or option("a key that does not exist")
 
 
 @cache
