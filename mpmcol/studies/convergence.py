@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 
 import numpy as np
 from scipy.stats import linregress
@@ -67,13 +67,13 @@ def converged_value(levels: Mapping[float, Sequence[float]]) -> ConvergedValue |
     return ConvergedValue(value, float(np.sqrt(variance)), float(weights @ ORDERS))
 
 
-def combine(first: ConvergedValue, second: ConvergedValue) -> ConvergedValue:
-    """Average two independent refinements by inverse variance; the error is at least half of their difference."""
-    weights = np.array([first.error, second.error]) ** -2.0
+def combine(refinements: Sequence[ConvergedValue]) -> ConvergedValue:
+    """Average independent refinements by inverse variance; the error is at least half of the range of their values."""
+    values, errors, orders = (np.array(column) for column in zip(*map(astuple, refinements), strict=True))
+    weights = errors**-2.0
     share = weights / weights.sum()
-    value = float(share @ (first.value, second.value))
-    error = max(float(weights.sum() ** -0.5), abs(first.value - second.value) / 2.0)
-    return ConvergedValue(value, error, float(share @ (first.order, second.order)))
+    error = max(weights.sum() ** -0.5, np.ptp(values) / 2.0)
+    return ConvergedValue(float(share @ values), float(error), float(share @ orders))
 
 
 def _pooled_scatter(levels: Mapping[float, Sequence[float]]) -> float | None:

@@ -1,4 +1,4 @@
-"""Grid-converged reference of a case, from two scheme variants that are refined independently."""
+"""Grid-converged reference of a case, from scheme variants that are refined independently."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ Levels = Mapping[float, Sequence[CompletedRun]]  # runs of a variant by r_i / h
 
 @dataclass(frozen=True)
 class ConvergedReference:
-    """Grid-converged values of a case, and the mean profile of the finest runs."""
+    """Grid-converged values of a case, and the mean profile of the two finest variants."""
 
     values: Mapping[str, ConvergedValue]  # by quantity
     refinements: Sequence[Mapping[str, ConvergedValue]]  # values of each variant alone
     x: Array  # m
     height: Array  # m, at x
-    height_error: float  # half the area between the two variants' finest profiles, relative to the area of the profile
+    height_error: float  # half the area between these two profiles, relative to the area of the mean
 
     def uncertainty(self, quantity: str) -> float:
         """Return the relative standard error of a quantity, or of the profile."""
@@ -35,17 +35,17 @@ class ConvergedReference:
 
 
 def make_reference(variants: Sequence[Levels]) -> ConvergedReference | None:
-    """Make the reference from two refinements; None if one of them has too few runs."""
+    """Make the reference from two refinements or more; None if one of them has too few runs."""
     refinements = [_converged(levels) for levels in variants]
     if any(len(values) < len(QUANTITIES) for values in refinements):
         return None
-    first, second = refinements
-    finest = [[run.results.measure(-1) for run in levels[max(levels)]] for levels in variants]
+    by_finest = sorted(variants, key=lambda levels: max(levels), reverse=True)
+    finest = [[run.results.measure(-1) for run in levels[max(levels)]] for levels in by_finest[:2]]
     x = stations([deposit for deposits in finest for deposit in deposits])
     one, other = (mean_height(deposits, x) for deposits in finest)
     height = (one + other) / 2.0
     return ConvergedReference(
-        values={quantity: combine(first[quantity], second[quantity]) for quantity in QUANTITIES},
+        values={quantity: combine([values[quantity] for values in refinements]) for quantity in QUANTITIES},
         refinements=refinements,
         x=x,
         height=height,

@@ -124,7 +124,7 @@ def closing_lines(study: StudyDefinition, scored: Scored) -> Iterator[str]:
 
 
 def _references(study: StudyDefinition, references: References, experiments: Mapping[str, Experiment]) -> Iterator[str]:
-    """Yield the table of grid-converged values, of the two refinements that give them, and of the experiments."""
+    """Yield the table of grid-converged values, of the refinements that give them, and of the experiments."""
 
     def cells(case: str, quantity: str) -> tuple[str, ...]:
         reference = references[case]

@@ -54,7 +54,7 @@ class StudyDefinition(DefinitionTable):
     repeats: int = Field(4, ge=1, le=20)  # runs of a configuration, which differ slightly in time step
     cells: Cells
     baseline: str  # variant that single choices are compared with
-    reference: tuple[str, str]  # two variants that are refined independently
+    reference: tuple[str, ...] = Field(min_length=2)  # variants that are refined independently
     cases: dict[str, StudyCase] = Field(min_length=1)
     variants: dict[str, Variant] = Field(min_length=1)
 
@@ -63,8 +63,8 @@ class StudyDefinition(DefinitionTable):
         for name in (self.baseline, *self.reference):
             if name not in self.variants:
                 raise ValueError(f"there is no variant {name!r}")
-        if self.reference[0] == self.reference[1]:
-            raise ValueError("reference needs two different variants")
+        if len(set(self.reference)) < len(self.reference):
+            raise ValueError("reference needs two different variants or more")
         for variant, content in self.variants.items():
             for case in content.cases or ():
                 if case not in self.cases:

@@ -82,7 +82,13 @@ def test_the_weighted_fit_is_that_of_the_normal_equations() -> None:
 
 
 def test_two_values_that_disagree_have_an_error_of_half_their_difference() -> None:
-    both = combine(ConvergedValue(1.0, 0.01, 1.0), ConvergedValue(1.2, 0.01, 1.0))
+    both = combine([ConvergedValue(1.0, 0.01, 1.0), ConvergedValue(1.2, 0.01, 1.0)])
     assert both.value == pytest.approx(1.1) and both.error == pytest.approx(0.1)
-    agreeing = combine(ConvergedValue(1.0, 0.01, 1.0), ConvergedValue(1.0, 0.03, 1.0))
+    agreeing = combine([ConvergedValue(1.0, 0.01, 1.0), ConvergedValue(1.0, 0.03, 1.0)])
     assert agreeing.error == pytest.approx(0.01 * np.sqrt(0.9))
+
+
+def test_several_values_that_disagree_have_an_error_of_half_their_range() -> None:
+    values = (1.0, 1.2, 1.1, 1.4)
+    several = combine([ConvergedValue(value, 0.01, 1.0) for value in values])
+    assert several.value == pytest.approx(np.mean(values)) and several.error == pytest.approx(0.2)
