@@ -75,7 +75,7 @@ def test_files_of_a_sweep_and_its_repetition() -> None:
 
 @pytest.mark.skipif(not Path("/proc").is_dir(), reason="finds the runs through /proc")
 def test_a_killed_sweep_completes_with_equal_results() -> None:
-    arguments = ("sweep", "--aspect", "1,1.5", *TINY[:-1], "output.snapshots=12", "--jobs", "2")
+    arguments = ("sweep", "--aspect", "2,3", *TINY[:-1], "output.snapshots=40", "--jobs", "2")
     killed, whole = Path("killed"), Path("whole")
     with started(*arguments, "--out", str(killed)) as sweep:
         wait_until(lambda: list(killed.glob("*/run.vtkhdf")))

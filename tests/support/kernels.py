@@ -9,8 +9,14 @@ from __future__ import annotations
 import sys
 
 from mpmcol.sweep.compile_cache import compile_kernels
+from tests.support.sand_column import OTHER_SCHEME
 
-OTHER = ("method.stress_order=musl", "method.transfer=apic", "method.basis=cubic", "method.volumetric_strain=cell")
+OTHER = (
+    f"method.stress_order={OTHER_SCHEME.stress_order}",
+    f"method.transfer={'apic' if OTHER_SCHEME.affine else 'taylor-flip'}",
+    f"method.basis={OTHER_SCHEME.basis}",
+    f"method.volumetric_strain={OTHER_SCHEME.volumetric_strain}",
+)
 VARIANTS: dict[str, list[tuple[str, tuple[str, ...]]]] = {
     "first": [
         ("quickstart", ("stages.equilibrate.law=elastic",)),
@@ -20,6 +26,7 @@ VARIANTS: dict[str, list[tuple[str, tuple[str, ...]]]] = {
     ],
     "second": [
         ("lube-quarter", ()),
+        ("lube-quarter", ("method.basis=linear", "stages.equilibrate.law=mohr-coulomb")),
         ("lube-channel-dense", ()),
         ("quickstart", OTHER),
     ],

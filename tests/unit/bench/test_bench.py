@@ -58,7 +58,6 @@ def test_plain_loops_agree_with_the_kernels(model: str) -> None:
     assert state.clock[1] == pytest.approx(solver.dt, rel=1e-13)
 
 
-@pytest.mark.slow
 def test_timed_steps_equal_the_steps_of_the_solver() -> None:
     timed, usual = make_solver("plane", 2000), make_solver("plane", 2000)
     timed.sort()

@@ -120,11 +120,13 @@ SLOW_SCHEMES = (
     Scheme(stress_order="usf", affine=True, basis="cubic"),
     CELL,
 )
-IN_3D = (*SCHEMES[:3], *SLOW_SCHEMES[:2], CELL)
+IN_3D = (*SCHEMES[:2], *SLOW_SCHEMES[:2], CELL)
+QUICK_IN_3D = Scheme(basis="linear")
 CHANGES = (PIC, AXISYMMETRIC, FILTER)
 SCHEME_CASES: list[Any] = [  # scheme, dimension, changed settings
     *((scheme, 2, change) for scheme in SCHEMES for change in CHANGES),
     *(pytest.param(scheme, 2, change, marks=SLOW) for scheme in SLOW_SCHEMES for change in CHANGES),
+    *((QUICK_IN_3D, 3, change) for change in (PIC, FILTER)),
     *(pytest.param(scheme, 3, change, marks=SLOW) for scheme in IN_3D for change in (PIC, FILTER)),
     *(pytest.param(Scheme(basis="cubic"), d, {"kernel_correction": False}, marks=SLOW) for d in (2, 3)),
     pytest.param(CELL._replace(stress_order="musl", basis="linear"), 2, {"exponential_volume": True}, marks=SLOW),
