@@ -104,9 +104,12 @@ def write_series(group: h5py.Group, steps: Sequence[Step]) -> None:
 
 
 def _write_virtual(group: h5py.Group, name: str, steps: Sequence[Step]) -> None:
+    """Concatenate a dataset of all steps, by the low-level interface: `h5py.VirtualLayout` takes twice the time."""
     shape, dtype, attributes = steps[0].datasets[name]
-    layout = h5py.VirtualLayout((len(steps) * shape[0], *shape[1:]), dtype)
-    layout.dcpl.set_obj_track_times(False)  # equal content gives equal bytes
+    properties = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+    properties.set_obj_track_times(False)  # equal content gives equal bytes
+    source = h5py.h5s.create_simple(shape)
+    whole = h5py.h5s.create_simple((len(steps) * shape[0], *shape[1:]))
     for i, step in enumerate(steps):
         found = step.datasets[name][0]
         if found != shape:
@@ -114,9 +117,13 @@ def _write_virtual(group: h5py.Group, name: str, steps: Sequence[Step]) -> None:
                 f"{step.name}: {name} has shape {found}, but in {steps[0].name} it has {shape}: "
                 "the folder holds snapshots of different runs; keep those of one run only"
             )
-        source = h5py.VirtualSource(step.name, f"/VTKHDF/{name}", shape, dtype)
-        layout[i * shape[0] : (i + 1) * shape[0]] = source
-    group.create_virtual_dataset(name, layout).attrs.update(attributes)
+        whole.select_hyperslab((i * shape[0], *(0 for _ in shape[1:])), shape)
+        properties.set_virtual(whole, step.name.encode(), f"/VTKHDF/{name}".encode(), source)
+    whole.select_all()
+    parent, _, own_name = name.rpartition("/")
+    parent_id = group.require_group(parent).id if parent else group.id
+    dataset = h5py.h5d.create(parent_id, own_name.encode(), h5py.h5t.py_create(dtype, logical=True), whole, properties)
+    h5py.Dataset(dataset).attrs.update(attributes)
 
 
 def _write_times(group: h5py.Group, times: list[float], n: int, datasets: list[str]) -> None:
