@@ -100,6 +100,14 @@ class _TolerantCache(FunctionCache):
         with contextlib.suppress(OSError):
             super().save_overload(sig, data)
 
+    def _index_key(self, sig: Any, codegen: Any) -> Any:
+        """Identify machine code by the name of its function, where Numba takes a hash of the pickled closure.
+
+        The bytes of a pickled closure differ between a process that has compiled the Python source and one that has
+        read its bytecode. Names suffice: `variant` makes them unique, and the cache folder depends on all sources.
+        """
+        return sig, codegen.magic_tuple(), self._py_func.__qualname__
+
 
 def _cached(compiled: Any) -> Any:
     """Store the machine code of a function on disk."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import compileall
 import os
 import shutil
 import subprocess
@@ -92,17 +93,32 @@ print([make(int(number))(np.zeros(10)) for number in sys.argv[1:]])
 """
 
 
-def test_functions_of_one_factory_are_not_confused(tmp_path: Path) -> None:
-    """Each is the first function compiled in its process; a third process then loads both."""
+@pytest.fixture
+def factory(tmp_path: Path) -> Callable[..., str]:
+    """Print the sums of functions of the factory for these numbers, in a new process."""
     (tmp_path / "factory.py").write_text(FACTORY)
     environment = os.environ | {"MPMCOL_CACHE_DIR": str(tmp_path), "PYTHONPATH": str(PACKAGE.parent)}
 
     def printed(*numbers: str) -> str:
-        command = [sys.executable, "factory.py", *numbers]
+        command = [sys.executable, "-B", "-c", "import factory", *numbers]
         child = subprocess.run(command, env=environment, cwd=tmp_path, capture_output=True, text=True, check=True)
         return child.stdout.strip()
 
-    assert [printed("1"), printed("2"), printed("1", "2")] == ["[10.0]", "[20.0]", "[10.0, 20.0]"]
+    return printed
+
+
+def test_functions_of_one_factory_are_not_confused(factory: Callable[..., str]) -> None:
+    """Each is the first function compiled in its process; a third process then loads both."""
+    assert [factory("1"), factory("2"), factory("1", "2")] == ["[10.0]", "[20.0]", "[10.0, 20.0]"]
+
+
+def test_machine_code_of_a_process_that_read_source_serves_one_that_reads_bytecode(
+    factory: Callable[..., str], tmp_path: Path
+) -> None:
+    factory("1")
+    assert compileall.compile_file(tmp_path / "factory.py", quiet=1)
+    factory("1")
+    assert len(list(tmp_path.rglob("*.nbc"))) == 1
 
 
 HELPED = """
