@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import sys
 
+from mpmcol.bench.cases import make_solver
+from mpmcol.bench.measure import vector_steps
 from mpmcol.sweep.compile_cache import compile_kernels
 from tests.support.sand_column import OTHER_SCHEME
 
@@ -35,3 +37,7 @@ VARIANTS: dict[str, list[tuple[str, tuple[str, ...]]]] = {
 if __name__ == "__main__":
     for source, overrides in VARIANTS[sys.argv[1]]:
         compile_kernels(source, overrides)
+    if sys.argv[1] == "first":
+        solver = make_solver("plane", 2000)
+        solver.sort()
+        vector_steps(solver, 1)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable
-from functools import wraps
+from functools import partial, wraps
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,7 @@ from llvmlite import ir
 from numba.core import cgutils, types
 from numba.extending import intrinsic, models, overload, register_model
 
-from mpmcol.mpm.jit import variant
+from mpmcol.mpm.jit import CALLED_BY_KERNELS, variant
 from mpmcol.mpm.simd.vectors import (
     LANES,
     SWAPPED,
@@ -37,6 +37,7 @@ from mpmcol.mpm.simd.vectors import (
     where_positive,
 )
 
+_overload = partial(overload, jit_options=CALLED_BY_KERNELS)
 _DOUBLE = ir.DoubleType()
 _INT = ir.IntType(32)
 _BYTE = ir.IntType(8)
@@ -227,7 +228,7 @@ def _wide(x: Any) -> Any:
     raise NotImplementedError
 
 
-@overload(_wide)
+@_overload(_wide)
 def _wide_overload(x):
     return (lambda x: x) if x == vec8 else (lambda x: _splat(float(x)))
 
@@ -240,7 +241,7 @@ def _declare(function: Callable[..., Any], implementation: Any) -> None:
         compiled = implementation(*arguments)
         return compiled and variant(function)(compiled)
 
-    overload(function)(named)
+    _overload(function)(named)
 
 
 def _declare_arithmetic(operation: Callable[..., Any], operation8: Any) -> None:
@@ -269,30 +270,30 @@ _declare(reduce_max, lambda a: lambda a: _reduce_max(a))
 _declare(reduce_sum, lambda a: lambda a: _reduce_sum(a))
 
 
-@overload(vector)
+@_overload(vector)
 def _vector_overload(x0, x1, x2, x3, x4, x5, x6, x7):
     return lambda x0, x1, x2, x3, x4, x5, x6, x7: _vector(
         float(x0), float(x1), float(x2), float(x3), float(x4), float(x5), float(x6), float(x7)
     )
 
 
-@overload(transpose)
+@_overload(transpose)
 def _transpose_overload(r0, r1, r2, r3, r4, r5, r6, r7):
     return lambda r0, r1, r2, r3, r4, r5, r6, r7: _transpose(r0, r1, r2, r3, r4, r5, r6, r7)
 
 
-@overload(sqrt)
+@_overload(sqrt)
 def _root_overload(a):
     return (lambda a: _sqrt(a)) if a == vec8 else (lambda a: np.sqrt(a))
 
 
-@overload(where_positive)
+@_overload(where_positive)
 def _where_overload(condition, a, b):
     if condition == vec8:
         return lambda condition, a, b: _select(condition, _wide(a), _wide(b))
     return lambda condition, a, b: a if condition > 0.0 else b
 
 
-@overload(any_positive)
+@_overload(any_positive)
 def _any_overload(condition):
     return (lambda condition: _any_positive(condition)) if condition == vec8 else (lambda condition: condition > 0.0)
