@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from mpmcol.case import Case
     from mpmcol.setup.cost import Estimate
 
-MEASURING_SPEED = "measuring the speed of this machine (about a second, more if kernels must be compiled) ..."
+MEASURING_SPEED = "measuring the speed of this machine (half a second, more if kernels must be compiled) ..."
 
 
 class RunDisplay:

@@ -18,7 +18,7 @@ from mpmcol.setup.model import build_model
 # typical durations: transits of a wave until a column rests behind its gate, and sqrt(h_i / g) until a collapse rests
 TYPICAL_TRANSITS = {"gravity": 7.0, "k0": 2.0}
 TYPICAL_TAU = 5.0
-TRIAL_SECONDS = 1.0  # of stepping, to measure the pace
+TRIAL_SECONDS = 0.5  # of stepping, to measure the pace
 SNAPSHOT_BYTES_PER_POINT = 98
 
 
@@ -43,7 +43,7 @@ class Estimate:
 
 
 def estimate(case: Case, threads: int | None = None) -> Estimate:
-    """Build the model and step it for about a second to measure its pace; no file is written.
+    """Build the model and step it for about half a second to measure its pace; no file is written.
 
     Raises UsageError if the model does not fit into memory.
     """
