@@ -5,8 +5,10 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 JOBS ?= 1
 PARALLEL ?= --numprocesses 2 --dist loadfile
-# Tests start many processes; they share the compiled bytecode.
+# Tests start many processes, which share the compiled bytecode.
 unexport PYTHONDONTWRITEBYTECODE
+# More threads than cores: a waiting thread yields its core at once.
+test test-all: export GOMP_SPINCOUNT = 0
 
 help:            ## list the targets
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## +/\t/' | expand -t 14

@@ -75,9 +75,9 @@ def test_files_of_a_sweep_and_its_repetition() -> None:
 
 @pytest.mark.skipif(not Path("/proc").is_dir(), reason="finds the runs through /proc")
 def test_a_killed_sweep_completes_with_equal_results() -> None:
-    arguments = ("sweep", "--aspect", "2,3", *TINY[:-1], "output.snapshots=40", "--jobs", "2")
+    arguments = ("sweep", "--aspect", "2,3", *TINY[:-1], "output.snapshots=40")
     killed, whole = Path("killed"), Path("whole")
-    with started(*arguments, "--out", str(killed)) as sweep:
+    with started(*arguments, "--jobs", "2", "--out", str(killed)) as sweep:
         wait_until(lambda: list(killed.glob("*/run.vtkhdf")))
         runs = child_processes(sweep.pid)
         os.kill(sweep.pid, signal.SIGKILL)
@@ -89,7 +89,7 @@ def test_a_killed_sweep_completes_with_equal_results() -> None:
     status = invoke("status", killed)
     assert status.exit_code == 0 and "no run is being executed; repeat the command" in status.stdout
     for out in (killed, whole):
-        done = invoke(*arguments, "--out", out)
+        done = invoke(*arguments, "--jobs", "1", "--out", out)
         assert done.exit_code == 0, done.output
     assert measured_table(killed) == measured_table(whole)
     for mine, other in zip(final_positions(killed), final_positions(whole), strict=True):
