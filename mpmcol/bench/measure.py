@@ -63,10 +63,10 @@ def measure_case(model: str, points: int, threads: int, effort: Effort) -> Bench
     _advance(solver, effort.warm_up)
     solver.sort()
     plain_copy, steps = plain_state(solver), effort.steps(len(solver.points))
-    vector_steps(solver, 1), plain_steps(solver, plain_copy, 1), _g2p_seconds(solver, 1)
+    vector_steps(solver, 1), plain_steps(solver, plain_copy, 1), g2p_seconds(solver, 1)
     vector, plain = [], []
     for _ in range(effort.rounds):
-        vector.append(_vector_phases(vector_steps(solver, steps), _g2p_seconds(solver, 5)))
+        vector.append(_vector_phases(vector_steps(solver, steps), g2p_seconds(solver, 5)))
         plain.append(_plain_phases(plain_steps(solver, plain_copy, steps)))
     memory, python = bytes_per_point(solver), _python_seconds(solver, steps, effort.rounds)
     sort = [_seconds(solver.sort) / SORT_INTERVAL for _ in range(effort.rounds)]
@@ -111,7 +111,7 @@ def _paired(name: str, vector: list[dict[str, float]], plain: list[dict[str, flo
     return Row(name, Spread.of(v), Spread.of(p), statistics.median(np.divide(p, v).tolist()))
 
 
-def _g2p_seconds(solver: Solver, repeats: int) -> float:
+def g2p_seconds(solver: Solver, repeats: int) -> float:
     """Median seconds of G2P alone, on a copy of the points."""
     d, rows, times = solver.points.dimension, solver.points.rows, np.zeros((repeats, 2))
     copy = aligned_zeros(rows.size + LANES * RECORD_SIZE[d])[: rows.size]

@@ -106,7 +106,7 @@ def make_g2p_steps(dimension: int) -> Callable[..., Any]:
         for t in prange(len(start) - 1):
             total = 0.0
             for p in range(start[t], start[t + 1]):
-                displacement, work = gather(rows, p * size, nodes, grid, settings, limits, dt)
+                displacement, work, _ = gather(rows, p * size, nodes, grid, settings, limits, dt)
                 total += extract(displacement, X) + extract(work, X)
             report[t, 0] = total
 

@@ -12,7 +12,7 @@ import pytest
 from mpmcol.bench.cases import MODELS, make_solver
 from mpmcol.bench.clock import seconds
 from mpmcol.bench.machine import POINT_OPERATIONS, Machine
-from mpmcol.bench.measure import QUICK, bytes_per_point, measure_case, plain_steps, vector_steps
+from mpmcol.bench.measure import QUICK, bytes_per_point, g2p_seconds, measure_case, plain_steps, vector_steps
 from mpmcol.bench.plain_loops.common import plain_points, plain_state
 from mpmcol.bench.report import BenchmarkCase, Report, Spread, compare, load_report, make_report
 from mpmcol.errors import UsageError
@@ -65,6 +65,14 @@ def test_timed_steps_equal_the_steps_of_the_solver() -> None:
     while usual.steps < 10:
         assert usual.advance(1.0, max_steps=10 - usual.steps) == -1
     np.testing.assert_array_equal(timed.points.rows, usual.points.rows)
+
+
+def test_g2p_alone_leaves_the_solver_unchanged() -> None:
+    solver = make_solver("plane", 2000)
+    solver.sort()
+    before = solver.points.rows.copy()
+    assert g2p_seconds(solver, 2) > 0.0
+    np.testing.assert_array_equal(solver.points.rows, before)
 
 
 def test_the_case_has_the_requested_number_of_points() -> None:
