@@ -70,16 +70,22 @@ def cell_means(x: Array, values: Array, volume: Array, spacing: float) -> Array:
 
     The cells are those of the grid; non-finite positions count as the origin.
     """
-    members = _cells(np.where(np.isfinite(x), x, 0.0), spacing)
+    members = _finite_cells(x, spacing)
     return (np.bincount(members, values * volume) / np.bincount(members, volume))[members]
 
 
 def pressure_and_shear(x: Array, stress: Array, volume: Array, spacing: float) -> tuple[Array, Array]:
     """Pressure and sqrt(J2) of the cell means of `stress` (n, 6: xx yy zz xy yz xz), Pa."""
-    xx, yy, zz, xy, yz, xz = (cell_means(x, component, volume, spacing) for component in stress.T)
+    members = _finite_cells(x, spacing)
+    cell_volume = np.bincount(members, volume)
+    xx, yy, zz, xy, yz, xz = (np.bincount(members, component * volume) / cell_volume for component in stress.T)
     p = -(xx + yy + zz) / 3.0
     normal2 = (xx + p) ** 2 + (yy + p) ** 2 + (zz + p) ** 2
-    return p, np.sqrt(0.5 * normal2 + xy**2 + yz**2 + xz**2)
+    return p[members], np.sqrt(0.5 * normal2 + xy**2 + yz**2 + xz**2)[members]
+
+
+def _finite_cells(x: Array, spacing: float) -> np.ndarray:
+    return _cells(np.where(np.isfinite(x), x, 0.0), spacing)
 
 
 def _cells(x: Array, spacing: float) -> np.ndarray:
