@@ -5,9 +5,9 @@
 Each column (model, friction, size and aspect ratio) is drawn at random from its number, so that the same columns are
 drawn every time. It is run as recommended for the accuracy or, if none is accurate enough, with the most accurate
 configuration and its error. Its reference is the mean of two scheme variants on finer grids, with half their difference
-as uncertainty. Printed are, for each column, the errors of the first run and whether the error bars contain the
-reference; then the number of columns for which both quantities were within the accuracy, and within twice the
-accuracy. Completed runs in OUT are not repeated.
+as uncertainty. Printed are, for each column, the errors of the first run, and the widths of the error bars and whether
+they contain the reference; then the number of columns for which both quantities were within the accuracy, and within
+twice the accuracy. Completed runs in OUT are not repeated.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ import numpy as np
 from mpmcol.case import load_case
 from mpmcol.errors import UsageError
 from mpmcol.studies.definition import as_overrides
-from mpmcol.studies.pareto.certify import CertifiedQuantity, certify
+from mpmcol.studies.pareto.certify import ErrorBar, certify
 from mpmcol.studies.pareto.recommend import Recommendation, configuration_values, options, recommend
 from mpmcol.studies.pareto.shipped import QUANTITIES
 from mpmcol.sweep.runner import run_sweep
@@ -69,13 +69,14 @@ class Verification:
 
     errors: Values  # of one recommended run
     uncertainty: Values  # of the reference, relative
-    bars: Sequence[bool]  # whether the error bars contain the reference
+    bars: Sequence[ErrorBar]
+    is_contained: Sequence[bool]  # the reference in each error bar
 
 
 def draw(number: int, accuracy: float) -> tuple[Column, Recommendation]:
     """Draw column `number` and recommend a configuration for it."""
     rng = np.random.default_rng(number)
-    source = ("lube-cylinder", "lube-channel")[rng.integers(2)]
+    source = ("cylinder", "channel")[rng.integers(2)]
     a, radius = float(np.exp(rng.uniform(np.log(0.5), np.log(3.0)))), float(np.exp(rng.uniform(np.log(0.05), 0.0)))
     column = Column(number, source, a, radius, float(rng.uniform(22.0, 42.0)), accuracy)
     try:
@@ -88,7 +89,9 @@ def draw(number: int, accuracy: float) -> tuple[Column, Recommendation]:
 def verify(column: Column, advice: Recommendation, out: Path, jobs: int | None) -> Verification:
     """Run a column as recommended and as reference, and compare."""
     folder = out / f"{column.number:02d}"
-    outcomes, bars = certify(column.source, column.overrides, advice, folder / "recommended", jobs=jobs)
+    outcomes, bars = certify(
+        column.source, column.overrides, advice, column.accuracy, folder / "recommended", jobs=jobs
+    )
     first = next(row for row in make_rows(outcomes) if row["cells"] == advice.cells)
     fine = FINE if column.a < TALL else FINE_TALL
     runs = [_reference(column, variant, cells, folder / "reference") for variant, cells in fine.items()]
@@ -97,6 +100,7 @@ def verify(column: Column, advice: Recommendation, out: Path, jobs: int | None) 
     return Verification(
         {quantity: first[quantity] / reference[quantity] - 1.0 for quantity in QUANTITIES},
         {quantity: abs(rows[0][quantity] / reference[quantity] - 1.0) for quantity in QUANTITIES},
+        bars,
         [_contains(bar, reference[bar.quantity]) for bar in bars],
     )
 
@@ -107,7 +111,7 @@ def _reference(column: Column, variant: str, cells: float, out: Path) -> Planned
     return plan_run(load_case(column.source, overrides), out, {"cells": cells}, f"{cells:g}")
 
 
-def _contains(bar: CertifiedQuantity, reference: float) -> bool:
+def _contains(bar: ErrorBar, reference: float) -> bool:
     return abs(bar.value - reference) <= bar.error
 
 
@@ -119,24 +123,28 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=20, help="columns (default: 20)")
     parser.add_argument("--jobs", type=int, help="number of concurrent runs")
     args = parser.parse_args()
-    within = within_twice = bars = 0
+    within = within_twice = contained = 0
     for number in range(args.count):
         column, advice = draw(number, args.accuracy)
         result = verify(column, advice, args.out, args.jobs)
         worst = max(abs(error) for error in result.errors.values()) / column.accuracy
-        within, within_twice, bars = within + (worst <= 1.0), within_twice + (worst <= 2.0), bars + all(result.bars)
+        within, within_twice = within + (worst <= 1.0), within_twice + (worst <= 2.0)
+        contained += all(result.is_contained)
         errors = ", ".join(
             f"{quantity} {error:+.1%} (reference +- {result.uncertainty[quantity]:.1%})"
             for quantity, error in result.errors.items()
         )
         print(
             f"{column}; {advice.variant}, {advice.cells:g}; requested {column.accuracy:.1%}: {errors}; "
-            f"error bars contain the reference: {', '.join('yes' if one else 'no' for one in result.bars)}",
+            + ", ".join(
+                f"error bar {bar.relative:.1%} {'contains' if one else 'does not contain'} the reference"
+                for bar, one in zip(result.bars, result.is_contained, strict=True)
+            ),
             flush=True,
         )
     print(
         f"of {args.count} columns {within} are within the accuracy, {within_twice} within twice the accuracy, and "
-        f"{bars} within their error bars"
+        f"{contained} within their error bars"
     )
 
 

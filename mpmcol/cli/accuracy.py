@@ -1,15 +1,18 @@
-"""`mpmcol run --accuracy` and `--certify`: configurations chosen by their error, and error bars from two spacings."""
+"""`mpmcol run --accuracy` and `--certify`: configurations chosen by their error, and error bars."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 if TYPE_CHECKING:
+    from mpmcol.io.results import Results
+    from mpmcol.studies.pareto.certify import ErrorBar
     from mpmcol.studies.pareto.recommend import Recommendation
 
 
@@ -27,22 +30,63 @@ def certify(
     case: str,
     overrides: Sequence[str],
     advice: Recommendation,
+    accuracy: float,
     out: Path,
     *,
     threads: int | None,
     to_json: bool,
     quiet: bool,
 ) -> None:
-    """Run a case as recommended at two spacings, print runout and height with error bars, and exit."""
+    """Run a case as recommended at two spacings or three, print runout and height with error bars, and exit."""
+    from mpmcol.cli.run_summary import summary_table
     from mpmcol.cli.sweep_display import SweepDisplay
+    from mpmcol.io.atomic import atomic_write
+    from mpmcol.io.names import ERROR_BARS_FILE, REPEATS_FOLDER
+    from mpmcol.io.results import Results
     from mpmcol.studies.pareto.certify import certify as run_and_estimate
     from mpmcol.sweep.engine import exit_code
 
-    with SweepDisplay(out, quiet or to_json) as display:
-        outcomes, quantities = run_and_estimate(case, overrides, advice, out, threads=threads, observer=display)
+    with SweepDisplay(out / REPEATS_FOLDER, quiet or to_json) as display:
+        outcomes, bars = run_and_estimate(case, overrides, advice, accuracy, out, threads=threads, observer=display)
+    results = Results(out)
+    records = {bar.quantity: _record(bar, results) for bar in bars}
+    atomic_write(out / ERROR_BARS_FILE, (json.dumps(records, indent=1) + "\n").encode())
     if to_json:
-        click.echo(json.dumps({one.quantity: vars(one) for one in quantities}))
+        click.echo(json.dumps(results.summary | {"error_bars": records}))
     elif not quiet:
-        click.echo("\n".join(map(str, quantities)))
-        click.echo(f"discretisation errors, without the error of the model; runs in {out}")
+        click.echo(summary_table(results))
+        click.echo("\ndiscretisation errors, without the error of the model:")
+        click.echo("\n".join(line for bar in bars for line in _lines(bar, records[bar.quantity], accuracy)))
+        click.echo(f"results in {out}, repeated runs in {out / REPEATS_FOLDER}")
     click.get_current_context().exit(exit_code(outcomes))
+
+
+def _record(bar: ErrorBar, results: Results) -> dict[str, Any]:
+    """The bar for JSON, with the value that the experiment of the case leads to expect."""
+    from mpmcol.experiments import find_experiment
+
+    shape = results.shape
+    experiment = find_experiment(results.case.score.experiment, shape.model, shape.section)
+    expected = experiment.expected(bar.quantity.partition(".")[0], shape.a)
+    law = None
+    if expected:
+        value, scatter = expected
+        law = {"experiment": experiment.name, "expected": value, "scatter": scatter / value}
+    means = {f"{cells:g}": mean for cells, mean in bar.means.items()}
+    return asdict(bar) | {"means": means, "value": bar.value, "error": bar.error, "cause": bar.cause, "law": law}
+
+
+def _lines(bar: ErrorBar, record: dict[str, Any], accuracy: float) -> Iterator[str]:
+    yield str(bar)
+    if law := record["law"]:
+        difference = bar.value / law["expected"] - 1.0
+        within = abs(difference) <= law["scatter"] + bar.relative
+        yield (
+            f"  law of {law['experiment']}: {law['expected']:.3f}, scatter {law['scatter']:.0%}; the result differs by "
+            f"{difference:+.1%}, {'within' if within else 'more than'} scatter and error bar"
+        )
+    if bar.relative > accuracy:
+        yield (
+            f"  wider than the {accuracy:.1%} asked for because of {bar.cause}; a finer grid makes it narrower: "
+            f"--accuracy {50.0 * accuracy:.2g}%"
+        )

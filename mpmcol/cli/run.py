@@ -26,7 +26,7 @@ SINGLE_RUN_OPTIONS = (
 @overrides_option
 @out_option("runs/NAME")
 @click.option("--accuracy", type=ACCURACY, help="Choose model and grid for this error of runout and height, e.g. 5%.")
-@click.option("--certify", is_flag=True, help="With --accuracy: error bars of zeta and beta, from two spacings.")
+@click.option("--certify", is_flag=True, help="With --accuracy: error bars of zeta and beta.")
 @click.option("--threads", metavar="N", type=THREADS, help="Number of threads  [default: all cores]")
 @click.option("--fresh", is_flag=True, help="Restart from scratch: discard a finished or an unfinished run.")
 @click.option("--force-resume", is_flag=True, help="Resume an unfinished run even if the case or the code has changed.")
@@ -68,7 +68,8 @@ def run(
     the gate, released, and simulated until it is at rest. mpmcol measure, plot and render read the results folder.
 
     With --accuracy, the cheapest configuration that was within this error in mpmcol pareto is used. These are
-    discretisation errors, without the error of the model.
+    discretisation errors, without the error of the model. With --certify the case is run three times each on this grid
+    and a coarser one, and on a finer grid too if an error bar is wider than the accuracy.
 
     Ctrl-C, SIGTERM, SIGUSR1 and --max-wall stop the run with a checkpoint (exit code 75); a second Ctrl-C aborts it.
     Repeating the command resumes a stopped or killed run, with results that are identical to those of an uninterrupted
@@ -89,7 +90,7 @@ def run(
         advice = recommend(case, overrides, accuracy, silent=quiet or to_json)
         if certify:
             folder = out or Path("runs") / f"{stem}-certified"
-            run_certified(case, overrides, advice, folder, threads=threads, to_json=to_json, quiet=quiet)
+            run_certified(case, overrides, advice, accuracy, folder, threads=threads, to_json=to_json, quiet=quiet)
         overrides = (*overrides, *advice.overrides)
     loaded = load_case(case, overrides)
     if dry_run:
@@ -124,11 +125,11 @@ def run(
 
 
 def _check_certify(accuracy: float | None) -> None:
-    """Refuse options that --certify, a sweep of six runs, cannot have."""
+    """Refuse options that --certify, a sweep of repeated runs, cannot have."""
     if accuracy is None:
         raise click.UsageError("--certify requires --accuracy, which chooses the grid")
     context = click.get_current_context()
     given = [name for name in SINGLE_RUN_OPTIONS if context.get_parameter_source(name) is ParameterSource.COMMANDLINE]
     if given:
         option = f"--{given[0].replace('_', '-')}"
-        raise click.UsageError(f"{option} applies to a single run, and --certify makes six; omit one of them")
+        raise click.UsageError(f"{option} applies to a single run, and --certify makes several; omit one of them")

@@ -62,7 +62,8 @@ def _cost(summary: dict[str, Any]) -> Iterator[str]:
     yield f"{summary['points']:,} material points, {summary['steps']:,} steps of {summary['dt']:.3g} s"
     parts = ", ".join(f"{name} {seconds:.1f} s" for name, seconds in wall.items())
     yield f"{total:.1f} s: {parts}"
-    yield f"{rate:.1f} million particle-steps per second with {summary['threads']} threads"
+    threads = summary["threads"]
+    yield f"{rate:.1f} million particle-steps per second with {threads} thread{'s' if threads > 1 else ''}"
     yield (
         f"{ended} after {summary['time_over_tau']:.2f} sqrt(h_i/g); worst J {summary['worst_J'][0]:.3f} ... "
         f"{summary['worst_J'][1]:.3f}; energy residual {ledger['residual']:+.2e} J"

@@ -5,14 +5,16 @@ from __future__ import annotations
 import csv
 import hashlib
 import io
+import os
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from mpmcol.case import Case, case_hash
 from mpmcol.errors import OutputError, UsageError
-from mpmcol.io.atomic import atomic_write, remove
+from mpmcol.io.atomic import atomic_write, make_folder, remove
 from mpmcol.io.checksums import checksum_of, write_checksums
+from mpmcol.io.lock import locked
 from mpmcol.io.names import (
     CASE_FILE,
     CHECKSUM_FILE,
@@ -48,6 +50,30 @@ def prepare_folder(folder: Path, case: Case, fresh: bool, notify: Callable[[str]
     for pattern in OWN_FILES:
         for path in folder.glob(pattern):
             remove(path)
+
+
+def replace_run(source: Path, folder: Path) -> None:
+    """Replace the run in `folder` by the finished run in `source`; the files are linked or, where links fail, copied.
+
+    Raises OutputError.
+    """
+    with locked(folder):
+        for pattern in OWN_FILES:
+            for path in folder.glob(pattern):
+                remove(path)
+        for pattern in (LOG_FILE, GIVEN_CASE_FILE, *reversed(OWN_FILES)):  # the result last
+            for path in sorted(source.glob(pattern)):
+                for file in sorted(path.iterdir()) if path.is_dir() else [path]:
+                    _link(file, folder / file.relative_to(source))
+
+
+def _link(source: Path, target: Path) -> None:
+    make_folder(target.parent)
+    try:
+        target.unlink(missing_ok=True)
+        os.link(source, target)
+    except OSError:
+        atomic_write(target, source.read_bytes())
 
 
 def reopen_folder(folder: Path) -> None:

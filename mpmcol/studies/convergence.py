@@ -53,7 +53,7 @@ def converged_value(levels: Mapping[float, Sequence[float]]) -> ConvergedValue |
     """
     levels = {h: values for h, values in levels.items() if values and h <= MAX_RATIO * min(levels)}
     h = np.array(sorted(levels))
-    if len(h) < MIN_SPACINGS or (scatter := _pooled_scatter(levels)) is None:
+    if len(h) < MIN_SPACINGS or (scatter := pooled_scatter(levels)) is None:
         return None
     means = np.array([np.mean(levels[spacing]) for spacing in h])
     errors = scatter / np.sqrt([len(levels[spacing]) for spacing in h])
@@ -76,7 +76,7 @@ def combine(refinements: Sequence[ConvergedValue]) -> ConvergedValue:
     return ConvergedValue(float(share @ values), float(error), float(share @ orders))
 
 
-def _pooled_scatter(levels: Mapping[float, Sequence[float]]) -> float | None:
+def pooled_scatter(levels: Mapping[float, Sequence[float]]) -> float | None:
     """Return the pooled standard deviation within spacings; None without repetitions or without scatter."""
     freedom = sum(max(len(values) - 1, 0) for values in levels.values())
     squares = sum(float(np.var(values)) * len(values) for values in levels.values() if len(values) > 1)

@@ -1,16 +1,20 @@
-"""Runout and height with an error bar, from repeated runs at two spacings."""
+"""Runout and height with an error bar, from repeated runs at two spacings, or at three where two do not suffice."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import sqrt
+from math import hypot, sqrt
 from pathlib import Path
 
 import numpy as np
 
 from mpmcol.case import load_case
-from mpmcol.studies.pareto.recommend import Recommendation
+from mpmcol.errors import UsageError
+from mpmcol.io.names import REPEATS_FOLDER
+from mpmcol.io.run_folder import replace_run
+from mpmcol.studies.convergence import converged_value, pooled_scatter
+from mpmcol.studies.pareto.recommend import Recommendation, finer_grid
 from mpmcol.studies.runs import CFL, repeated_cfl
 from mpmcol.sweep.engine import Outcome, unsuccessful
 from mpmcol.sweep.fits import student_t
@@ -26,20 +30,47 @@ MIN_RUNS = 2  # successful ones at each spacing
 
 
 @dataclass(frozen=True)
-class CertifiedQuantity:
-    """A quantity of the finer runs with its absolute error bar and the parts of this."""
+class ErrorBar:
+    """Mean of a quantity at the finest spacing, with its absolute error bar and the parts of this."""
 
     quantity: str
-    value: float
-    error: float  # the larger of that from the two spacings and that of the study
-    change: float  # from the coarser spacing to the finer one
+    means: Mapping[float, float]  # r_i / h -> mean of the runs, coarsest first
     scatter: float  # standard deviation of one run
-    study_error: float  # of the configuration in the study
+    from_spacings: float  # from the change of the mean with the spacing
+    from_scatter: float  # 95 % confidence interval of the extrapolation
+    from_study: float  # of the configuration in the study
+
+    @property
+    def value(self) -> float:
+        """Mean at the finest spacing."""
+        return self.means[max(self.means)]
+
+    @property
+    def error(self) -> float:
+        """The larger of the error from the spacings and that of the study.
+
+        Spacings can agree by coincidence or converge at a lower order than assumed.
+        """
+        return max(hypot(self.from_spacings, self.from_scatter), self.from_study)
+
+    @property
+    def relative(self) -> float:
+        """The error relative to the value."""
+        return self.error / abs(self.value)
+
+    @property
+    def cause(self) -> str:
+        """What determines the width of the bar."""
+        if self.from_study >= hypot(self.from_spacings, self.from_scatter):
+            return "the error of this grid in the study"
+        return "the change with the spacing" if self.from_spacings >= self.from_scatter else "the scatter of the runs"
 
     def __str__(self) -> str:
+        cells = ", ".join(f"{one:g}" for one in self.means)
+        means = ", ".join(f"{mean:.3f}" for mean in self.means.values())
         return (
-            f"{self.quantity}: {self.value:.3f} +- {self.error:.3f} (change from the coarser grid {self.change:+.3f}, "
-            f"scatter of a run {self.scatter:.3f}, error in the study {self.study_error:.3f})"
+            f"{self.quantity} = {self.value:.3f} +- {self.error:.3f} ({self.relative:.1%}); means at r_i/h = {cells}: "
+            f"{means}; scatter of a run {self.scatter:.3f}; error in the study {self.from_study:.3f}"
         )
 
 
@@ -47,53 +78,84 @@ def certify(
     source: str | Path,
     overrides: Sequence[str],
     advice: Recommendation,
+    accuracy: float,
     out: Path,
     *,
     jobs: int | None = None,
     threads: int | None = None,
     observer: SweepObserver | None = None,
-) -> tuple[list[Outcome], list[CertifiedQuantity]]:
-    """Run a case as recommended and on a coarser grid, several times each, in the folder `out`.
+) -> tuple[list[Outcome], list[ErrorBar]]:
+    """Run a case as recommended and on a coarser grid, several times each, and compute error bars.
 
-    Raises an MpmcolError with the exit code of the runs if fewer than MIN_RUNS at one of the spacings were successful.
+    If a bar exceeds the relative `accuracy`, the case is also run on a finer grid. `out` becomes the results folder of
+    the first run on the finest grid; the sweep of all runs is in REPEATS_FOLDER inside it.
+
+    Raises:
+        UsageError: `out` holds something else.
+        MpmcolError: with the exit code of the runs, if fewer than MIN_RUNS at a spacing were successful.
     """
+    repeats = out / REPEATS_FOLDER
+    if out.is_dir() and any(out.iterdir()) and not repeats.exists():
+        raise UsageError(f"{out} is not empty and holds no run with --certify; use --out for another folder")
+
+    def run_all(levels: Sequence[float], errors: Mapping[str, float]) -> tuple[list[Outcome], list[ErrorBar]]:
+        runs = [run for cells in levels for run in _repeated_runs(source, values, cells, repeats)]
+        outcomes = run_sweep(runs, repeats, jobs=jobs, threads=threads, observer=observer)
+        return outcomes, _error_bars(outcomes, levels, errors, repeats)
+
     values = [*overrides, *advice.overrides]
-    coarse = max(round(advice.cells / RATIO), 2)
-    levels = [_repeated_runs(source, values, cells, out) for cells in (coarse, advice.cells)]
-    outcomes = run_sweep([run for level in levels for run in level], out, jobs=jobs, threads=threads, observer=observer)
-    rows = [row for row in make_rows(outcomes) if row["status"] == "done"]
-    results = {
-        quantity: [[row[quantity] for row in rows if row["cells"] == cells] for cells in (coarse, advice.cells)]
-        for quantity in advice.errors
-    }
-    if any(len(level) < MIN_RUNS for both in results.values() for level in both):
-        raise unsuccessful(outcomes, f"too few runs were successful for an error bar; `mpmcol status {out}` lists why")
-    ratio = advice.cells / coarse
-    return outcomes, [
-        error_bar(quantity, coarser, finer, ratio, advice.errors[quantity])
-        for quantity, (coarser, finer) in results.items()
-    ]
+    levels = [max(round(advice.cells / RATIO), 2), advice.cells]
+    outcomes, bars = run_all(levels, advice.errors)
+    if any(bar.relative > accuracy for bar in bars):
+        finer, errors = finer_grid(source, overrides, advice)
+        outcomes, bars = run_all([*levels, finer], errors)
+    replace_run(_finest(outcomes).run.folder, out)
+    return outcomes, bars
 
 
-def error_bar(
-    quantity: str, coarse: Sequence[float], fine: Sequence[float], ratio: float, study_error: float = 0.0
-) -> CertifiedQuantity:
-    """Compute the error of the finer mean by the grid convergence index of Roache 1994 (doi:10.1115/1.2910291).
+def error_bar(quantity: str, levels: Mapping[float, Sequence[float]], study_error: float = 0.0) -> ErrorBar:
+    """Compute the error of the mean at the finest spacing.
 
-    With spacings in the ratio `ratio` it is SAFETY |change| / (ratio^ORDER - 1). The 95 % confidence interval of the
-    change, from the pooled scatter of the repetitions, is added to the change in quadrature. Two spacings can agree by
-    coincidence or converge at a lower order; the error bar is therefore at least the relative error `study_error` of
-    the configuration in the study.
+    At two spacings it is the grid convergence index of Roache 1994 (doi:10.1115/1.2910291), SAFETY |change| /
+    (ratio^ORDER - 1), and likewise for the 95 % confidence interval of the change. At three or more it is SAFETY times
+    the difference from the extrapolated value, and the confidence interval of this value.
+
+    Args:
+        levels: r_i / h -> values of the repeated runs.
+        study_error: relative error of the finest configuration in the study.
     """
-    change = float(np.mean(fine) - np.mean(coarse))
-    freedom = len(coarse) + len(fine) - 2
-    scatter = sqrt(sum(float(np.var(level)) * len(level) for level in (coarse, fine)) / freedom)
-    change_error = scatter * sqrt(1.0 / len(coarse) + 1.0 / len(fine))
-    half_width = student_t(freedom) * change_error
-    index = SAFETY * float(np.hypot(change, half_width)) / (ratio**ORDER - 1.0)
-    value = float(np.mean(fine))
-    least = study_error * abs(value)
-    return CertifiedQuantity(quantity, value, max(index, least), change, scatter, least)
+    means = {cells: float(np.mean(levels[cells])) for cells in sorted(levels)}
+    finest = means[max(means)]
+    interval = student_t(sum(len(values) - 1 for values in levels.values()))
+    scatter = pooled_scatter(levels) or 0.0
+    if limit := converged_value({1.0 / cells: values for cells, values in levels.items()}):
+        difference, deviation = limit.value - finest, interval * limit.error
+    else:
+        coarse, fine = list(means)[-2:]
+        factor = 1.0 / ((fine / coarse) ** ORDER - 1.0)
+        difference = factor * (finest - means[coarse])
+        deviation = SAFETY * factor * interval * scatter * sqrt(1.0 / len(levels[coarse]) + 1.0 / len(levels[fine]))
+    return ErrorBar(quantity, means, scatter, SAFETY * abs(difference), deviation, study_error * abs(finest))
+
+
+def _error_bars(
+    outcomes: Sequence[Outcome], levels: Sequence[float], errors: Mapping[str, float], folder: Path
+) -> list[ErrorBar]:
+    rows = [row for row in make_rows(outcomes) if row["status"] == "done"]
+    values = {
+        quantity: {cells: [row[quantity] for row in rows if row["cells"] == cells] for cells in levels}
+        for quantity in errors
+    }
+    if any(len(runs) < MIN_RUNS for by_cells in values.values() for runs in by_cells.values()):
+        raise unsuccessful(
+            outcomes, f"too few runs were successful for an error bar; `mpmcol status {folder}` lists why"
+        )
+    return [error_bar(quantity, by_cells, errors[quantity]) for quantity, by_cells in values.items()]
+
+
+def _finest(outcomes: Sequence[Outcome]) -> Outcome:
+    """The first successful run on the finest grid."""
+    return max((one for one in outcomes if one.status == "done"), key=lambda one: one.run.inputs["cells"])
 
 
 def _repeated_runs(source: str | Path, overrides: Sequence[str], cells: float, out: Path) -> list[PlannedRun]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from math import ceil
+from math import ceil, sqrt
 from pathlib import Path
 from typing import Any
 
@@ -87,6 +87,20 @@ def recommend(source: str | Path, overrides: Sequence[str], accuracy: float) -> 
             f"use --accuracy {ceil(1e3 * best.error) / 10.0:g}% or more, or set grid.spacing instead"
         )
     return min(accurate, key=lambda one: one.core_seconds)
+
+
+def finer_grid(
+    source: str | Path, overrides: Sequence[str], advice: Recommendation
+) -> tuple[float, Mapping[str, float]]:
+    """Return r_i / h and the errors of the next finer grid of the study.
+
+    Beyond its finest grid: a spacing smaller by a factor of sqrt(2), with the errors of the recommended configuration.
+    """
+    finer = [one for one in options(source, overrides) if one.variant == advice.variant and one.cells > advice.cells]
+    if not finer:
+        return round(sqrt(2.0) * advice.cells), advice.errors
+    following = min(finer, key=lambda one: one.cells)
+    return following.cells, following.errors
 
 
 def options(source: str | Path, overrides: Sequence[str]) -> Iterator[Recommendation]:

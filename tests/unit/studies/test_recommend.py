@@ -12,6 +12,7 @@ import pytest
 
 from mpmcol.case import load_case
 from mpmcol.errors import UsageError
+from mpmcol.io.results import Results
 from mpmcol.studies.pareto import recommend, savings
 from mpmcol.studies.pareto.certify import error_bar
 from mpmcol.studies.pareto.savings import propose
@@ -163,22 +164,37 @@ def test_a_dry_run_shows_the_recommendation(tmp_path: Path, monkeypatch: pytest.
     assert '"light" at r_i/h = 10' in done.output and "nothing was run" in done.output
 
 
-def test_the_error_bar_contains_the_converged_value() -> None:
-    """In at least 90 % of draws, for first-order convergence with scatter."""
+@pytest.mark.parametrize("cells", [(10, 14), (10, 14, 20)])
+@pytest.mark.parametrize("order", [1.0, 2.0])
+def test_the_error_bar_contains_the_converged_value(cells: tuple[int, ...], order: float) -> None:
+    """In at least 90 % of draws, with scatter."""
     rng = np.random.default_rng(3)
     inside = 0
-    for _ in range(300):
-        coarse, fine = (1.0 - 0.2 * h + 0.02 * rng.standard_normal(3) for h in (1.0, 1.0 / np.sqrt(2.0)))
-        bar = error_bar(ZETA, coarse.tolist(), fine.tolist(), float(np.sqrt(2.0)))
+    for _ in range(200):
+        levels = {one: (1.0 - 0.2 * (10 / one) ** order + 0.02 * rng.standard_normal(3)).tolist() for one in cells}
+        bar = error_bar(ZETA, levels)
         inside += abs(bar.value - 1.0) <= bar.error
-    assert inside > 270
-    few = error_bar(ZETA, [0.9, 1.1], [0.9, 1.1], 2.0)
-    more = error_bar(ZETA, [0.9, 1.1, 0.9, 1.1], [0.9, 1.1], 2.0)
-    assert few.error > more.error > 0.0
-    exact = error_bar(ZETA, [0.9, 0.9], [0.95, 0.95], 2.0)
-    assert exact.error == pytest.approx(1.25 * 0.05)
-    coincidence = error_bar(ZETA, [0.9, 0.9], [0.9, 0.9], 2.0, study_error=0.1)
-    assert coincidence.error == coincidence.study_error == pytest.approx(0.09)
+    assert inside > 180
+
+
+def test_a_third_spacing_narrows_the_error_bar() -> None:
+    rng = np.random.default_rng(4)
+    levels = {one: (1.0 - 0.5 / one + 0.01 * rng.standard_normal(3)).tolist() for one in (10, 14, 20)}
+    two = error_bar(ZETA, {one: levels[one] for one in (10, 14)})
+    three = error_bar(ZETA, levels)
+    assert 0.0 < three.error < 0.8 * two.error
+    assert list(three.means) == [10, 14, 20] and three.value == pytest.approx(np.mean(levels[20]))
+
+
+def test_parts_of_the_error_bar() -> None:
+    few = error_bar(ZETA, {1: [0.9, 1.1], 2: [0.9, 1.1]})
+    more = error_bar(ZETA, {1: [0.9, 1.1, 0.9, 1.1], 2: [0.9, 1.1]})
+    assert few.error > more.error > 0.0 and "scatter" in few.cause
+    exact = error_bar(ZETA, {1: [0.9, 0.9], 2: [0.95, 0.95]})
+    assert exact.error == pytest.approx(1.25 * 0.05) and "spacing" in exact.cause
+    coincidence = error_bar(ZETA, {1: [0.9, 0.9], 2: [0.9, 0.9]}, study_error=0.1)
+    assert coincidence.error == coincidence.from_study == pytest.approx(0.09) and "study" in coincidence.cause
+    assert coincidence.relative == pytest.approx(0.1)
 
 
 @pytest.mark.slow
@@ -187,7 +203,20 @@ def test_a_certified_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
     arguments = ("run", "lube-cylinder", "--set", "stages.collapse.max_time_factor=1", "--accuracy", "20%", "--certify")
     done = invoke(*arguments)
     assert done.exit_code == 0, done.output
-    assert "zeta.front_height: " in done.output and "+-" in done.output
+    folder = tmp_path / "runs" / "lube-cylinder-certified"
+    assert "zeta.front_height = " in done.output and "law of paper-axisymmetric: 1.116" in done.output
+    assert invoke("verify", str(folder)).exit_code == 0
     again: Any = json.loads(invoke(*arguments, "--json").stdout)
-    assert set(again) == {ZETA, BETA} and again[ZETA]["error"] > 0.0
-    assert len(list((tmp_path / "runs" / "lube-cylinder-certified").glob("cells*"))) == 6
+    bars = again["error_bars"]
+    assert set(bars) == {ZETA, BETA} and bars[ZETA]["error"] > 0.0
+    assert json.loads((folder / "error_bars.json").read_text()) == bars
+    finest = max(bars[ZETA]["means"], key=float)
+    assert Results(folder).case.geometry.radius / Results(folder).case.grid.spacing == pytest.approx(float(finest))
+    assert len(list((folder / "repeats").glob("cells*"))) == 3 * len(bars[ZETA]["means"])
+
+
+def test_certify_keeps_a_folder_with_other_files(tmp_path: Path) -> None:
+    (tmp_path / "notes.txt").write_text("mine")
+    done = invoke("run", "lube-cylinder", "--accuracy", "20%", "--certify", "--out", str(tmp_path))
+    assert done.exit_code == 2 and "holds no run with --certify; use --out" in done.output
+    assert [path.name for path in tmp_path.iterdir()] == ["notes.txt"]
