@@ -12,12 +12,19 @@ from mpmcol.cli.options import jobs_option, out_option, threads_option
 @click.command()
 @click.argument("figures", nargs=-1, metavar="[FIGURE]...")
 @click.option("--quick", is_flag=True, help="Coarse grids and fewer columns: minutes instead of hours.")
-@out_option("paper, with --quick paper-quick")
+@click.option("--filtered", is_flag=True, help="With the stress filter, which the paper does not have.")
+@out_option("paper; paper-quick, paper-filtered with these options")
 @jobs_option
 @threads_option
 @click.option("--quiet", is_flag=True, help="Print the comparisons only.")
 def paper(
-    figures: tuple[str, ...], quick: bool, out: Path | None, jobs: int | None, threads: int | None, quiet: bool
+    figures: tuple[str, ...],
+    quick: bool,
+    filtered: bool,
+    out: Path | None,
+    jobs: int | None,
+    threads: int | None,
+    quiet: bool,
 ) -> None:
     """Reproduce the figures of the paper and compare their numbers.
 
@@ -35,9 +42,10 @@ def paper(
     if unknown:
         raise click.BadParameter(f"{unknown[0]!r}: expected {', '.join(FIGURES)} or all", param_hint="figures")
     names = [name for name in FIGURES if name in figures or "all" in figures or not figures]
-    folder = out or Path("paper-quick" if quick else "paper")
+    folder = out or Path("paper" + "-quick" * quick + "-filtered" * filtered)
     with SweepDisplay(folder / RUNS, quiet) as display:
-        result = carry_out_study(PaperStudy(names, quick), folder, jobs=jobs, threads=threads, observer=display)
+        study = PaperStudy(names, quick, filtered)
+        result = carry_out_study(study, folder, jobs=jobs, threads=threads, observer=display)
     for name, figure in result.evaluation.items():
         click.echo(FIGURES[name].TITLE)
         for comparison in figure.comparisons:

@@ -6,7 +6,7 @@ To add a figure, write a module with the contents of `Figure` and add one line t
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Protocol
 
@@ -31,6 +31,8 @@ FIGURES: dict[str, Figure] = {
     "fig5": fig5, "fig6": fig6, "fig7": fig7, "fig8": fig8, "fig9": fig9, "factors": factors
 }  # fmt: skip
 
+AS_PRINTED = "lube-"  # begins the names of the cases without a stress filter; the rest names the same case with it
+
 
 @dataclass(frozen=True)
 class PaperStudy:
@@ -38,20 +40,33 @@ class PaperStudy:
 
     names: Sequence[str]  # in FIGURES
     quick: bool
+    filtered: bool = False  # with the stress filter, which the paper does not have
 
     def runs(self) -> Iterable[StudyRun]:
         """Return the runs of all figures, some of which share runs."""
-        return (run for name in self.names for run in FIGURES[name].runs(self.quick))
+        return map(self._as_carried_out, self._runs())
 
     def evaluate(self, ended: EndedRuns) -> Mapping[str, FigureResult]:
         """Return the result of each figure by its name."""
-        return {name: FIGURES[name].evaluate(ended.completed, self.quick) for name in self.names}
+        completed = {
+            run: ended.completed[carried_out]
+            for run in self._runs()
+            if (carried_out := self._as_carried_out(run)) in ended.completed
+        }
+        return {name: FIGURES[name].evaluate(completed, self.quick) for name in self.names}
 
     def write_report(self, evaluation: Mapping[str, FigureResult], heading: str, out: Path) -> list[Path]:
         """Write a table, a text and charts for each figure."""
         heading = f"{heading}{'; quick: coarse grids, fewer columns' if self.quick else ''}."
+        heading += " With the stress filter." if self.filtered else ""
         return [
             path
             for name, result in evaluation.items()
             for path in write_figure(result, name, FIGURES[name].TITLE, heading, out)
         ]
+
+    def _runs(self) -> Iterable[StudyRun]:
+        return (run for name in self.names for run in FIGURES[name].runs(self.quick))
+
+    def _as_carried_out(self, run: StudyRun) -> StudyRun:
+        return replace(run, case=run.case.removeprefix(AS_PRINTED)) if self.filtered else run

@@ -83,7 +83,8 @@ def effect_row(
     column: Column, factor: str, repeats: Sequence[CompletedRun], base: Sequence[CompletedRun]
 ) -> dict[str, Any]:
     """Return the row of a factor: means and their relative changes from the unchanged case."""
-    case, a, h = column
+    name, a, h = column
+    case = name.removeprefix("lube-")  # with and without the stress filter
     row: dict[str, Any] = {"case": case, "a": a, "h_mm": 1e3 * h, "factor": factor, "runs": len(repeats)}
     for quantity in QUANTITIES:
         own, reference = _mean(repeats, quantity), _mean(base, quantity)

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import csv
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
+from mpmcol.case import load_case
+from mpmcol.case.values import leaf_values
 from mpmcol.experiments import find_experiment
 from mpmcol.measure import FRONTS
-from mpmcol.studies.paper import FIGURES, factors, fig5, fig6, fig7, fig8, fig9
+from mpmcol.studies.paper import FIGURES, PaperStudy, factors, fig5, fig6, fig7, fig8, fig9
 from mpmcol.studies.paper.report import Comparison, FigureResult, error_summary, markdown, rounded_csv, series_row
 from mpmcol.studies.runs import CompletedRun, StudyRun
 from tests.support.cli import invoke
@@ -101,6 +105,20 @@ def test_failed_runs_are_left_out() -> None:
         assert not any(comparison.computed for comparison in result.comparisons)
     run = StudyRun("lube-channel", 1.0, 0.006)
     result = fig6.evaluate({run: completed(1.0, 0.006, 1.5)}, True)
+    assert [row["zeta.front_max"] for row in result.rows] == [1.5]
+
+
+def test_figures_with_the_stress_filter_are_of_the_same_columns() -> None:
+    """Of the cases that differ in `method.stress_filter` alone."""
+    plain, filtered = (PaperStudy(list(FIGURES), quick=False, filtered=filtered) for filtered in (False, True))
+    for one, other in zip(plain.runs(), filtered.runs(), strict=True):
+        assert one == replace(other, case=one.case)
+    for name in {run.case for run in plain.runs()}:
+        values, others = (leaf_values(load_case(case)) for case in (name, name.removeprefix("lube-")))
+        assert {key for key in values if values[key] != others[key]} == {"method.stress_filter", "title"}
+    run = StudyRun("channel", 1.0, 0.006)
+    ended = SimpleNamespace(completed={run: completed(1.0, 0.006, 1.5)})
+    result = PaperStudy(["fig6"], quick=True, filtered=True).evaluate(ended)["fig6"]
     assert [row["zeta.front_max"] for row in result.rows] == [1.5]
 
 
