@@ -23,7 +23,7 @@ from mpmcol.studies.validation.measures import (
     undisturbed_ratio,
 )
 
-CHANNEL, CYLINDER = "lube-channel", "lube-cylinder"
+CHANNEL, CYLINDER = "channel", "cylinder"
 HEIGHT_SCATTER = 0.05  # relative; packings of the experiments dilate by 5 to 10 %
 LONG_DOMAIN = "1.5"  # m, so that runouts that are too long can be measured
 SLIP, REPOSE = 59.0, 29.5  # degrees: inner cone of Lube et al. 2004, steepest slope at rest of Lube et al. 2005
