@@ -204,7 +204,7 @@ class CollapseTable(Table):
 
     damping: float = quantity("local damping coefficient alpha_d", "", 0.05, ge=0, lt=1)
     end: Literal["rest", "time"] = option("end at rest, or after the maximum duration", "rest")
-    max_time_factor: float = quantity("maximum duration in units of sqrt(h_i / g)", "", 6.0, gt=0)
+    max_time_factor: float = quantity("maximum duration in units of sqrt(h_i / g)", "", 10.0, gt=0)
 
 
 class StagesTable(Table):
@@ -236,7 +236,9 @@ _RELEASE_TIME = Number("s", {"ge": 0})
 class OutputTable(Table):
     """Files that a run writes."""
 
-    snapshots: Annotated[int, Field(ge=1)] = option("number of snapshots of the collapse, equally spaced in time", 20)
+    snapshots: Annotated[int, Field(ge=1)] = option(
+        "number of snapshots until 6 sqrt(h_i / g) after release, equally spaced; then at the same interval", 20
+    )
     times: tuple[Annotated[float, _RELEASE_TIME, BeforeValidator(_RELEASE_TIME)], ...] | None = option(
         "times of the snapshots after release, increasing; replaces snapshots", None
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import log
+from math import ceil, log
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from mpmcol.simulation.state import Simulation
 CHECKS_PER_FALL_TIME = 50
 CHECKS_PER_TRANSIT = 4  # during equilibration: per travel of a wave up and down, twice
 CONVERGED_CHECKS = 3  # consecutive checks below the tolerance that end the equilibration
+USUAL_DURATION = 6.0  # of a collapse, in sqrt(h_i / g); some columns creep for longer
 REST_WINDOW = 0.2  # in sqrt(h_i / g): the column is at rest when it has been quiet for this time
 REST_ENERGY = 1e-5  # grid kinetic energy over m g h_i
 REST_FRONT = 0.1  # in h: motion of the front
@@ -103,7 +104,8 @@ class Stages:
         options, solver, progress = self.case.stages.collapse, self.solver, self.simulation.progress
         lifting_time = self.model.discretization.h_i / self.case.stages.gate_speed
         limit = options.max_time_factor * self.fall_time + lifting_time
-        snapshots = self._snapshot_times(limit)
+        usual = min(limit, USUAL_DURATION * self.fall_time + lifting_time)
+        snapshots = self._snapshot_times(limit, usual)
         while solver.time < limit and not (options.end == "rest" and progress.at_rest):
             next_check = min((progress.checks + 1) * self.fall_time / CHECKS_PER_FALL_TIME, limit)
             self._advance(min([next_check, *snapshots[:1]]))
@@ -113,7 +115,7 @@ class Stages:
             if solver.time >= next_check:
                 progress.checks += 1
                 self._check_collapse(lifting_time)
-                self.simulation.show_progress("collapse", solver.time / limit)
+                self.simulation.show_progress("collapse", min(solver.time / usual, 1.0))
         self._finish_collapse(snapshots)
 
     def _check_collapse(self, lifting_time: float) -> None:
@@ -130,6 +132,13 @@ class Stages:
         self.simulation.show_progress("collapse", 1.0)
         ending = "at rest" if self.simulation.progress.at_rest else "ended"
         self._notify_stage("collapse", f"{ending} after {self.solver.time / self.fall_time:.2f} sqrt(h_i/g)")
+        options = self.case.stages.collapse
+        if options.end == "rest" and not self.simulation.progress.at_rest:
+            self.simulation.warn(
+                f"the column still moved at the time limit, {options.max_time_factor:g} sqrt(h_i/g): runout and height "
+                f"are not final; stages.collapse.max_time_factor = {2.0 * options.max_time_factor:g} allows twice as "
+                "many steps"
+            )
         if count := len(self._arrested_points()):
             noun = "particle was" if count == 1 else "particles were"
             self.simulation.warn(
@@ -227,12 +236,13 @@ class Stages:
         energy = max(row["grid_kinetic"] for row in rows) / (self._weight * discretization.h_i)
         return bool(energy < REST_ENERGY and max(front) - min(front) < REST_FRONT * discretization.h)
 
-    def _snapshot_times(self, limit: float) -> list[float]:
+    def _snapshot_times(self, limit: float, usual: float) -> list[float]:
         """Times of the snapshots between release and rest that are still to be written, s."""
         output, now = self.case.output, self.solver.time
         if output.times is not None:
             return [t for t in output.times if t > now]
-        return [t for k in range(1, output.snapshots) if (t := limit * k / output.snapshots) > now]
+        count = ceil(output.snapshots * limit / usual)
+        return [t for k in range(1, count) if now < (t := usual * k / output.snapshots) < limit]
 
     def _notify_stage(self, stage: str, text: str) -> None:
         self.simulation.notify(f"{stage:12s} {text}, {self.solver.steps} steps, dt {self.solver.dt:.3g} s")

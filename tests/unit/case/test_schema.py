@@ -23,7 +23,7 @@ def test_default_values(write: Write) -> None:
     )
     assert (case.grid.points_per_cell, case.time.cfl, case.output.snapshots) == (4, 0.5, 20)
     assert (case.stages.equilibrate.damping, case.stages.collapse.damping) == (0.5, 0.05)
-    assert (case.stages.collapse.end, case.stages.collapse.max_time_factor) == ("rest", 6.0)
+    assert (case.stages.collapse.end, case.stages.collapse.max_time_factor) == ("rest", 10.0)
     assert case.stages.gate_speed == math.inf
     assert case.score.experiment == "paper"
 
