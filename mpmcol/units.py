@@ -140,3 +140,8 @@ def to_unit(text: str, unit: str) -> float:
         raise ValueError(f'"{written}" cannot be converted to {unit or "a number without unit"}')
     # rounded to 15 digits, so that "2 mm" is exactly 0.002
     return number if written == unit else float(f"{number * factor / divisor:.15g}")
+
+
+def length_text(metres: float) -> str:
+    """A length with four digits, in mm below one metre and in m above."""
+    return f"{1e3 * metres:.4g} mm" if abs(metres) < 1.0 else f"{metres:.4g} m"

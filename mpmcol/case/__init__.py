@@ -8,6 +8,7 @@ from mpmcol.case.problem import Problem
 from mpmcol.case.reference import explain, json_schema, key_names
 from mpmcol.case.schema import Case
 from mpmcol.case.source import shipped_cases
+from mpmcol.case.strength import strength_of
 from mpmcol.case.values import case_hash
 
 __all__ = [
@@ -22,4 +23,5 @@ __all__ = [
     "markdown_reference",
     "resolved_toml",
     "shipped_cases",
+    "strength_of",
 ]

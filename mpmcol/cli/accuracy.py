@@ -63,15 +63,13 @@ def certify(
 
 def _record(bar: ErrorBar, results: Results) -> dict[str, Any]:
     """The bar for JSON, with the value that the experiment of the case leads to expect."""
-    from mpmcol.experiments import find_experiment
+    from mpmcol.studies.judgement import applicable_experiment
 
-    shape = results.shape
-    experiment = find_experiment(results.case.score.experiment, shape.model, shape.section)
-    expected = experiment.expected(bar.quantity.partition(".")[0], shape.a)
+    experiment, _ = applicable_experiment(results.case)
     law = None
-    if expected:
+    if experiment and (expected := experiment.expected(bar.quantity.partition(".")[0], results.shape.a)):
         value, scatter = expected
-        law = {"experiment": experiment.name, "expected": value, "scatter": scatter / value}
+        law = {"experiment": experiment.citation, "expected": value, "scatter": scatter / value}
     means = {f"{cells:g}": mean for cells, mean in bar.means.items()}
     return asdict(bar) | {"means": means, "value": bar.value, "error": bar.error, "cause": bar.cause, "law": law}
 

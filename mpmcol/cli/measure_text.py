@@ -5,9 +5,13 @@ from __future__ import annotations
 from itertools import groupby
 from typing import TYPE_CHECKING
 
+from mpmcol.experiments import EXPERIMENTS
+
 if TYPE_CHECKING:
     from mpmcol.cli.measured import Measured
     from mpmcol.experiments import ProfileScore, Score
+
+WIDTH = max(len(experiment.citation) for experiment in EXPERIMENTS.values())
 
 
 def text_of(measured: Measured) -> str:
@@ -57,7 +61,7 @@ def _score_lines(measured: Measured) -> list[str]:
     return [
         *(_law_line(law) for law in laws if law[0].expected is not None),
         *(_profile_line(profile) for profile in measured.profiles),
-        *(f"{law[0].experiment:<24} {law[0].quantity:<10} {law[0].comment}" for law in laws if law[0].expected is None),
+        *(_reason_line(law[0]) for law in laws if law[0].expected is None),
     ]
 
 
@@ -65,9 +69,17 @@ def _law_line(scores: list[Score]) -> str:
     first = scores[0]
     errors = " / ".join(_percent(score) for score in scores)
     return (
-        f"{first.experiment:<24} {first.quantity:<10}{first.expected:7.3f}  {errors:<34}"
+        f"{_citation(first.experiment):<{WIDTH}} {first.quantity:<10}{first.expected:7.3f}  {errors:<34}"
         f"scatter {100.0 * first.scatter:4.1f} %  {first.comment}"
     )
+
+
+def _reason_line(score: Score) -> str:
+    return f"{_citation(score.experiment):<{WIDTH}} {score.quantity:<10} {score.comment}"
+
+
+def _citation(experiment: str) -> str:
+    return EXPERIMENTS[experiment].citation
 
 
 def _percent(score: Score) -> str:
@@ -76,5 +88,5 @@ def _percent(score: Score) -> str:
 
 def _profile_line(profile: ProfileScore) -> str:
     tip = "" if profile.error is None else f", tip {100.0 * profile.error:+.1f} %"
-    name = f"{profile.experiment:<24} {profile.profile}"
+    name = f"{_citation(profile.experiment):<{WIDTH}} {profile.profile}"
     return f"{name}: RMS distance {profile.rms_mm:.1f} mm{tip} ({profile.comment})"

@@ -8,6 +8,7 @@ from typing import Any
 
 import click
 
+from mpmcol.case import strength_of
 from mpmcol.errors import OutputError
 from mpmcol.experiments import ProfileScore, Score, profile_scores, score
 from mpmcol.io.names import HISTORY_FILE
@@ -42,6 +43,7 @@ def measure_results(results: Results, snapshot: int) -> Measured:
     is_last = snapshot in (-1, len(results.snapshots) - 1)
     stop = _stop_time(results) if results.came_to_rest and is_last else None
     values: dict[str, Any] = {"zeta": measurement.zeta, "beta": measurement.beta}
+    values |= {} if stop is None else {"stop_time": stop}
     return Measured(
         status=results.status,
         at_rest=results.came_to_rest,
@@ -51,7 +53,7 @@ def measure_results(results: Results, snapshot: int) -> Measured:
         measurement=measurement,
         shape=shape,
         stop_time=stop,
-        scores=score(values if stop is None else {**values, "stop_time": stop}, shape.a, shape.model, shape.section),
+        scores=score(values, shape.a, shape.model, shape.section, strength_of(results.case)),
         profiles=profile_scores(
             measurement.profile_x, measurement.profile_y, shape.model, shape.r_i, shape.h_i, shape.section
         ),

@@ -7,6 +7,7 @@ from typing import Any
 
 from mpmcol.experiments import find_experiment, mark
 from mpmcol.io.results import Results
+from mpmcol.studies.judgement import judge
 
 FRONT_TEXT = {
     "front_max": "farthest point",
@@ -16,8 +17,8 @@ FRONT_TEXT = {
 
 
 def summary_table(results: Results) -> str:
-    """Runout and height with their errors, then the cost of the run."""
-    return "\n".join([*_measured(results), "", *_cost(results.summary)])
+    """Runout and height with their errors, the cost of the run, and its judgement."""
+    return "\n".join([*_measured(results), "", *_cost(results.summary), "", *judge(results)])
 
 
 def _measured(results: Results) -> Iterator[str]:
@@ -28,7 +29,7 @@ def _measured(results: Results) -> Iterator[str]:
         for score in summary["errors"]
         if score["experiment"] == experiment.name
     }
-    yield f"{'':48s}{'m':>8s}{'':>8s}   relative to {experiment.name}"
+    yield f"{'':48s}{'m':>8s}{'':>8s}   relative to {experiment.citation}"
     for name, front in summary["front"].items():
         comparison = _comparison(errors.get(("zeta", name)))
         zeta, label = summary["zeta"][name], f"zeta, {name} ({FRONT_TEXT[name]})"

@@ -10,7 +10,17 @@ from typing import Any, Protocol
 from numpy.typing import ArrayLike
 
 from mpmcol.errors import UsageError, suggestion
-from mpmcol.experiments.base import Experiment, Law, Piece, Profile, ProfileScore, Score, column_kind, mark
+from mpmcol.experiments.base import (
+    Experiment,
+    Law,
+    Piece,
+    Profile,
+    ProfileScore,
+    Score,
+    Strength,
+    column_kind,
+    mark,
+)
 from mpmcol.experiments.records import (
     balmforth_kerswell_2005,
     bougouin_lacaze_2018,
@@ -38,6 +48,7 @@ __all__ = [
     "Profile",
     "ProfileScore",
     "Score",
+    "Strength",
     "column_kind",
     "expected_runout",
     "find_experiment",
@@ -107,7 +118,9 @@ def find_experiment(name: str, model: str, section: str = "cylinder") -> Experim
     return experiment
 
 
-def score(measured: Any, a: float, model: str, section: str = "cylinder") -> list[Score]:
+def score(
+    measured: Any, a: float, model: str, section: str = "cylinder", strength: Strength | None = None
+) -> list[Score]:
     """Errors against every published law for columns of this kind (see `column_kind`) at aspect ratio a.
 
     Args:
@@ -116,11 +129,13 @@ def score(measured: Any, a: float, model: str, section: str = "cylinder") -> lis
         a: aspect ratio h_i / r_i.
         model: "plane", "axisymmetric", "quarter" or "full".
         section: horizontal section of a 3D column, "cylinder" or "box".
+        strength: of the material; without it, materials are not compared.
 
-    Laws are not extrapolated: where a law has no value at a, the score has no error and its comment gives the
-    reason. A law shared by several records is scored once, under the first name (the paper's).
+    Laws are not extrapolated: where a law has no value at a, or the material does not resemble that of the experiment,
+    the score has no error and its comment gives the reason. A law shared by several records is scored once, under the
+    first name (the paper's).
     """
-    return score_laws(EXPERIMENTS, measured, a, column_kind(model, section))
+    return score_laws(EXPERIMENTS, measured, a, column_kind(model, section), strength)
 
 
 def profile_score(profile_x: ArrayLike, profile_y: ArrayLike, experiment: Experiment) -> ProfileScore | None:

@@ -11,6 +11,10 @@ from typing import Any, Literal
 ASSUMED_SCATTER = "no scatter published; assumed"
 RUNOUT_SCATTER = 0.10
 HEIGHT_SCATTER = 0.05
+# Friction angles of materials that resemble those of an experiment, degrees: from the angle of repose, or of the grains
+# in simple shear, to the peak of dense grains.
+DRY_SAND, GLASS_BEADS = (28.0, 40.0), (20.0, 30.0)
+MAX_COHESION = 0.01  # of rho g h_i: above it, a column does not resemble one of dry grains
 
 
 def mark(verified: bool) -> str:
@@ -95,6 +99,14 @@ class Profile:
 
 
 @dataclass(frozen=True)
+class Strength:
+    """Strength of the material of a column, by which experiments are selected."""
+
+    friction_deg: float | None  # residual, of a softening material; None without a yield surface
+    cohesion: float  # relative to rho g h_i
+
+
+@dataclass(frozen=True)
 class Experiment:
     """A published data set, with at most one law for each quantity."""
 
@@ -109,6 +121,7 @@ class Experiment:
     doi: str = ""
     note: str = ""
     column: tuple[float, float] | None = None  # (r_i, h_i) in m, if only one column was tested
+    friction_deg: tuple[float, float] = DRY_SAND  # of materials that resemble its own, which are without cohesion
 
     def law(self, quantity: str) -> Law | None:
         """The law of a quantity, or None."""
@@ -116,14 +129,30 @@ class Experiment:
 
     def label(self, quantity: str) -> str:
         """Author and year for the legend of a chart, marked if the law of the quantity is unverified."""
-        law, (citation, _, _) = self.law(quantity), self.title.partition(",")
-        return citation if law is None else citation + mark(law.verified)
+        law = self.law(quantity)
+        return self.citation if law is None else self.citation + mark(law.verified)
 
     def expected(self, quantity: str, a: float) -> tuple[float, float] | None:
         """Value of the quantity's law at a and its absolute scatter; None where there is no law."""
         law = self.law(quantity)
         value = law(a) if law else None
         return None if law is None or value is None else (value, law.scatter * value)
+
+    def misfit(self, strength: Strength) -> str:
+        """Why the material of a column does not resemble that of the experiment; "" if it does."""
+        lo, hi = self.friction_deg
+        if strength.cohesion > MAX_COHESION:
+            return f"for grains without cohesion; here it is {strength.cohesion:.2g} rho g h_i"
+        if strength.friction_deg is None:
+            return f"for friction of {lo:g} to {hi:g} deg; this material has none"
+        if not lo <= strength.friction_deg <= hi:
+            return f"for friction of {lo:g} to {hi:g} deg; here it is {strength.friction_deg:g} deg"
+        return ""
+
+    @property
+    def citation(self) -> str:
+        """Author and year."""
+        return self.title.partition(",")[0]
 
     def fits(self, r_i: float, h_i: float) -> bool:
         """Whether profiles in m can be compared: the column has the experiment's size to within 2 %."""

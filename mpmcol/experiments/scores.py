@@ -8,14 +8,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mpmcol.experiments.base import Experiment, Law, Profile, ProfileScore, Score, mark
+from mpmcol.experiments.base import Experiment, Law, Profile, ProfileScore, Score, Strength, mark
 
 
-def score_laws(experiments: Mapping[str, Experiment], measured: Any, a: float, kind: str) -> list[Score]:
+def score_laws(
+    experiments: Mapping[str, Experiment], measured: Any, a: float, kind: str, strength: Strength | None
+) -> list[Score]:
     """Scores against every law for columns of this kind; a law in several records is scored once, under the first."""
     values = list(_values(measured))
     return [
-        _score(experiment, law, front, value, a)
+        _score(experiment, law, front, value, a, strength)
         for experiment, law in _laws(experiments, kind)
         for quantity, front, value in values
         if quantity == law.quantity
@@ -49,8 +51,9 @@ def _values(measured: Any) -> Iterator[tuple[str, str, float]]:
             yield quantity, front, number["mean"] if isinstance(number, Mapping) else number
 
 
-def _score(experiment: Experiment, law: Law, front: str, value: float, a: float) -> Score:
-    expected = law(a)
+def _score(experiment: Experiment, law: Law, front: str, value: float, a: float, strength: Strength | None) -> Score:
+    misfit = experiment.misfit(strength) if strength else ""
+    expected = None if misfit else law(a)
     return Score(
         experiment=experiment.name,
         quantity=law.quantity,
@@ -59,7 +62,7 @@ def _score(experiment: Experiment, law: Law, front: str, value: float, a: float)
         expected=expected,
         error=None if expected is None else value / expected - 1.0,
         scatter=law.scatter,
-        comment=(law.gap(a) if expected is None else experiment.material) + mark(law.verified),
+        comment=(misfit or (law.gap(a) if expected is None else experiment.material)) + mark(law.verified),
         verified=law.verified,
     )
 

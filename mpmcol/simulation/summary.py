@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmcol.case import case_hash
+from mpmcol.case import case_hash, strength_of
 from mpmcol.experiments import profile_scores, score
 from mpmcol.io.results import RESULT_SCHEMA, measure_snapshot, measure_stop_time
 from mpmcol.io.snapshot import Snapshot
@@ -35,6 +35,7 @@ def summarize(status: str, simulation: Simulation, final: Snapshot) -> dict[str,
     profiles = profile_scores(
         measured.profile_x, measured.profile_y, geometry.model, geometry.r_i, geometry.h_i, geometry.section
     )
+    scores = score(measured, geometry.a, geometry.model, geometry.section, strength_of(case))
     collapse_steps = solver.steps - progress.release_step if progress.stage == "collapse" else 0
     return {
         "schema": RESULT_SCHEMA,
@@ -43,7 +44,7 @@ def summarize(status: str, simulation: Simulation, final: Snapshot) -> dict[str,
         "case_hash": case_hash(case),
         **measured.scalars(),
         "stop_time": _stop_time(simulation) if progress.at_rest else None,
-        "errors": [entry.as_dict() for entry in score(measured, geometry.a, geometry.model, geometry.section)],
+        "errors": [entry.as_dict() for entry in scores],
         "profile_scores": [vars(entry) for entry in profiles],
         "at_rest": progress.at_rest,
         "time": solver.time,

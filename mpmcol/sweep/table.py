@@ -11,7 +11,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from mpmcol.case import resolved_toml
+from mpmcol.case import resolved_toml, strength_of
 from mpmcol.case.fields import number_of
 from mpmcol.case.reference import field_at
 from mpmcol.experiments import find_experiment
@@ -103,7 +103,8 @@ def _laws(outcome: Outcome) -> Row:
     case = outcome.run.case
     geometry = case.geometry
     experiment = find_experiment(case.score.experiment, geometry.model, geometry.section)
-    expected = {quantity: experiment.expected(quantity, geometry.a) for quantity in ("zeta", "beta")}
+    applies = not experiment.misfit(strength_of(case))
+    expected = {name: experiment.expected(name, geometry.a) if applies else None for name in ("zeta", "beta")}
     unverified = [law.quantity for law in experiment.laws if expected.get(law.quantity) and not law.verified]
     values = {f"law.{quantity}": law[0] if law else None for quantity, law in expected.items()}
     return {**values, "law.unverified": ";".join(unverified)}

@@ -15,6 +15,7 @@ from click.testing import CliRunner
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
+from mpmcol.case import load_case
 from mpmcol.cli.measure import measure as measure_command
 from mpmcol.cli.run_summary import summary_table
 from mpmcol.experiments import EXPERIMENTS, score
@@ -25,6 +26,7 @@ from mpmcol.plotting.run_charts import chart_run
 
 QUARTER = ColumnShape("quarter", "one-sided", r_i=0.1, h_i=0.09, spacing=0.005, density=2650.0, point_size=0.0025)
 BOX = replace(QUARTER, section="box")
+SIZE = ("geometry.radius=0.1", "geometry.aspect=0.9")
 
 
 def deposit(shape: ColumnShape, spread: float = 0.9) -> Measurement:
@@ -48,7 +50,7 @@ def run_of(shape: ColumnShape, folder: Path) -> SimpleNamespace:
     return SimpleNamespace(
         folder=folder, shape=shape, snapshots=[folder], status="done", came_to_rest=True,
         history=history | {"stage": np.array(["collapse"] * 3), "time": np.arange(3.0)},
-        case=SimpleNamespace(geometry=SimpleNamespace(gravity=9.81), score=SimpleNamespace(experiment="paper")),
+        case=load_case("lube-quarter", [*SIZE, f"geometry.section={shape.section}"]),
         summary=json.loads(json.dumps(summary)), measure=lambda number: measured,
         snapshot=lambda number: SimpleNamespace(stage="rest", time=0.3),
     )  # fmt: skip
@@ -83,7 +85,7 @@ def test_measure_prints_the_mean_and_the_range_around_the_axis(run: SimpleNamesp
     line = next(text for text in lines if text.startswith("front_height"))
     assert line.endswith(f"zeta {measured.zeta['front_height']:7.3f}   {low:.3f} to {high:.3f} around the axis")
     assert any(text.startswith("quarter, cylinder, a = 0.9") for text in lines)
-    assert any(text.startswith("paper-axisymmetric") and "1.116" in text for text in lines)
+    assert any(text.startswith("Lube et al. 2004") and "1.116" in text for text in lines)
 
 
 def test_json_and_csv_contain_mean_and_range(run: SimpleNamespace) -> None:
@@ -132,7 +134,7 @@ def test_a_box_is_drawn_along_x_and_without_an_experiment(tmp_path: Path, figure
 def test_summary_table_of_a_box_has_ranges_along_x_and_no_law(tmp_path: Path) -> None:
     box = run_of(BOX, tmp_path)
     table = summary_table(box)  # type: ignore[arg-type]
-    assert "relative to none" in table and table.count("no law") == 4
+    assert "relative to no published collapse of a box" in table and table.count("no law") == 4
     zeta = box.summary["zeta"]["front_height"]
     assert f"{zeta['mean']:8.3f}   no law" in table and f"{zeta['min']:.3f} to {zeta['max']:.3f} along x" in table
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import inf
 
-from mpmcol.experiments.base import Experiment, Law, Piece
+from mpmcol.experiments.base import GLASS_BEADS, Experiment, Law, Piece
 
 _RUNOUT_SCATTER = "published: 2.7 +- 0.3 and 3.7 +- 0.3 (the larger of the two, relative)"
 _HEIGHT_SCATTER = "published: 0.8 +- 0.07"
@@ -17,6 +17,7 @@ EXPERIMENT = Experiment(
     release="one-sided",
     kind="laboratory",
     material="glass beads in fluid, free-fall and inertial regimes",
+    friction_deg=GLASS_BEADS,
     laws=(
         Law(
             "zeta",

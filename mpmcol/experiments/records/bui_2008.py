@@ -46,6 +46,7 @@ EXPERIMENT = Experiment(
     release="one-sided",
     kind="laboratory",
     material="aluminium rods, phi = 19.8 deg",
+    friction_deg=(18.0, 22.0),
     laws=(
         Law("zeta", _at_this_column(SURFACE.x[-1] / _R_I - 1.0), RUNOUT_SCATTER, verified=True),
         Law("beta", _at_this_column(SURFACE.y[0] / _H_I), HEIGHT_SCATTER, verified=True),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import inf
 
-from mpmcol.experiments.base import HEIGHT_SCATTER, RUNOUT_SCATTER, Experiment, Law, Piece
+from mpmcol.experiments.base import GLASS_BEADS, HEIGHT_SCATTER, RUNOUT_SCATTER, Experiment, Law, Piece
 
 EXPERIMENT = Experiment(
     name="lajeunesse-2004",
@@ -14,6 +14,7 @@ EXPERIMENT = Experiment(
     release="one-sided",
     kind="laboratory",
     material="glass beads",
+    friction_deg=GLASS_BEADS,
     laws=(
         Law("zeta", (Piece(0.0, 0.74, 1.35, 1.0), Piece(0.74, inf, 2.0, 1 / 2)), RUNOUT_SCATTER, verified=False),
         Law("beta", (Piece(0.0, 0.74, 1.0, 0.0), Piece(0.74, inf, 0.74, -1.0)), HEIGHT_SCATTER, verified=False),

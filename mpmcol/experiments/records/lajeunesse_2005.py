@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import inf
 
-from mpmcol.experiments.base import HEIGHT_SCATTER, RUNOUT_SCATTER, Experiment, Law, Piece
+from mpmcol.experiments.base import GLASS_BEADS, HEIGHT_SCATTER, RUNOUT_SCATTER, Experiment, Law, Piece
 
 EXPERIMENT = Experiment(
     name="lajeunesse-2005",
@@ -13,6 +13,7 @@ EXPERIMENT = Experiment(
     release="one-sided",
     kind="laboratory",
     material="glass beads, repose 22 deg, avalanche 27.4 deg",
+    friction_deg=GLASS_BEADS,
     laws=(
         Law("zeta", (Piece(0.0, 3.0, 1.8, 1.0), Piece(3.0, inf, 2.3, 2 / 3)), RUNOUT_SCATTER, verified=True),
         Law("beta", (Piece(0.0, 0.7, 1.0, 0.0), Piece(1.0, inf, 1.0, -2 / 3)), HEIGHT_SCATTER, verified=False),

@@ -7,7 +7,7 @@ from mpmcol.experiments.records import lube_2004
 
 EXPERIMENT = Experiment(
     name="paper-axisymmetric",
-    title="Coetzee & Purvance 2026, Eq. 38-40: the axisymmetric experiments of Lube et al. 2004",
+    title="Lube et al. 2004, as Eq. 38-40 of Coetzee & Purvance 2026",
     doi="10.20944/preprints202605.0398.v1",
     model="axisymmetric",
     release="one-sided",

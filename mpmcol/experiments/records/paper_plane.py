@@ -7,7 +7,7 @@ from mpmcol.experiments.records import lube_2005, lube_2007
 
 EXPERIMENT = Experiment(
     name="paper-plane",
-    title="Coetzee & Purvance 2026, Eq. 37: the channel experiments of Lube et al.",
+    title="Lube et al. 2007, as Eq. 37 of Coetzee & Purvance 2026",
     doi="10.20944/preprints202605.0398.v1",
     model="plane",
     release="one-sided",

@@ -12,7 +12,7 @@ from functools import cache
 from math import hypot
 from typing import Any
 
-from mpmcol.case import Case
+from mpmcol.case import Case, strength_of
 from mpmcol.errors import UsageError
 from mpmcol.experiments import column_kind
 from mpmcol.studies.pareto.score import BETA, ZETA
@@ -50,10 +50,9 @@ def parameters_of(case: Case) -> ColumnParameters:
 
     Raises UsageError for a material without friction.
     """
-    geometry, material = case.geometry, case.material
-    friction = getattr(material, "friction_deg", None) or getattr(material, "friction_residual_deg", None)
+    geometry, law, friction = case.geometry, case.material.law, strength_of(case).friction_deg
     if friction is None:
-        raise UsageError(f"material.law = {material.law}: the errors were studied for materials with friction only")
+        raise UsageError(f"material.law = {law}: the errors were studied for materials with friction only")
     return ColumnParameters(column_kind(geometry.model, geometry.section), geometry.a, friction)
 
 

@@ -12,6 +12,7 @@ from mpmcol.errors import UsageError
 from mpmcol.experiments import (
     EXPERIMENTS,
     Score,
+    Strength,
     expected_runout,
     find_experiment,
     profile_score,
@@ -295,7 +296,8 @@ def test_unverified_laws_are_marked_in_labels_and_scores(name: str, quantity: st
     experiment = EXPERIMENTS[name]
     law = experiment.law(quantity)
     assert law is not None and law.verified is verified
-    citation = "Bougouin & Lacaze 2018" if name == "bougouin-lacaze-2018" else "Coetzee & Purvance 2026"
+    citations = {"paper-plane": "Lube et al. 2007", "paper-axisymmetric": "Lube et al. 2004"}
+    citation = citations.get(name, "Bougouin & Lacaze 2018")
     assert experiment.label(quantity) == citation + ("" if verified else " (unverified)")
     result = find(score({quantity: 1.0}, 0.9, experiment.model), name, quantity)
     assert result.verified is verified
@@ -310,3 +312,20 @@ def test_an_unverified_profile_is_marked_in_its_score() -> None:
         result = profile_score([0.0, 0.3], [0.08, 0.0], experiment)
         assert result is not None and result.verified is verified
         assert result.comment.endswith("(unverified)") is not verified
+
+
+@pytest.mark.parametrize(
+    ("friction", "cohesion", "reason"),
+    [
+        (33.0, 0.0, ""),
+        (28.0, 0.009, ""),
+        (27.0, 0.0, "for friction of 28 to 40 deg; here it is 27 deg"),
+        (33.0, 0.02, "for grains without cohesion; here it is 0.02 rho g h_i"),
+        (None, 0.0, "for friction of 28 to 40 deg; this material has none"),
+    ],
+)
+def test_laws_apply_to_similar_materials(friction: float | None, cohesion: float, reason: str) -> None:
+    strength = Strength(friction, cohesion)
+    assert EXPERIMENTS["lube-2007"].misfit(strength) == reason
+    scores = [one for one in score({"zeta": 1.5}, 1.0, "plane", strength=strength) if one.experiment == "paper-plane"]
+    assert [(one.error is None, one.comment) for one in scores] == [(bool(reason), reason or "sand")]

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
+from mpmcol.case import Case, load_case
 from mpmcol.errors import OutputError, UsageError
 from mpmcol.experiments import EXPERIMENTS
 from mpmcol.io import results
@@ -48,10 +49,8 @@ class SyntheticRun(Results):
     times = (0.0, 0.1, 0.2, 0.3)
 
     @property
-    def case(self) -> SimpleNamespace:
-        return SimpleNamespace(
-            geometry=SimpleNamespace(gravity=9.81), score=SimpleNamespace(experiment=self.experiment)
-        )
+    def case(self) -> Case:
+        return load_case("quickstart", [f"score.experiment={self.experiment}"])
 
     @property
     def snapshots(self) -> list[Path]:
@@ -172,7 +171,7 @@ def test_no_experimental_front_in_a_gap_and_no_profiles_for_another_column(
     charts.profile_chart(tmp_path / "p.png", gap, [(0.3, deposit(1.5, gap))], EXPERIMENTS["paper-plane"])
     charts.profile_chart(tmp_path / "q.png", SHAPE, [(0.3, deposit(1.5))], EXPERIMENTS["bui-2008"])
     labels = [[str(c.get_label()) for c in figure.axes[0].containers] for figure in figures]
-    assert labels == [["Coetzee & Purvance 2026 (unverified): height, scatter"], []]
+    assert labels == [["Lube et al. 2007 (unverified): height, scatter"], []]
     names = [str(entry.get_label()) for figure in figures for entry in figure.axes[0].lines]
     assert not {"free surface", "universal final surface"} & set(names)
 
@@ -184,7 +183,7 @@ def test_front_chart_is_normalised(run: SyntheticRun, figures: list[Figure]) -> 
     assert tau[-1] == pytest.approx(0.4 / np.sqrt(0.09 / 9.81))
     assert zeta[[0, -1]] == pytest.approx([0.0, 1.5])
     assert line(figures[1], 1, "height")[1][[0, -1]] == pytest.approx([1.0, 0.7])
-    assert line(figures[1], 0, "Coetzee & Purvance 2026")[1] == pytest.approx([1.6, 1.6])
+    assert line(figures[1], 0, "Lube et al. 2007")[1] == pytest.approx([1.6, 1.6])
 
 
 def test_energy_chart_is_in_per_cent_since_release(run: SyntheticRun, figures: list[Figure]) -> None:
@@ -224,9 +223,9 @@ def test_plot_command_prints_the_paths(run: SyntheticRun, figures: list[Figure])
 def test_measure_command_table(run: SyntheticRun) -> None:
     table = invoke("measure", run.folder).output
     assert f"zeta {run.measure().zeta['front_max']:7.3f}" in table
-    paper = next(text for text in table.splitlines() if text.startswith("paper-plane") and "zeta" in text)
+    paper = next(text for text in table.splitlines() if text.startswith("Lube et al. 2007 ") and "zeta" in text)
     assert "1.600" in paper and paper.count("*") == 0
-    rods = next(text for text in table.splitlines() if text.startswith("lube-2005 ") and "zeta" in text)
+    rods = next(text for text in table.splitlines() if text.startswith("Lube et al. 2005 ") and "zeta" in text)
     assert rods.count("*") == 3  # 1.5 is 25 % beyond 1.2
     assert "exponent only" in table
     assert "undisturbed radius" in table and table.count("universal final surface: RMS distance") == 1

@@ -204,7 +204,7 @@ def test_a_certified_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
     done = invoke(*arguments)
     assert done.exit_code == 0, done.output
     folder = tmp_path / "runs" / "lube-cylinder-certified"
-    assert "zeta.front_height = " in done.output and "law of paper-axisymmetric: 1.116" in done.output
+    assert "zeta.front_height = " in done.output and "law of Lube et al. 2004: 1.116" in done.output
     assert invoke("verify", str(folder)).exit_code == 0
     again: Any = json.loads(invoke(*arguments, "--json").stdout)
     bars = again["error_bars"]

@@ -155,11 +155,11 @@ def test_charts_have_laws_scatter_transition_and_fits(tmp_path: Path, figures: d
     runs = plan(tmp_path, aspect="0.5,1,2,3,5")
     write_report([*map(finish, runs[:-1]), finish(runs[-1], at_rest=False)], tmp_path)
     zeta, beta = labels(figures["zeta.png"]), labels(figures["beta.png"])
-    assert "Coetzee & Purvance 2026, scatter 10%" in zeta and "Lajeunesse et al. 2004 (unverified)" in zeta
+    assert "Lube et al. 2004, scatter 10%" in zeta and "Lajeunesse et al. 2004 (unverified)" in zeta
     assert [name for name in FRONTS if name in zeta] == list(FRONTS)
     assert "front_max (not at rest)" in zeta
     assert r"front_height: $\zeta \propto a^{0.50}$ (law $a^{0.50}$)" in zeta  # a fit of two runs has no uncertainty
-    assert "Coetzee & Purvance 2026: transition, no law" in beta
+    assert "Lube et al. 2004: transition, no law" in beta
     (span,) = [patch for patch in figures["beta.png"].axes[0].patches if patch.get_zorder() == -2]
     assert [span.get_x(), span.get_x() + span.get_width()] == [1.0, 1.7]
 
@@ -187,7 +187,7 @@ def test_an_axis_other_than_the_aspect_ratio(tmp_path: Path, figures: dict[str, 
     report = write_report([finish(run) for run in runs], tmp_path)
     axes = figures["zeta.png"].axes[0]
     assert axes.get_xlabel() == "grid.spacing (m)" and axes.get_xscale() == "linear"
-    assert "Coetzee & Purvance 2026, a = 2, scatter" in labels(figures["zeta.png"])
+    assert "Lube et al. 2004, a = 2, scatter" in labels(figures["zeta.png"])
     assert report.slopes == []
 
 

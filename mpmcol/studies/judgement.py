@@ -1,0 +1,87 @@
+"""Judgement of a finished run in words: agreement with an experiment, error of the grid, and how to reduce it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from math import hypot
+from typing import Any
+
+from mpmcol.case import Case, strength_of
+from mpmcol.experiments import EXPERIMENTS, Experiment, column_kind, find_experiment, mark
+from mpmcol.io.results import Results
+from mpmcol.studies.pareto.score import BETA, ZETA
+from mpmcol.studies.pareto.studied import StudiedError, studied_error
+from mpmcol.units import length_text
+
+FRONT = "front_height"
+NAMES = {"zeta": "runout", "beta": "height"}
+IN_STUDY = {"zeta": ZETA, "beta": BETA}
+
+
+def judge(results: Results) -> list[str]:
+    """Lines on runout, height and the error of the grid of a run that is done."""
+    error = studied_error(results.case)
+    experiment, reason = applicable_experiment(results.case)
+    lines = [_quantity_line(results.summary, quantity, results.case, experiment, error) for quantity in NAMES]
+    return [*lines, *([reason] if reason else []), *_grid_lines(error)]
+
+
+def applicable_experiment(case: Case) -> tuple[Experiment | None, str]:
+    """The experiment with which a case can be compared, first that of the case; or None, and why there is none.
+
+    It has been made with this kind of column, a similar material, and this aspect ratio.
+    """
+    geometry, strength = case.geometry, strength_of(case)
+    own = find_experiment(case.score.experiment, geometry.model, geometry.section)
+    kind = column_kind(geometry.model, geometry.section)
+    others = [one for one in EXPERIMENTS.values() if one.model == kind and one.kind == "laboratory"]
+    for one in (own, *others):
+        if not one.misfit(strength) and any(one.expected(quantity, geometry.a) for quantity in NAMES):
+            return one, ""
+    if not own.laws:
+        return None, own.title
+    reason = own.misfit(strength) or ", ".join(dict.fromkeys(law.gap(geometry.a) for law in own.laws))
+    return None, f"no published experiment applies; {own.citation}: {reason}"
+
+
+def _quantity_line(
+    summary: Mapping[str, Any], quantity: str, case: Case, experiment: Experiment | None, error: StudiedError | None
+) -> str:
+    length, value = _measured(summary, quantity, case.geometry.r_i)
+    text = f"{NAMES[quantity]} {length_text(length)}, {quantity} = {value:.3f}"
+    expected = experiment.expected(quantity, case.geometry.a) if experiment else None
+    if experiment is None or expected is None:
+        return text
+    law = experiment.law(quantity)
+    difference, scatter = value / expected[0] - 1.0, expected[1] / expected[0]
+    grid = error.errors[IN_STUDY[quantity]] if error else 0.0
+    source = f"{experiment.citation}{mark(law.verified) if law else ''}"
+    return (
+        f"{text}: {difference:+.1%} against {source} ({expected[0]:.3f}, scatter {scatter:.0%}), "
+        f"{_verdict(abs(difference), scatter, grid)}"
+    )
+
+
+def _verdict(difference: float, scatter: float, grid: float) -> str:
+    if difference <= scatter:
+        return "agrees within the scatter"
+    if difference <= hypot(scatter, grid):
+        return "undecided within the error of the grid"
+    return "differs by more than the scatter" + (" and the error of the grid" if grid else "")
+
+
+def _measured(summary: Mapping[str, Any], quantity: str, r_i: float) -> tuple[float, float]:
+    """Length in m and dimensionless value; means around the axis in 3D."""
+    if quantity == "beta":
+        return float(summary["height"]), float(summary["beta"])
+    pair = (summary["front"][FRONT], summary["zeta"][FRONT])
+    front, value = (one["mean"] if isinstance(one, Mapping) else one for one in pair)
+    return float(front) - r_i, float(value)
+
+
+def _grid_lines(error: StudiedError | None) -> Iterator[str]:
+    if error is None:
+        yield "error of the grid: not studied for these settings; --accuracy 5% chooses studied ones"
+    else:
+        less = 50.0 * max(error.errors.values())
+        yield f"error of the grid: {error}; for less: --accuracy {less:.2g}%"

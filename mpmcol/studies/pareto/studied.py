@@ -1,0 +1,63 @@
+"""Error of the grid of a case, if the shipped study has configurations like it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from mpmcol.case import Case
+from mpmcol.case.values import leaf_values
+from mpmcol.errors import UsageError
+from mpmcol.studies.pareto.recommend import differences_from_study, studied_configurations
+from mpmcol.studies.pareto.score import BETA, ZETA
+from mpmcol.studies.pareto.shipped import neighbouring_cases, parameters_of, shipped_study
+from mpmcol.studies.pareto.study import load_study_case
+
+SAME_SPACING = 1.02  # ratio within which spacings count as equal
+SAME_SOFTNESS = 1.25  # of rho g h_i / E: a column that is softer by more has not been studied
+FURTHER_KEYS = ("geometry.base", "grid.points_per_cell", "geometry.model", "geometry.section")
+
+
+@dataclass(frozen=True)
+class StudiedError:
+    """Errors of the configuration of the study that is like a case, or the next coarser one."""
+
+    variant: str
+    cells: float  # r_i / h
+    errors: Mapping[str, float]  # quantity -> relative error not exceeded by 90 % of runs
+
+    def __str__(self) -> str:
+        return (
+            f"up to {self.errors[ZETA]:.1%} in runout and {self.errors[BETA]:.1%} in height, as in the study at "
+            f"r_i/h = {self.cells:g}"
+        )
+
+
+def studied_error(case: Case) -> StudiedError | None:
+    """Find the errors of the configurations that are like a case in all but size; None if there are none."""
+    try:
+        cases = neighbouring_cases(parameters_of(case))
+    except UsageError:
+        return None
+    cells = case.geometry.r_i / case.grid.spacing
+    coarser = [
+        StudiedError(variant, studied, errors)
+        for (variant, studied), errors in studied_configurations(cases).items()
+        if studied <= SAME_SPACING * cells and _is_like(case, variant, cases)
+    ]
+    return max(coarser, key=lambda one: one.cells, default=None)
+
+
+def _is_like(case: Case, variant: str, cases: list[str]) -> bool:
+    study = shipped_study()
+    there = load_study_case(study.cases[cases[0]], study.variants[variant])
+    values, others = leaf_values(case), leaf_values(there)
+    return (
+        not differences_from_study(case, variant, cases)
+        and all(values[key] == others[key] for key in FURTHER_KEYS)
+        and _softness(case) <= SAME_SOFTNESS * _softness(there)
+    )
+
+
+def _softness(case: Case) -> float:
+    return float(case.material.density * case.geometry.gravity * case.geometry.h_i / case.material.youngs_modulus)

@@ -1,0 +1,75 @@
+"""The judgement of a run: experiments are named where they apply, and the error of the grid where it was studied."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from mpmcol.case import load_case
+from mpmcol.studies import judgement
+from mpmcol.studies.pareto.score import BETA, ZETA
+from mpmcol.studies.pareto.studied import StudiedError
+
+
+def lines(name: str, zeta: float, beta: float, *overrides: str, error: float | None = None) -> list[str]:
+    """The judgement of a run with this result."""
+    case = load_case(name, overrides)
+    geometry = case.geometry
+    summary: dict[str, Any] = {
+        "front": {"front_height": geometry.r_i * (1.0 + zeta)}, "zeta": {"front_height": zeta},
+        "height": beta * geometry.h_i, "beta": beta,
+    }  # fmt: skip
+    results: Any = SimpleNamespace(case=case, summary=summary)
+    studied = None if error is None else StudiedError("light", 20.0, {ZETA: error, BETA: error})
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(judgement, "studied_error", lambda case: studied)
+        return judgement.judge(results)
+
+
+def test_a_result_agrees_within_scatter_and_the_error_of_the_grid() -> None:
+    runout, height, grid = lines("quickstart", 1.75, 0.9, error=0.0)
+    expected = (
+        "runout 157.5 mm, zeta = 1.750: +9.4% against Lube et al. 2007 (1.600, scatter 10%), agrees within the scatter"
+    )
+    assert runout == expected
+    assert height.endswith("Lube et al. 2007 (unverified) (1.000, scatter 5%), differs by more than the scatter")
+    assert "0.0% in runout" in grid
+    assert lines("quickstart", 1.84, 0.9, error=0.12)[0].endswith("undecided within the error of the grid")
+    assert lines("quickstart", 1.84, 0.9, error=0.10)[0].endswith(
+        "differs by more than the scatter and the error of the grid"
+    )
+
+
+@pytest.mark.parametrize(
+    ("overrides", "reason"),
+    [
+        (("material.cohesion=35e3",), "Lube et al. 2007: for grains without cohesion"),
+        (("material.friction_deg=1",), "Lube et al. 2007: for friction of 28 to 40 deg; here it is 1 deg"),
+        (
+            ("material={ law = 'elastic', density = 2000, youngs_modulus = 1e6, poissons_ratio = 0.2 }",),
+            "this material has none",
+        ),
+        (("geometry.aspect=30",), "no law for a >= 20"),
+        (
+            ("geometry.model=quarter", "geometry.section=box", "grid.points_per_cell=8"),
+            "no published collapse of a box",
+        ),
+    ],
+)
+def test_no_experiment_is_named_that_does_not_apply(overrides: tuple[str, ...], reason: str) -> None:
+    runout, height, why, grid = lines("quickstart", 1.0, 0.9, *overrides)
+    assert "against" not in runout + height
+    assert reason in why
+    assert "not studied" in grid
+
+
+def test_another_experiment_with_a_similar_material_is_found() -> None:
+    runout, *_ = lines("quickstart", 1.2, 0.9, "material.friction_deg=24")
+    assert "Lajeunesse et al. 2005" in runout
+
+
+def test_lengths_have_a_unit_that_suits_them() -> None:
+    size = ("geometry.radius=12", "grid.spacing=0.6", "geometry.base_thickness=2.4")
+    assert lines("quickstart", 1.5, 0.9, *size)[0].startswith("runout 18 m, ")
