@@ -26,6 +26,7 @@ import numpy as np
 from mpmcol.measure.front import FRONTS, fronts, pile_height, profiles
 from mpmcol.measure.sections import Array, Section, split
 from mpmcol.measure.shape import ColumnShape
+from mpmcol.measure.slope import repose_angle
 from mpmcol.measure.surface import UNDISTURBED, failure_line, undisturbed_radius
 
 __all__ = [
@@ -37,6 +38,7 @@ __all__ = [
     "deposit_profile",
     "failure_line",
     "measure",
+    "repose_angle",
     "stop_time",
     "undisturbed_radius",
 ]
@@ -54,6 +56,7 @@ class Measurement:
     height: float  # top of the contiguous pile at the wall or axis, above the base
     beta: float  # height / h_i
     area_factor: float  # plane, box: V / (r_f h_f); cylinder: V / (pi r_f^2 h_f)
+    repose_angle_deg: float | None  # inclination of the flank; None if it has too few cells
     undisturbed_radius: float | None  # None if no displacement was given
     profile_x: Array  # bin centres, (bins,)
     profile_y: Array  # height of each bin, (bins,): mean over the sections
@@ -92,6 +95,7 @@ def measure(x: Array, mass: Array, displacement: Array | None, shape: ColumnShap
     sections = split(x, mass, shape)
     profile_x, heights = profiles(sections, shape)
     found = np.array([fronts(own, profile_x, height, shape) for own, height in zip(sections, heights, strict=True)])
+    profile_y = heights.mean(axis=0)
     front = dict(zip(FRONTS, found.mean(axis=0).tolist(), strict=True))
     zeta = {name: value / shape.r_i - 1.0 for name, value in front.items()}
     height = pile_height(sections, shape)
@@ -103,9 +107,10 @@ def measure(x: Array, mass: Array, displacement: Array | None, shape: ColumnShap
         height=height,
         beta=height / shape.h_i,
         area_factor=_area_factor(sections, front["front_height"], height, shape),
+        repose_angle_deg=repose_angle(profile_x, profile_y),
         undisturbed_radius=still,
         profile_x=profile_x,
-        profile_y=heights.mean(axis=0),
+        profile_y=profile_y,
         front_range=_ranges(found, shape),
         zeta_range=_ranges(found / shape.r_i - 1.0, shape),
     )

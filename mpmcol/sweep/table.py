@@ -26,12 +26,13 @@ TABLE_SCHEMA = 1
 
 SIZES = ("spacing_used", "r_i", "h_i", "base_used")
 MEASURED = (
-    "front", "zeta", "spread", "height", "beta", "area_factor", "undisturbed_radius", "stop_time", "at_rest",
-    "time_over_tau",
+    "front", "zeta", "spread", "height", "beta", "area_factor", "repose_angle_deg", "undisturbed_radius", "stop_time",
+    "at_rest", "time_over_tau",
 )  # fmt: skip
 COST = ("points", "column_points", "steps", "dt", "ns_per_point_step", "core_seconds", "peak_memory_bytes", "threads")
 UNITS = {
-    "front": "m", "height": "m", "undisturbed_radius": "m", "stop_time": "sqrt(h_i/g)", "time_over_tau": "sqrt(h_i/g)",
+    "front": "m", "height": "m", "repose_angle_deg": "deg", "undisturbed_radius": "m",
+    "stop_time": "sqrt(h_i/g)", "time_over_tau": "sqrt(h_i/g)",
     **dict.fromkeys(SIZES, "m"), "rms_mm": "mm", "seconds": "s", "compile_seconds": "s", "dt": "s",
     "ns_per_point_step": "ns", "peak_memory_bytes": "B",
     "core_seconds": "s",

@@ -1,0 +1,30 @@
+"""The angle of repose of heaps of known slope."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mpmcol.measure import repose_angle
+
+X = 0.005 * (np.arange(60) + 0.5)
+
+
+@pytest.mark.parametrize("degrees", [20.0, 33.0])
+def test_of_a_slope_with_a_rounded_top_and_a_thin_front(degrees: float) -> None:
+    height = np.clip(0.1 - np.tan(np.radians(degrees)) * X, 0.0, None)
+    height[height > 0.085] = 0.085  # above 80 %: does not count
+    thin = (height < 0.015) & (height > 0.0)
+    height[thin] = 0.01  # below 20 %: does not count
+    assert repose_angle(X, height) == pytest.approx(degrees, abs=1e-6)
+
+
+def test_a_second_heap_does_not_count() -> None:
+    heap = np.clip(0.05 - 0.5 * X, 0.0, None)
+    second = np.where((X > 0.2) & (X < 0.25), 0.03, 0.0)
+    assert repose_angle(X, heap + second) == pytest.approx(np.degrees(np.arctan(0.5)))
+
+
+def test_a_block_or_nothing_has_none() -> None:
+    assert repose_angle(X, np.where(X < 0.1, 0.05, 0.0)) is None
+    assert repose_angle(X, np.zeros_like(X)) is None
