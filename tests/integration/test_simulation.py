@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,6 +19,7 @@ from mpmcol.io.snapshot import read_meta
 from mpmcol.setup.discretization import discretize
 from mpmcol.setup.memory import grid_bytes, memory_bytes, require_memory_for
 from mpmcol.setup.model import build_model
+from mpmcol.simulation.stages import Stages
 from tests.support.cli import invoke, set_options
 from tests.support.runs import TINY
 
@@ -218,6 +221,28 @@ def test_snapshots_are_written_at_the_given_times(tmp_path: Path) -> None:
     got = [results.snapshot(i).time for i in range(1, len(results.snapshots) - 1)]
     assert np.allclose(got, times[:-1], atol=1.2e-4)  # at the first step that reaches them
     assert any("output.times" in warning for warning in results.summary["warnings"])
+
+
+def test_a_column_that_moves_at_the_time_limit_is_reported(finished: Path) -> None:
+    (warning,) = [text for text in Results(finished).summary["warnings"] if "still moved" in text]
+    assert "at the time limit, 1 sqrt(h_i/g)" in warning and "stages.collapse.max_time_factor = 2 allows" in warning
+
+
+@pytest.mark.parametrize(
+    ("limit", "usual", "now", "times"),
+    [
+        (6.0, 6.0, 0.0, [2.0, 4.0]),
+        (10.0, 6.0, 0.0, [2.0, 4.0, 6.0, 8.0]),
+        (10.0, 6.0, 4.5, [6.0, 8.0]),
+        (1.5, 1.5, 0.0, [0.5, 1.0]),
+    ],
+)
+def test_snapshots_beyond_the_usual_duration_follow_at_the_same_interval(
+    limit: float, usual: float, now: float, times: list[float]
+) -> None:
+    output = SimpleNamespace(times=None, snapshots=3)
+    stages: Any = SimpleNamespace(case=SimpleNamespace(output=output), solver=SimpleNamespace(time=now))
+    assert Stages._snapshot_times(stages, limit, usual) == pytest.approx(times)
 
 
 def test_fresh_removes_nothing_if_the_case_is_refused(finished: Path) -> None:
