@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -65,10 +66,14 @@ def resolved_toml(case: Case, derived: Mapping[str, str | float] | None = None) 
 
 
 def flattened_text(source: str | Path) -> str:
-    """Text of a case, comments included, with the tables inherited from the cases that it extends."""
+    """Text of a shipped case, comments included, with the keys inherited from the cases that it extends.
+
+    Each key must have a line of its own.
+    """
     blocks: dict[str, str] = {}
     for link in reversed(read_chain(source)):
-        blocks |= _blocks(link.text)
+        own = _blocks(link.text)
+        blocks |= {header: _merge_lines(blocks.get(header, ""), block) for header, block in own.items()}
     return "\n".join(block.rstrip("\n") + "\n" for block in blocks.values())
 
 
@@ -77,3 +82,22 @@ def _blocks(text: str) -> dict[str, str]:
     alone = re.sub(r"^extends\b.*\n", "", text, flags=re.MULTILINE)
     parts = re.split(r"^(?=\[)", alone, flags=re.MULTILINE)
     return {part.partition("]")[0] if part.startswith("[") else "": part for part in parts}
+
+
+def _merge_lines(inherited: str, own: str) -> str:
+    """Text of a table in which its own lines replace the inherited ones, as in `merge_cases`."""
+    old, new = _key_lines(inherited), _key_lines(own)
+    has_other_law = "law" in old and "law" in new and tomllib.loads(old["law"]) != tomllib.loads(new["law"])
+    if not own.startswith("[") or has_other_law:
+        return own
+    kept = [new.pop(_key(line), line) for line in inherited.splitlines()]
+    return "\n".join([*kept, *new.values()] if kept else [own])
+
+
+def _key_lines(block: str) -> dict[str, str]:
+    return {_key(line): line for line in block.splitlines() if _key(line)}
+
+
+def _key(line: str) -> str:
+    """The key that a line gives a value; "" for a comment, a header or an empty line."""
+    return line.partition("=")[0].strip() if re.match(r"\w+\s*=", line) else ""

@@ -1,4 +1,4 @@
-"""Overrides of a case's keys, as given by `--set key=value`."""
+"""Values that replace others: of a case that extends another one, and overrides as given by `--set key=value`."""
 
 from __future__ import annotations
 
@@ -57,3 +57,29 @@ def apply_overrides(tables: dict[str, Any], overrides: Mapping[KeyPath, Override
         other = _ALTERNATIVES.get(key)
         if other and (*path, other) not in overrides:
             table.pop(other, None)
+
+
+def merge_cases(parent: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
+    """Tables of a case that extends `parent`: its own keys replace those of the parent.
+
+    A material with another law replaces the whole table, since the keys depend on the law. As in an override, the
+    height removes the aspect ratio, and vice versa.
+    """
+    merged = _merge(parent, own)
+    for name in ("material", "base_material"):
+        old, new = parent.get(name), own.get(name)
+        if isinstance(old, dict) and isinstance(new, dict) and new.get("law", old.get("law")) != old.get("law"):
+            merged[name] = new
+    for (table, key), other in _ALTERNATIVES.items():
+        given = own.get(table)
+        if isinstance(given, dict) and key in given and other not in given and isinstance(merged[table], dict):
+            merged[table].pop(other, None)
+    return merged
+
+
+def _merge(old: dict[str, Any], new: dict[str, Any]) -> dict[str, Any]:
+    merged = dict(old)
+    for name, value in new.items():
+        both = isinstance(value, dict) and isinstance(old.get(name), dict)
+        merged[name] = _merge(old[name], value) if both else value
+    return merged

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from mpmcol.case.fields import nearest, shortened
-from mpmcol.case.overrides import Override, apply_overrides
+from mpmcol.case.overrides import Override, apply_overrides, merge_cases
 from mpmcol.case.problem import Problem, case_error
 from mpmcol.case.toml_lines import SYNTAX_ERROR, KeyPath, TomlError, locate, parse
 from mpmcol.errors import CaseError
@@ -52,12 +52,16 @@ class Source:
 
 @dataclass(frozen=True)
 class CaseInput:
-    """The input of a case: merged tables, and the file or override that each was given by."""
+    """The input of a case: merged tables, and the files and overrides that they were given by."""
 
     tables: dict[str, Any]
-    sources: dict[str, Source]
-    main: Source
+    chain: Sequence[Source]  # the case file, then the cases that it extends
     overrides: Mapping[KeyPath, Override]
+
+    @property
+    def main(self) -> Source:
+        """The case file."""
+        return self.chain[0]
 
     def override_of(self, key: KeyPath) -> Override | None:
         """Override that set a key or a part of it."""
@@ -65,17 +69,13 @@ class CaseInput:
         return next(touching, None)
 
     def source_of(self, key: KeyPath) -> Source:
-        """File that contains the table of a key."""
-        return self.sources.get(key[0], self.main)
+        """File that gives a key its value; if the key is absent, that of its table."""
+        given = [key[:length] for length in range(len(key), 0, -1) if self.has(key[:length])]
+        return next((link for part in given for link in self.chain if _has(link.tables, part)), self.main)
 
     def has(self, key: KeyPath) -> bool:
         """Whether a key was given."""
-        table: Any = self.tables
-        for name in key:
-            if not isinstance(table, dict) or name not in table:
-                return False
-            table = table[name]
-        return True
+        return _has(self.tables, key)
 
 
 def shipped_cases() -> dict[str, Path]:
@@ -93,13 +93,10 @@ def read_case(source: str | Path, overrides: Mapping[KeyPath, Override]) -> Case
     """
     chain = read_chain(source)
     tables: dict[str, Any] = {}
-    sources: dict[str, Source] = {}
     for link in reversed(chain):
-        own = {name: value for name, value in link.tables.items() if name != "extends"}
-        tables |= own
-        sources |= dict.fromkeys(own, link)
+        tables = merge_cases(tables, {name: value for name, value in link.tables.items() if name != "extends"})
     apply_overrides(tables, overrides)
-    return CaseInput(tables, sources, chain[0], overrides)
+    return CaseInput(tables, chain, overrides)
 
 
 def read_chain(source: str | Path) -> list[Source]:
@@ -111,6 +108,15 @@ def read_chain(source: str | Path) -> list[Source]:
             raise _extends_error(last, "the case extends itself, directly or through another case")
         chain.append(parent)
     return chain
+
+
+def _has(tables: dict[str, Any], key: KeyPath) -> bool:
+    table: Any = tables
+    for name in key:
+        if not isinstance(table, dict) or name not in table:
+            return False
+        table = table[name]
+    return True
 
 
 def _find(source: str | Path) -> tuple[str, Path]:

@@ -12,7 +12,21 @@ from mpmcol.errors import CaseError
 from tests.support.case_files import GOOD, Write, only_problem, problems_of
 
 
-def test_a_table_replaces_the_table_of_the_extended_case() -> None:
+def test_keys_replace_those_of_the_extended_case(write: Write) -> None:
+    write('extends = "lube-quarter"\ntitle = "mine"\n[grid]\nspacing = 0.01\n[stages]\ncollapse = { damping = 0.02 }\n')
+    case, parent = load_case("my.toml"), load_case("lube-quarter")
+    assert (case.title, case.grid.spacing, case.stages.collapse.damping) == ("mine", 0.01, 0.02)
+    assert case.grid.points_per_cell == parent.grid.points_per_cell == 8
+    assert case.stages.equilibrate == parent.stages.equilibrate and case.method == parent.method
+    assert case.stages.equilibrate.damping == 0.7
+
+
+def test_a_height_replaces_the_aspect_ratio_of_the_extended_case(write: Write) -> None:
+    write('extends = "quickstart"\n[geometry]\nheight = 0.18\n')
+    assert load_case("my.toml").geometry.a == pytest.approx(2.0)
+
+
+def test_a_material_with_another_law_replaces_that_of_the_extended_case() -> None:
     child, parent = load_case("lube-channel-loose"), load_case("lube-channel")
     assert child.geometry == parent.geometry
     assert child.material.law == child.stages.equilibrate.law == "mohr-coulomb-softening"
