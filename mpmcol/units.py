@@ -20,7 +20,7 @@ FACTORS: dict[str, tuple[str, float]] = {
     "m": ("m", 1.0), "mm": ("m", 1e-3), "cm": ("m", 1e-2),
     "s": ("s", 1.0), "ms": ("s", 1e-3),
     "Pa": ("Pa", 1.0), "kPa": ("Pa", 1e3), "MPa": ("Pa", 1e6), "GPa": ("Pa", 1e9),
-    "deg": ("rad", DEGREE), "rad": ("rad", 1.0),
+    "deg": ("rad", DEGREE), "°": ("rad", DEGREE), "rad": ("rad", 1.0),
     "kg/m3": ("kg/m3", 1.0), "g/cm3": ("kg/m3", 1e3),
     "m/s": ("m/s", 1.0), "mm/s": ("m/s", 1e-3), "cm/s": ("m/s", 1e-2),
     "m/s2": ("m/s2", 1.0),
@@ -31,6 +31,7 @@ FACTORS: dict[str, tuple[str, float]] = {
 SMALLEST, LARGEST = 1e-30, 1e30
 # possessive quantifiers (++, *+): the time is linear in the length of the text
 _NUMBER_AND_UNIT = re.compile(r"\s*+([-+]?(?:\d++\.?\d*+|\.\d++)(?:[eE][-+]?\d++)?)\s*+(\S*+)\s*+", re.ASCII)
+DECIMAL_COMMA = re.compile(r"\s*+[-+]?\d++,\d", re.ASCII)
 _COMPARISONS = {
     "gt": (">", operator.gt),
     "ge": (">=", operator.ge),
@@ -130,6 +131,8 @@ def option(description: str, default: Any = PydanticUndefined) -> Any:
 def to_unit(text: str, unit: str) -> float:
     """Convert a number with an optional unit ("2 mm") to `unit`; raises ValueError with the reason."""
     match = _NUMBER_AND_UNIT.fullmatch(text)
+    if DECIMAL_COMMA.match(text):
+        raise ValueError("the decimal separator is a point")
     if match is None:
         raise ValueError("not a number with a unit")
     number, written = float(match[1]), match[2] or unit

@@ -109,7 +109,8 @@ def _bad_value(given: CaseInput, key: KeyPath, error: ErrorDetails, law: str) ->
     item = f", item {last + 1}: {fields.shown(error['input'])}" if isinstance(last, int) else ""
     reason = error["msg"] if error["type"] in ("quantity", "value_error") else f"expected {expected}"
     near = fields.nearest(value, map(str, fields.allowed(field))) if isinstance(value, str) else None
-    message = f"{_qualified(key)} = {fields.shown(value)}{item}: {reason}"
+    is_float = isinstance(value, float) and not fields.number_of(field)  # where 4.0 is wrong and 4 is right
+    message = f"{_qualified(key)} = {value if is_float else fields.shown(value)}{item}: {reason}"
     return _problem(given, key, message, f'did you mean "{near}"?' if near else "", key)
 
 

@@ -13,6 +13,7 @@ from pydantic.fields import FieldInfo
 from mpmcol.units import Number, Table
 
 _MAX_LENGTH = 60
+_SIMILAR = 0.75  # ratio of difflib from which names count as similar
 
 
 def fields(table: type[Table]) -> dict[str, FieldInfo]:
@@ -108,5 +109,5 @@ def nearest(name: str, names: Iterable[str]) -> str | None:
     """The most similar known name, or the shortest one with this beginning; None if there is neither."""
     by_lower, lower = {known.lower(): known for known in names}, name.lower()[:_MAX_LENGTH]
     longer = sorted((known for known in by_lower if lower and known.startswith(lower)), key=len)
-    near = difflib.get_close_matches(lower, by_lower, 1) or longer
+    near = difflib.get_close_matches(lower, by_lower, 1, _SIMILAR) or longer
     return by_lower[near[0]] if near else None

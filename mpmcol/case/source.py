@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -16,8 +17,16 @@ from mpmcol.case.toml_lines import SYNTAX_ERROR, KeyPath, TomlError, locate, par
 from mpmcol.errors import CaseError
 
 MAX_FILE_SIZE = 200_000  # bytes
+_LONGEST_LINE = 200  # characters that are searched for a hint
 _LIST_HINT = "(mpmcol cases lists the shipped cases)"
 
+_YAML = (".yaml", ".yml", ".json")
+# what the line of a syntax error is likely to mean, before the hints by the parser's message
+_LINE_HINTS = {
+    r"[^=]*=\s*[-+]?\d+,\d": "the decimal separator is a point",
+    r"[^=]*=\s*[-+]?\.\d": "write a digit before the decimal point",
+    r'[^=]*=\s*"[^"]*\\': "write paths with / or in single quotes",
+}
 _SYNTAX_HINTS = {
     "Invalid value": "put strings in quotes",
     "Expected newline or end of document after a statement": "put strings and numbers with a unit in quotes",
@@ -168,6 +177,8 @@ def read_source(name: str, path: Path) -> Source:
     try:
         with path.open("rb") as file:
             content = file.read(MAX_FILE_SIZE + 1)
+    except IsADirectoryError as failure:
+        raise _error(name, "is a folder; expected a case file", hint=_file_in(path)) from failure
     except OSError as failure:
         raise _error(name, f"cannot be read: {failure.strerror}") from failure
     if len(content) > MAX_FILE_SIZE:
@@ -182,5 +193,17 @@ def read_source(name: str, path: Path) -> Source:
         return Source(name, path.resolve(), text, parse(text))
     except TomlError as error:
         excerpt = text.split("\n")[error.line - 1].rstrip("\r") if error.line else ""
-        hint = _SYNTAX_HINTS.get(error.reason.removeprefix(SYNTAX_ERROR), "")
-        raise _error(name, error.reason, error.line, excerpt, hint) from None
+        raise _error(name, error.reason, error.line, excerpt, _syntax_hint(path, excerpt, error.reason)) from None
+
+
+def _file_in(folder: Path) -> str:
+    """Hint at the case file in a folder."""
+    found = sorted(folder.glob("*.toml"))
+    return f'did you mean "{found[0]}"?' if found else ""
+
+
+def _syntax_hint(path: Path, line: str, reason: str) -> str:
+    if path.suffix.lower() in _YAML:
+        return "a case file is TOML: [table], then key = value"
+    likely = (hint for pattern, hint in _LINE_HINTS.items() if re.match(pattern, line[:_LONGEST_LINE]))
+    return next(likely, _SYNTAX_HINTS.get(reason.removeprefix(SYNTAX_ERROR), ""))

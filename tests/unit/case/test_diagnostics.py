@@ -80,7 +80,7 @@ def test_an_invalid_value_is_reported_with_what_was_expected(
     ("addition", "message"),
     [
         ("[grid]\npoints_per_cell = 5", "points_per_cell = 5: expected 1, 4, 8, 9, 16 or 27"),
-        ("[grid]\npoints_per_cell = 4.0", "points_per_cell = 4: expected 1, 4, 8, 9, 16 or 27"),
+        ("[grid]\npoints_per_cell = 4.0", "points_per_cell = 4.0: expected 1, 4, 8, 9, 16 or 27"),
         ("[grid]\npoints_per_cell = true", "points_per_cell = true: expected 1, 4, 8, 9, 16 or 27"),
         ("[grid]\npoints_per_cell = 8", "points_per_cell = 8: must be 1, 4, 9 or 16 with geometry.model"),
         ("[method]\nwall_impulse = 1", "[method] wall_impulse = 1: expected true or false"),

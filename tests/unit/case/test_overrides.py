@@ -55,3 +55,24 @@ def test_all_malformed_overrides_are_reported(write: Write, override: str) -> No
 
 def test_an_override_cannot_set_extends(write: Write) -> None:
     assert "extends can only be set in a case file" in only_problem(write(GOOD), "extends=quickstart").message
+
+
+@pytest.mark.parametrize(
+    ("override", "message"),
+    [
+        ("grid.points_per_cell=4.0", "points_per_cell = 4.0: expected 1, 4"),
+        ("output.snapshots=20.0", "snapshots = 20.0: expected an integer"),
+        ("grid.spacing=0,005", 'spacing = "0,005": the decimal separator is a point'),
+        ("grid.spacing='5,0 mm'", 'spacing = "5,0 mm": the decimal separator is a point'),
+    ],
+)
+def test_a_message_shows_the_value_as_given(write: Write, override: str, message: str) -> None:
+    assert message in only_problem(write(GOOD), override).message
+
+
+def test_no_unrelated_key_is_proposed(write: Write) -> None:
+    assert "did you mean" not in only_problem(write(GOOD), "geometry.base_friction=0.3").hint
+
+
+def test_the_degree_sign_is_a_unit(write: Write) -> None:
+    assert load_case(write(GOOD), ["material.friction_deg=31°"]).material.model_dump()["friction_deg"] == 31.0

@@ -103,7 +103,7 @@ def test_an_unquoted_string_is_reported_with_a_hint(write: Write) -> None:
 
 
 def test_a_folder_is_not_a_case(tmp_path: Path) -> None:
-    assert "cannot be read" in only_problem(tmp_path).message
+    assert "is a folder; expected a case file" in only_problem(tmp_path).message
 
 
 def test_random_damage_is_loaded_or_reported_as_a_case_error(write: Write) -> None:
@@ -130,3 +130,27 @@ def test_windows_line_ends_and_a_byte_order_mark_are_accepted(write: Write) -> N
     assert load_case(write(text)).title == "test"
     bad = only_problem(write(text.replace(b"spacing", b"spacng")))
     assert (bad.line, bad.text) == (10, "spacng = 0.002")
+
+
+@pytest.mark.parametrize(
+    ("line", "hint"),
+    [
+        ("friction_deg = 33,5", "the decimal separator is a point"),
+        ("friction_deg = -0,5 # x", "the decimal separator is a point"),
+        ("friction_deg = .5", "write a digit before the decimal point"),
+        ("friction_deg = 33 deg", "put strings and numbers with a unit in quotes"),
+        (r'title = "C:\Users\me"', "write paths with / or in single quotes"),
+        (r'extends = "..\cases\quickstart"', "write paths with / or in single quotes"),
+    ],
+)
+def test_the_hint_at_a_syntax_error_names_its_cause(write: Write, line: str, hint: str) -> None:
+    assert only_problem(write(f"schema = 1\n{line}\n")).hint == hint
+
+
+def test_other_formats_and_folders_are_recognised(write: Write) -> None:
+    write("schema: 1\n", "case.yaml")
+    assert only_problem("case.yaml").hint == "a case file is TOML: [table], then key = value"
+    Path("folder").mkdir()
+    write(GOOD, "folder/case.toml")
+    problem = only_problem("folder")
+    assert problem.message == "is a folder; expected a case file" and "folder/case.toml" in problem.hint
