@@ -163,5 +163,6 @@ def main(ctx: click.Context) -> None:
     First steps: mpmcol run quickstart; mpmcol plot runs/quickstart; mpmcol cases; mpmcol init quickstart > my.toml.
     For the options of a command: mpmcol COMMAND --help.
     """
+    os.environ["MPLBACKEND"] = "agg"  # charts are files; a notebook's or a window's backend may not exist here
     if os.environ.get("NO_COLOR"):
         ctx.color = False

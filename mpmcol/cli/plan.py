@@ -26,10 +26,13 @@ def plan(case: str, overrides: tuple[str, ...], accuracy: float, target: Path | 
     Savings are estimated from points and steps; effects were measured on similar columns by mpmcol pareto.
     """
     from mpmcol.case import load_case, resolved_toml
+    from mpmcol.errors import UsageError
     from mpmcol.io.atomic import atomic_write
     from mpmcol.studies.pareto.recommend import recommend
     from mpmcol.studies.pareto.savings import propose
 
+    if target and target.exists():
+        raise UsageError(f"{target} exists and is not replaced; choose another name for --apply")
     proposals = list(propose(case, overrides, accuracy))
     click.echo(f"{'single change':44s}{'time':>8s}{'zeta':>8s}{'beta':>8s}")
     for proposal in proposals:

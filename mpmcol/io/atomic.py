@@ -57,9 +57,12 @@ def temporary_files(folder: Path) -> list[Path]:
 
 
 def make_folder(path: Path, parents: bool = True) -> Path:
-    """Create the folder `path`, by default with its parents, if it is missing. Raises OutputError."""
+    """Create the folder `path`, by default with its parents, if it is missing; of a link, its target.
+
+    Raises OutputError.
+    """
     try:
-        path.mkdir(parents=parents, exist_ok=True)
+        (path.resolve() if path.is_symlink() else path).mkdir(parents=parents, exist_ok=True)
     except OSError as error:
         raise cannot_write(path, error) from error
     return path

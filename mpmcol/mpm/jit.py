@@ -28,6 +28,8 @@ from numba import prange as prange
 from numba.core.caching import FunctionCache
 from numba.extending import register_jitable
 
+from mpmcol.errors import UsageError
+
 F = TypeVar("F", bound=Callable[..., Any])
 
 COMPILED_SOURCES = ("mpm", "bench")  # folders of the package with compiled code
@@ -158,8 +160,22 @@ def driver(function: F) -> F:
 
 
 def set_threads(threads: int | None) -> int:
-    """Use `threads` threads (None: all that Numba may use); returns the number in use."""
+    """Use `threads` threads; returns the number in use.
+
+    None: all that Numba may use, or OMP_NUM_THREADS if that is fewer.
+
+    Raises:
+        UsageError: the library that NUMBA_THREADING_LAYER names is not installed.
+    """
     limit: int = _config.NUMBA_NUM_THREADS
-    chosen = limit if threads is None else max(1, min(threads, limit))
-    numba.set_num_threads(chosen)
+    requested = os.environ.get("OMP_NUM_THREADS", "") if threads is None else str(threads)
+    chosen = max(1, min(int(requested), limit)) if requested.isdecimal() else limit
+    try:
+        numba.set_num_threads(chosen)
+    except ValueError as missing:
+        layer = os.environ.get("NUMBA_THREADING_LAYER", "")
+        raise UsageError(
+            f"NUMBA_THREADING_LAYER = {layer!r} is not available here; remove this variable, or set it to omp or "
+            "workqueue"
+        ) from missing
     return chosen
