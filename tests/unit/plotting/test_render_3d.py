@@ -290,7 +290,7 @@ def test_top_view_of_a_run(axisymmetric: Path, monkeypatch: pytest.MonkeyPatch):
 
 
 def test_measured_radius_of_a_3d_run_is_drawn(quarter: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    measured = Measurement({}, {}, 0, 0, 0, 0, 0.0213, np.empty(0), np.empty(0))
+    measured = Measurement({}, {}, 0, 0, 0, 0, None, 0.0213, np.empty(0), np.empty(0))
     monkeypatch.setattr(module, "Results", lambda folder: SimpleNamespace(shape=None))
     monkeypatch.setattr(module, "measure_snapshot", lambda snapshot, shape: measured)
     images = []

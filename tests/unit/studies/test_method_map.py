@@ -77,7 +77,7 @@ def deposit(zeta: float = 1.0, beta: float = 0.9, detachment: float = 0.05) -> M
     reach = 1.0 + zeta
     front = {name: reach * (1.0 + (detachment if name == "front_max" else 0.0)) for name in FRONTS}
     y = np.maximum(2.0 / reach * (1.0 - x / reach), 0.0)
-    return Measurement(front, dict.fromkeys(FRONTS, zeta), 0.0, beta, beta, 0.5, None, x, y)
+    return Measurement(front, dict.fromkeys(FRONTS, zeta), 0.0, beta, beta, 0.5, None, None, x, y)
 
 
 def observed(volume: float = 0.004, step_reduction: float = 0.02, **deposit_: float) -> MapObservation:

@@ -27,7 +27,7 @@ WRONG = {"wrong": COLUMN.with_values(material__friction_deg="30")}
 def deposit(x: Any, y: Any, front: float = 1.0, height: float = 1.0) -> Measurement:
     """A measured deposit with this profile."""
     fronts = dict.fromkeys(("front_max", "front_connected", "front_height"), front)
-    return Measurement(fronts, fronts, 0.0, height, 1.0, 0.4, None, np.asarray(x), np.asarray(y))
+    return Measurement(fronts, fronts, 0.0, height, 1.0, 0.4, None, None, np.asarray(x), np.asarray(y))
 
 
 def completed(value: float | None, at_rest: bool = True) -> CompletedRun:
