@@ -22,6 +22,8 @@ def judge(results: Results) -> list[str]:
     """Lines on runout, height and the error of the grid of a run that is done."""
     error = studied_error(results.case)
     experiment, reason = applicable_experiment(results.case)
+    if not results.summary["at_rest"]:
+        experiment, reason = None, "the column still moved at the end: not compared with experiments"
     lines = [_quantity_line(results.summary, quantity, results.case, experiment, error) for quantity in NAMES]
     return [*lines, *([reason] if reason else []), *_grid_lines(error)]
 

@@ -13,13 +13,15 @@ from mpmcol.studies.pareto.score import BETA, ZETA
 from mpmcol.studies.pareto.studied import StudiedError
 
 
-def lines(name: str, zeta: float, beta: float, *overrides: str, error: float | None = None) -> list[str]:
+def lines(
+    name: str, zeta: float, beta: float, *overrides: str, error: float | None = None, at_rest: bool = True
+) -> list[str]:
     """The judgement of a run with this result."""
     case = load_case(name, overrides)
     geometry = case.geometry
     summary: dict[str, Any] = {
         "front": {"front_height": geometry.r_i * (1.0 + zeta)}, "zeta": {"front_height": zeta},
-        "height": beta * geometry.h_i, "beta": beta,
+        "height": beta * geometry.h_i, "beta": beta, "at_rest": at_rest,
     }  # fmt: skip
     results: Any = SimpleNamespace(case=case, summary=summary)
     studied = None if error is None else StudiedError("light", 20.0, {ZETA: error, BETA: error})
@@ -63,6 +65,11 @@ def test_no_experiment_is_named_that_does_not_apply(overrides: tuple[str, ...], 
     assert "against" not in runout + height
     assert reason in why
     assert "not studied" in grid
+
+
+def test_a_column_that_still_moves_is_not_compared() -> None:
+    runout, height, why, _ = lines("quickstart", 1.6, 1.0, at_rest=False)
+    assert "against" not in runout + height and why.startswith("the column still moved at the end")
 
 
 def test_another_experiment_with_a_similar_material_is_found() -> None:
