@@ -9,7 +9,8 @@ from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
 from mpmcol.case import fields
-from mpmcol.case.schema import Case, LawName
+from mpmcol.case.schema import Case
+from mpmcol.case.tables import LawName
 from mpmcol.errors import UsageError
 from mpmcol.mpm.constitutive import LAWS
 from mpmcol.units import Table, option

@@ -75,13 +75,14 @@ def _record(bar: ErrorBar, results: Results) -> dict[str, Any]:
 
 
 def _lines(bar: ErrorBar, record: dict[str, Any], accuracy: float) -> Iterator[str]:
+    from mpmcol.studies.judgement import verdict
+
     yield str(bar)
     if law := record["law"]:
         difference = bar.value / law["expected"] - 1.0
-        within = abs(difference) <= law["scatter"] + bar.relative
         yield (
-            f"  law of {law['experiment']}: {law['expected']:.3f}, scatter {law['scatter']:.0%}; the result differs by "
-            f"{difference:+.1%}, {'within' if within else 'more than'} scatter and error bar"
+            f"  {difference:+.1%} against {law['experiment']} ({law['expected']:.3f}, scatter {law['scatter']:.0%}), "
+            f"{verdict(difference, law['scatter'], bar.relative)}"
         )
     if bar.relative > accuracy:
         yield (

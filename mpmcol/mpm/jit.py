@@ -168,8 +168,9 @@ def set_threads(threads: int | None) -> int:
         UsageError: the library that NUMBA_THREADING_LAYER names is not installed.
     """
     limit: int = _config.NUMBA_NUM_THREADS
-    requested = os.environ.get("OMP_NUM_THREADS", "") if threads is None else str(threads)
-    chosen = max(1, min(int(requested), limit)) if requested.isdecimal() else limit
+    allowed = os.environ.get("OMP_NUM_THREADS", "").partition(",")[0]  # further numbers are of nested levels
+    default = int(allowed) if allowed.isdecimal() else limit
+    chosen = max(1, min(default if threads is None else threads, limit))
     try:
         numba.set_num_threads(chosen)
     except ValueError as missing:

@@ -60,11 +60,13 @@ def _quantity_line(
     source = f"{experiment.citation}{mark(law.verified) if law else ''}"
     return (
         f"{text}: {difference:+.1%} against {source} ({expected[0]:.3f}, scatter {scatter:.0%}), "
-        f"{_verdict(abs(difference), scatter, grid)}"
+        f"{verdict(difference, scatter, grid)}"
     )
 
 
-def _verdict(difference: float, scatter: float, grid: float) -> str:
+def verdict(difference: float, scatter: float, grid: float) -> str:
+    """Whether a relative difference is within the scatter of an experiment and the error of the grid, in words."""
+    difference = abs(difference)
     if difference <= scatter:
         return "agrees within the scatter"
     if difference <= hypot(scatter, grid):

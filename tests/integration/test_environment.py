@@ -27,7 +27,7 @@ def test_charts_do_not_depend_on_the_backend_of_matplotlib(finished: Path, tmp_p
     assert (folder / "front.png").exists()
 
 
-@pytest.mark.parametrize(("value", "expected"), [("1", 1), ("3", 3), ("100", 4), ("many", 4), ("", 4)])
+@pytest.mark.parametrize(("value", "expected"), [("1", 1), ("3", 3), ("100", 4), ("2,1", 2), ("many", 4), ("", 4)])
 def test_threads_are_limited_by_omp_num_threads(value: str, expected: int) -> None:
     done = run("-c", THREADS, OMP_NUM_THREADS=value, NUMBA_NUM_THREADS="4")
     assert done.stdout.strip() == str(expected), done.stderr

@@ -107,31 +107,29 @@ def options(source: str | Path, overrides: Sequence[str]) -> Iterator[Recommenda
     """Yield all selectable configurations of the study for a case, with their errors and costs."""
     case = load_case(source, overrides)
     cases = neighbouring_cases(parameters_of(case))
-    for (variant, cells), errors in studied_configurations(cases).items():
+    for (variant, cells), group in studied_configurations(cases).items():
         values = configuration_values(case, variant, cells)
         configured = load_case(source, [*overrides, *as_overrides(values)])
-        pace = max(one.seconds_per_point_step for one in shipped_configurations() if _is(one, variant, cells, cases))
+        pace = max(one.seconds_per_point_step for one in group)
         cost = pace * PlannedRun({}, configured, Path()).work
         differences = differences_from_study(configured, variant, cases)
-        yield Recommendation(variant, cells, values, errors, cases, cost, differences)
+        yield Recommendation(variant, cells, values, largest_errors(group), cases, cost, differences)
 
 
-def studied_configurations(cases: Sequence[str]) -> dict[tuple[str, float], Mapping[str, float]]:
-    """Return the largest errors in `cases` of each selectable variant and r_i / h that was studied in all of them."""
+def studied_configurations(cases: Sequence[str]) -> dict[tuple[str, float], list[ShippedConfiguration]]:
+    """Return the selectable configurations that were studied in all `cases`, by variant and r_i / h."""
     variants = shipped_study().variants
-    groups: dict[tuple[str, float], list[Mapping[str, float]]] = {}
+    groups: dict[tuple[str, float], list[ShippedConfiguration]] = {}
     for one in shipped_configurations():
         if one.case in cases and one.bounds and variants[one.variant].selectable:
-            groups.setdefault((one.variant, one.cells), []).append(one.bounds)
-    return {
-        configuration: {quantity: max(bounds[quantity] for bounds in group) for quantity in QUANTITIES}
-        for configuration, group in groups.items()
-        if len(group) == len(cases)
-    }
+            groups.setdefault((one.variant, one.cells), []).append(one)
+    return {configuration: group for configuration, group in groups.items() if len(group) == len(cases)}
 
 
-def _is(one: ShippedConfiguration, variant: str, cells: float, cases: Sequence[str]) -> bool:
-    return one.case in cases and (one.variant, one.cells) == (variant, cells)
+def largest_errors(group: Sequence[ShippedConfiguration]) -> dict[str, float]:
+    """Return the largest error of each quantity."""
+    bounds = [one.bounds for one in group if one.bounds]
+    return {quantity: max(bound[quantity] for bound in bounds) for quantity in QUANTITIES}
 
 
 def configuration_values(case: Case, variant: str, cells: float) -> dict[str, Value]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from mpmcol.case import Case
 from mpmcol.case.values import leaf_values
 from mpmcol.errors import UsageError
-from mpmcol.studies.pareto.recommend import differences_from_study, studied_configurations
+from mpmcol.studies.pareto.recommend import differences_from_study, largest_errors, studied_configurations
 from mpmcol.studies.pareto.score import BETA, ZETA
 from mpmcol.studies.pareto.shipped import neighbouring_cases, parameters_of, shipped_study
 from mpmcol.studies.pareto.study import load_study_case
@@ -41,8 +41,8 @@ def studied_error(case: Case) -> StudiedError | None:
         return None
     cells = case.geometry.r_i / case.grid.spacing
     coarser = [
-        StudiedError(variant, studied, errors)
-        for (variant, studied), errors in studied_configurations(cases).items()
+        StudiedError(variant, studied, largest_errors(group))
+        for (variant, studied), group in studied_configurations(cases).items()
         if studied <= SAME_SPACING * cells and _is_like(case, variant, cases)
     ]
     return max(coarser, key=lambda one: one.cells, default=None)
