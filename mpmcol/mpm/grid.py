@@ -49,6 +49,12 @@ class Tiles(NamedTuple):
     cells: np.ndarray  # (n_points,) uint8, equal for points of one cell and kind, which are contiguous
 
 
+def no_tiles() -> Tiles:
+    """The order of no points: kernels can be compiled with it."""
+    none = np.zeros(0, np.int64)
+    return Tiles(none, none, none, none, none, np.zeros(0, np.uint8))
+
+
 @device
 def tile_count(n_nodes: int) -> int:
     """Tiles along an axis of `n_nodes` nodes."""

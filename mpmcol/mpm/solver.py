@@ -8,8 +8,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mpmcol.mpm.constitutive import ConstitutiveLaw
-from mpmcol.mpm.grid import Grid, Tiles
+from mpmcol.mpm.grid import Grid, Tiles, no_tiles
 from mpmcol.mpm.kernels import loop
+from mpmcol.mpm.kernels.compilation import sort_compiled_meanwhile
 from mpmcol.mpm.kernels.grid_update import NODE_REPORT
 from mpmcol.mpm.kernels.particle_update import TILE_REPORT, Bodies
 from mpmcol.mpm.kernels.sort import sort_buffers, sort_points
@@ -45,6 +46,7 @@ class Solver:
         self.clock = np.zeros(loop.CLOCK)
         self.ledger = np.zeros(loop.LEDGER)
         self.tiles: Tiles | None = None
+        self.node_report, self.tile_report = np.zeros((0, NODE_REPORT)), np.zeros((0, TILE_REPORT))
         self.margin = 0  # tiles around the column beyond which the base is inactive; 0: all of it is active
         self.smallest_mass = float(points.m.min())
         self.buffers = sort_buffers(grid)
@@ -74,9 +76,10 @@ class Solver:
 
     def prepare(self) -> None:
         """Compile or load the kernels of the present laws, and sort the points if needed; takes no step."""
+        with sort_compiled_meanwhile():
+            self._call(self.time, 0)
         if self.tiles is None:
             self.sort()
-        self._call(self.time, 0)
 
     def sort(self) -> None:
         """Put the points in order of tiles, inactive ones last, and list the tiles that active points can reach."""
@@ -107,13 +110,12 @@ class Solver:
         return fault
 
     def state(self) -> State:
-        """What the compiled loop reads and writes; the points must be sorted."""
-        assert self.tiles is not None
+        """What the compiled loop reads and writes; it takes steps only with sorted points."""
         column, base = self.bodies
         return State(
             rows=self.points.rows.reshape(-1),
             grid=self.grid,
-            tiles=self.tiles,
+            tiles=self.tiles or no_tiles(),
             settings=self.settings,
             bodies=Bodies(column.params, base.params, column.wave_speed2, base.wave_speed2),
             smallest_mass=self.smallest_mass,
