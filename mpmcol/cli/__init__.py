@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import difflib
-import errno
 import importlib
-import io
 import os
 import platform
 import sys
@@ -18,10 +16,10 @@ from typing import Any
 import click
 
 from mpmcol import __version__
+from mpmcol.cli import streams
 from mpmcol.errors import MpmcolError, OutputError
 
 LONGEST_PATH = 200  # characters of a path in a message
-DISK_ERRORS = (errno.ENOSPC, errno.EDQUOT, errno.EIO)  # possible when writing to stdout
 
 GROUPS = {  # heading in the help -> command -> where it is defined
     "Simulate": {
@@ -99,31 +97,44 @@ class Commands(click.Group):
             ctx.fail(f'No such command "{args[0]}". Did you mean "{near[0]}"?')
         return super().resolve_command(ctx, args)
 
+    def main(self, *arguments: Any, **options: Any) -> Any:
+        """Run the command line."""
+        streams.accept_any_text()
+        return super().main(*arguments, **options)
+
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command; the only place where errors are converted to exit codes."""
-        if isinstance(sys.stdout, io.TextIOWrapper):
-            sys.stdout.reconfigure(errors="backslashreplace")  # file names may have any encoding
         try:
             return super().invoke(ctx)
         except MpmcolError as failure:
-            click.echo(str(failure), err=True)
+            streams.report(str(failure))
             ctx.exit(failure.exit_code)
         except (click.ClickException, click.exceptions.Exit, click.Abort):
             raise
         except KeyboardInterrupt:
-            click.echo("aborted; files written so far are readable", err=True)
+            streams.report("aborted; files written so far are readable")
             ctx.exit(130)
+        except OSError as failure:
+            ctx.exit(_exit_code(failure))
         except Exception as bug:
-            if getattr(bug, "errno", None) == errno.EPIPE:
-                raise  # the reader of a pipe has ended; click exits without a message
-            if isinstance(bug, OSError) and bug.filename:
-                click.echo(_file_error(bug), err=True)
-                ctx.exit(OutputError.exit_code)
-            if isinstance(bug, OSError) and bug.errno in DISK_ERRORS:
-                click.echo(f"stdout cannot be written: {bug.strerror}; free space, or redirect the output", err=True)
-                ctx.exit(OutputError.exit_code)
             _report_bug(bug)
             ctx.exit(1)
+        finally:
+            streams.discard_unwritten()
+
+
+def _exit_code(failure: OSError) -> int:
+    """Report an error of the operating system; returns the exit code."""
+    if streams.has_no_reader(failure):
+        return streams.READER_GONE
+    if failure.filename:
+        streams.report(_file_error(failure))
+        return OutputError.exit_code
+    if failure.errno in streams.FAILURES:
+        streams.report(f"stdout cannot be written: {failure.strerror}; free space, or redirect the output")
+        return OutputError.exit_code
+    _report_bug(failure)
+    return 1
 
 
 def _file_error(failure: OSError) -> str:
@@ -139,8 +150,8 @@ def _report_bug(bug: Exception) -> None:
     system = f"Python {platform.python_version()} on {platform.platform()}"
     trace = "".join(traceback.format_exception(bug))
     report = f"mpmcol {__version__}\ncommand: {' '.join(sys.argv)}\n{system}\n{versions}\n\n{trace}"
-    click.echo(f"internal error: {type(bug).__name__}: {bug}", err=True)
-    click.echo(f"Please report this error with {_write_report(report)}", err=True)
+    streams.report(f"internal error: {type(bug).__name__}: {bug}")
+    streams.report(f"Please report this error with {_write_report(report)}")
 
 
 def _write_report(report: str) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
@@ -21,7 +21,10 @@ MEASURING_SPEED = "measuring the speed of this machine (half a second, more if k
 
 
 class RunDisplay:
-    """One line per stage on stdout, and a progress bar with the remaining time on stderr."""
+    """One line per stage on stdout, and a progress bar with the remaining time on stderr.
+
+    A run continues without them if the reader of a pipe or the terminal is gone, or the disk of a log is full.
+    """
 
     RESOLUTION = 1000  # of the bar
 
@@ -35,28 +38,35 @@ class RunDisplay:
         return self
 
     def __exit__(self, *error: object) -> None:
-        self._stack.close()
+        self._close_bar()
 
     def notify(self, line: str) -> None:
         """Print one line, and end the bar of the present stage."""
-        self._stack.close()
+        self._close_bar()
         self._stage = ""
         if not self.silent:
-            click.echo(line)
+            with suppress(OSError):
+                click.echo(line)
 
     def progress(self, stage: str, fraction: float) -> None:
         """Show the fraction of a stage that is done."""
         if self.silent:
             return
-        if stage != self._stage:
-            self._start(stage)
-        done = min(int(fraction * self.RESOLUTION), self.RESOLUTION)
-        if done > self._done and self._bar is not None:
-            self._bar.update(done - self._done)
-            self._done = done
+        with suppress(OSError):
+            if stage != self._stage:
+                self._start(stage)
+            done = min(int(fraction * self.RESOLUTION), self.RESOLUTION)
+            if done > self._done and self._bar is not None:
+                self._bar.update(done - self._done)
+                self._done = done
+
+    def _close_bar(self) -> None:
+        with suppress(OSError):
+            self._stack.close()
+        self._bar = None
 
     def _start(self, stage: str) -> None:
-        self._stack.close()
+        self._close_bar()
         self._stage, self._done = stage, 0
         bar: Any = click.progressbar(length=self.RESOLUTION, label=stage, file=sys.stderr, show_eta=True)
         self._bar = self._stack.enter_context(bar)

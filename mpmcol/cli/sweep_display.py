@@ -6,7 +6,7 @@ import signal
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import asdict
 from pathlib import Path
 from types import FrameType
@@ -15,8 +15,10 @@ from typing import Any
 import click
 
 from mpmcol.cli.options import format_duration
+from mpmcol.cli.streams import report
 from mpmcol.errors import Interrupted
 from mpmcol.measure import FRONTS
+from mpmcol.simulation.interrupt import REPEATED, SIGNALS
 from mpmcol.sweep.engine import Outcome
 from mpmcol.sweep.plan import Plan
 from mpmcol.sweep.progress import ProgressTracker, TrackedRun, time_left, total_progress
@@ -28,14 +30,14 @@ RECORD_SCHEMA = 2
 UPDATE_SECONDS = 1.0  # between two readings of the files of the runs
 RESOLUTION = 1000  # of the bar
 MOST_ROWS = 60
-SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGUSR1, signal.SIGHUP)  # SIGHUP: the terminal was closed
 ABORTING = 2  # number of signals that abort the runs instead of stopping them
 
 
 class SweepDisplay(SweepObserver):
     """Messages on stderr: a progress bar if it is a terminal, otherwise a line for each run that ends.
 
-    As a context it also handles signals, which stop the sweep.
+    As a context it also handles signals, which stop the sweep. A sweep continues without messages if the reader of a
+    pipe or the terminal is gone, or the disk of a log is full.
     """
 
     def __init__(self, out: Path, quiet: bool) -> None:
@@ -48,25 +50,28 @@ class SweepDisplay(SweepObserver):
         self._ended_before: set[str] = set()
         self._updated = 0.0
         self._signals = 0
+        self._previous: dict[signal.Signals, Any] = {}  # handlers of the caller
 
     def __enter__(self) -> SweepDisplay:
         for number in SIGNALS:
-            if signal.getsignal(number) is not signal.SIG_IGN:  # ignored signals stay ignored, for example under nohup
-                signal.signal(number, self._interrupt)
+            # Ignored signals stay ignored, for example under nohup; handlers in C cannot be restored.
+            if signal.getsignal(number) not in (signal.SIG_IGN, None):
+                self._previous[number] = signal.signal(number, self._interrupt)
         return self
 
     def __exit__(self, kind: type[BaseException] | None, *error: object) -> None:
         """Convert an interruption after which all runs wrote a checkpoint into an Interrupted error."""
-        self._stack.close()
+        self._close_bar()
+        for number, handler in self._previous.items():
+            signal.signal(number, handler)
         if kind is KeyboardInterrupt and self._signals < ABORTING:
             raise Interrupted("stopped gracefully; repeat the command to complete the sweep") from None
 
     def notify(self, line: str) -> None:
         """Print one line, in the place of the bar."""
-        self._stack.close()
-        self._bar = None
+        self._close_bar()
         if not self.quiet:
-            click.echo(line, err=True)
+            report(line)
 
     def started(self, plan: Plan) -> None:
         """Start to track the runs."""
@@ -86,14 +91,24 @@ class SweepDisplay(SweepObserver):
         if not self.has_bar or time.monotonic() - self._updated < UPDATE_SECONDS:
             return
         self._updated = time.monotonic()
-        runs = self._runs()
+        with suppress(OSError):
+            self._update_bar(self._runs())
+
+    def _update_bar(self, runs: list[TrackedRun]) -> None:
         if self._bar is None:
             bar: Any = click.progressbar(length=RESOLUTION, file=sys.stderr, show_eta=False)
             self._bar = self._stack.enter_context(bar)
         self._bar.label = progress_text(runs, self._jobs)
         self._bar.update(int(total_progress(runs) * RESOLUTION) - self._bar.pos)
 
+    def _close_bar(self) -> None:
+        with suppress(OSError):
+            self._stack.close()
+        self._bar = None
+
     def _interrupt(self, number: int, frame: FrameType | None) -> None:
+        if self._signals and number in REPEATED:
+            return
         self._signals += 1
         raise KeyboardInterrupt
 

@@ -6,6 +6,10 @@ import contextlib
 import errno
 import os
 import shutil
+import sys
+import threading
+import time
+from collections.abc import Callable
 from pathlib import Path
 
 from mpmcol.errors import OutputError
@@ -19,11 +23,18 @@ from mpmcol.io.names import (
     SNAPSHOT_FOLDER,
 )
 
+IS_WINDOWS = sys.platform == "win32"
+# Windows neither replaces nor deletes a file that another program has open, for example to index it or to scan it.
+PATIENCE = 2.0 if IS_WINDOWS else 0.0  # s
+NO_ACCESS = "choose a folder that you may write to, or change its permissions" + (
+    "; if another program has the file open, close it there, and repeat the command" if IS_WINDOWS else ""
+)
+BINARY = getattr(os, "O_BINARY", 0)  # Windows changes line ends otherwise
 REMEDIES = {
     errno.ENOSPC: "free some space on this disk, or choose another folder",
     errno.EDQUOT: "your quota is used up: free some space, or choose another folder",
-    errno.EACCES: "choose a folder that you may write to, or change its permissions",
-    errno.EPERM: "choose a folder that you may write to, or change its permissions",
+    errno.EACCES: NO_ACCESS,
+    errno.EPERM: NO_ACCESS,
     errno.EROFS: "this disk is read-only: choose another folder",
     errno.ENOENT: "the folder is gone: create it again, or choose another folder",
     errno.ENOTDIR: "a part of this path is a file, not a folder: choose another folder",
@@ -37,10 +48,10 @@ def atomic_write(path: Path, data: bytes) -> None:
 
     Raises OutputError with the path, the reason and the remedy; the old file is then unchanged.
     """
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    temporary = path.with_name(f".{path.name}.{os.getpid()}-{threading.get_ident()}.tmp")
     try:
         _write_synced(temporary, data)
-        os.replace(temporary, path)
+        _patiently(lambda: os.replace(temporary, path))
         _sync_folder(path.parent)
     except OSError as error:
         raise cannot_write(path, error) from error
@@ -72,9 +83,9 @@ def remove(path: Path) -> None:
     """Delete a file or a folder with its content, if it exists. Raises OutputError."""
     try:
         if path.is_dir():
-            shutil.rmtree(path)
+            _patiently(lambda: shutil.rmtree(path))
         else:
-            path.unlink(missing_ok=True)
+            _patiently(lambda: path.unlink(missing_ok=True))
     except OSError as error:
         raise cannot_write(path, error) from error
 
@@ -86,8 +97,20 @@ def cannot_write(path: Path, error: OSError) -> OutputError:
     return OutputError(f"{path}: cannot be written: {reason}; {remedy}")
 
 
+def _patiently(action: Callable[[], None]) -> None:
+    """Repeat an action for PATIENCE while it is refused; raises PermissionError after that."""
+    deadline = time.monotonic() + PATIENCE
+    while True:
+        try:
+            return action()
+        except PermissionError:
+            if time.monotonic() >= deadline:
+                raise
+        time.sleep(0.05)
+
+
 def _write_synced(path: Path, data: bytes) -> None:
-    descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o666)
+    descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | BINARY, 0o666)
     try:
         rest = memoryview(data)
         while rest:
@@ -98,7 +121,12 @@ def _write_synced(path: Path, data: bytes) -> None:
 
 
 def _sync_folder(folder: Path) -> None:
-    """Make the rename durable; some network file systems cannot sync a folder and return EINVAL."""
+    """Make the rename durable; some network file systems cannot sync a folder and return EINVAL.
+
+    Windows cannot open a folder; its file system records renames in a journal.
+    """
+    if IS_WINDOWS:
+        return
     descriptor = os.open(folder, os.O_RDONLY)
     try:
         os.fsync(descriptor)

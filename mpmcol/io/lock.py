@@ -1,9 +1,8 @@
-"""Exclusive use of a results folder by one process, by means of `flock`."""
+"""Exclusive use of a results folder by one process, by the lock of a file in it."""
 
 from __future__ import annotations
 
 import contextlib
-import fcntl
 import os
 import time
 from collections.abc import Iterator
@@ -11,6 +10,7 @@ from pathlib import Path
 
 from mpmcol.errors import OutputError
 from mpmcol.io.atomic import cannot_write, make_folder, remove, temporary_files
+from mpmcol.io.file_lock import try_lock, unlock
 from mpmcol.io.names import LOCK_FILE
 
 PATIENCE = 0.5  # s to wait for the lock: `is_locked` in another process holds it for a moment
@@ -39,7 +39,8 @@ class Lock:
 def locked(folder: Path) -> Iterator[Lock]:
     """Hold the lock of `folder`, which is created if missing, and remove temporary files of a process that was killed.
 
-    Raises OutputError if another process holds the lock, or if the folder is not writable.
+    Raises OutputError if another process, or another thread, holds the lock, if the folder is not writable, or if its
+    file system has no locks.
     """
     path = make_folder(folder) / LOCK_FILE
     try:
@@ -47,11 +48,16 @@ def locked(folder: Path) -> Iterator[Lock]:
     except OSError as error:
         raise cannot_write(path, error) from error
     try:
-        if not _acquire(descriptor):
-            raise OutputError(f"{folder}: another run is writing here; wait until it ends, or choose another folder")
-        for temporary in temporary_files(folder):  # that of a checkpoint may be gigabytes long
-            remove(temporary)
-        yield Lock(path, descriptor)
+        _acquire(descriptor, folder)
+        process = os.getpid()
+        try:
+            for temporary in temporary_files(folder):  # that of a checkpoint may be gigabytes long
+                remove(temporary)
+            yield Lock(path, descriptor)
+        finally:
+            if os.getpid() == process:  # not in a child that was forked meanwhile
+                with contextlib.suppress(OSError):
+                    unlock(descriptor)
     finally:
         os.close(descriptor)
 
@@ -63,22 +69,25 @@ def is_locked(folder: Path) -> bool:
     except OSError:
         return False
     try:
-        fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return True
+        return not try_lock(descriptor, shared=True)
+    except OSError:  # this file system has no locks: no run can have started
+        return False
     finally:
         os.close(descriptor)
-    return False
 
 
-def _acquire(descriptor: int) -> bool:
-    """Acquire the lock until the file is closed; False if another process holds it for longer than PATIENCE."""
+def _acquire(descriptor: int, folder: Path) -> None:
+    """Acquire the lock; raise OutputError if another process holds it for longer than PATIENCE."""
     deadline = time.monotonic() + PATIENCE
-    while True:
-        try:
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            return True
-        except BlockingIOError:
+    try:
+        while not try_lock(descriptor):
             if time.monotonic() > deadline:
-                return False
-        time.sleep(PATIENCE / 10.0)
+                raise OutputError(
+                    f"{folder}: another run is writing here; wait until it ends, or choose another folder"
+                )
+            time.sleep(PATIENCE / 10.0)
+    except OSError as error:
+        raise OutputError(
+            f"{folder}: this file system has no file locks ({error.strerror}), which keep two runs apart; choose a "
+            "folder on another disk"
+        ) from error

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import count
 from typing import Any
 
 import h5py
@@ -21,6 +22,7 @@ VERSION = (2, 6)
 LIBVER = ("earliest", "v110")
 # The only filters that every VTK reads without plug-ins.
 COMPRESSION: dict[str, dict[str, Any]] = {"none": {}, "gzip": {"compression": 1, "shuffle": True}}
+_numbers = count()
 CELL_KINDS = ("Vertices", "Lines", "Polygons", "Strips")
 
 
@@ -38,8 +40,11 @@ class Step:
 
 @contextmanager
 def memory_file() -> Iterator[h5py.File]:
-    """An HDF5 file in memory with the attributes of a VTKHDF PolyData file."""
-    with h5py.File("memory", "w", driver="core", backing_store=False, libver=LIBVER) as file:
+    """An HDF5 file in memory with the attributes of a VTKHDF PolyData file.
+
+    Its name is not part of its content, but unique: HDF5 opens no two files of one name at a time.
+    """
+    with h5py.File(f"memory-{next(_numbers)}", "w", driver="core", backing_store=False, libver=LIBVER) as file:
         group = file.create_group("VTKHDF")
         group.attrs["Version"] = VERSION
         group.attrs["Type"] = np.bytes_("PolyData")

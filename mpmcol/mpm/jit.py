@@ -11,9 +11,9 @@ import hashlib
 import os
 import platform
 import shutil
-import tempfile
+import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from importlib import metadata
 from pathlib import Path
 from typing import Any, TypeVar
@@ -29,6 +29,7 @@ from numba.core.caching import FunctionCache
 from numba.extending import register_jitable
 
 from mpmcol.errors import UsageError
+from mpmcol.mpm.cache_folder import cache_root
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -51,18 +52,6 @@ def source_digest() -> str:
     return digest.hexdigest()[:16]
 
 
-def _cache_root() -> Path:
-    """Cache folder of the user, or a temporary one where that cannot be created or written."""
-    chosen = Path(os.environ.get("MPMCOL_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME") or "~/.cache")
-    with contextlib.suppress(OSError, RuntimeError):
-        folder = chosen.expanduser() / "mpmcol"
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder) as trial:
-            trial.write(b"trial")
-        return folder
-    return Path(tempfile.mkdtemp(prefix="mpmcol-"))
-
-
 def _remove_stale(root: Path, keep: Path) -> None:
     """Delete cache folders of other versions that have not been used for a week."""
     for folder in root.iterdir():
@@ -71,18 +60,19 @@ def _remove_stale(root: Path, keep: Path) -> None:
                 shutil.rmtree(folder, ignore_errors=True)
 
 
-def _choose_cache_folder() -> Path:
-    root = _cache_root()
+def _choose_cache_folder() -> tuple[Path, str]:
+    """The folder for the present sources, and a note for the user if it is not in the user's cache."""
+    root, note = cache_root()
     folder = root / source_digest()
     with contextlib.suppress(OSError):
         folder.mkdir(parents=True, exist_ok=True)
         os.utime(folder)
     _remove_stale(root, folder)
-    return folder
+    return folder, note
 
 
 # Both are needed: Numba reads its environment again whenever it changes, and may already be imported.
-CACHE_FOLDER = _choose_cache_folder()
+CACHE_FOLDER, CACHE_NOTE = _choose_cache_folder()
 os.environ["NUMBA_CACHE_DIR"] = str(CACHE_FOLDER)
 _config: Any = numba.config
 _config.CACHE_DIR = str(CACHE_FOLDER)
@@ -159,14 +149,64 @@ def driver(function: F) -> F:
     return compiled
 
 
+_forked_with_threads = False  # whether this process is a child forked from one that had started threads
+_only_caller = threading.Lock()
+
+
+def _record_fork() -> None:
+    """Called in every forked child."""
+    global _forked_with_threads, _only_caller
+    _forked_with_threads = _forked_with_threads or _threading_layer() != ""
+    _only_caller = threading.Lock()  # the thread that may hold the other one does not exist here
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_record_fork)
+
+
+def _threading_layer() -> str:
+    """The library whose threads Numba uses, "" before the first parallel loop was prepared."""
+    try:
+        return str(numba.threading_layer())
+    except ValueError:
+        return ""
+
+
+def require_threads() -> None:
+    """Raise UsageError in a forked child whose parent had started threads; the child would wait for them for ever."""
+    if _forked_with_threads:
+        raise UsageError(
+            "this process was forked from one that had already computed, and threads do not survive a fork; start "
+            'processes by multiprocessing.get_context("spawn") or "forkserver", or fork before the first computation'
+        )
+
+
+@contextlib.contextmanager
+def compiled_calls(compiling: bool = False) -> Iterator[None]:
+    """Context of calls of compiled functions from Python, which several threads of Python may enter.
+
+    Only one at a time compiles, and only one at a time computes if the threading layer allows no more.
+
+    Raises:
+        UsageError: see `require_threads`.
+    """
+    require_threads()
+    if compiling or _threading_layer() == "workqueue":
+        with _only_caller:
+            yield
+    else:
+        yield
+
+
 def set_threads(threads: int | None) -> int:
-    """Use `threads` threads; returns the number in use.
+    """Use `threads` threads for calls from the present thread of Python; returns the number in use.
 
     None: all that Numba may use, or OMP_NUM_THREADS if that is fewer.
 
     Raises:
-        UsageError: the library that NUMBA_THREADING_LAYER names is not installed.
+        UsageError: the library that NUMBA_THREADING_LAYER names is not installed, or see `require_threads`.
     """
+    require_threads()
     limit: int = _config.NUMBA_NUM_THREADS
     allowed = os.environ.get("OMP_NUM_THREADS", "").partition(",")[0]  # further numbers are of nested levels
     default = int(allowed) if allowed.isdecimal() else limit

@@ -9,6 +9,7 @@ import numpy as np
 
 from mpmcol.mpm.constitutive import ConstitutiveLaw
 from mpmcol.mpm.grid import Grid, Tiles, no_tiles
+from mpmcol.mpm.jit import compiled_calls
 from mpmcol.mpm.kernels import loop
 from mpmcol.mpm.kernels.compilation import sort_compiled_meanwhile
 from mpmcol.mpm.kernels.grid_update import NODE_REPORT
@@ -76,10 +77,11 @@ class Solver:
 
     def prepare(self) -> None:
         """Compile or load the kernels of the present laws, and sort the points if needed; takes no step."""
-        with sort_compiled_meanwhile():
-            self._call(self.time, 0)
-        if self.tiles is None:
-            self.sort()
+        with compiled_calls(compiling=True):
+            with sort_compiled_meanwhile():
+                self._call(self.time, 0)
+            if self.tiles is None:
+                self.sort()
 
     def sort(self) -> None:
         """Put the points in order of tiles, inactive ones last, and list the tiles that active points can reach."""
@@ -98,6 +100,10 @@ class Solver:
 
         Returns the row of the first invalid point, or -1.
         """
+        with compiled_calls():
+            return self._advance(end, max_steps)
+
+    def _advance(self, end: float, max_steps: int) -> int:
         started, first = time.perf_counter(), self.steps
         fault = -1
         while fault < 0 and self.time < end and self.steps - first < max_steps:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import os
 from math import prod
+
+import psutil
 
 from mpmcol.errors import UsageError
 from mpmcol.mpm.grid import NODE
@@ -35,8 +36,13 @@ def require_memory_for(discretization: Discretization) -> None:
     )
 
 
+def machine_memory() -> int:
+    """Memory of this machine, bytes."""
+    return int(psutil.virtual_memory().total)
+
+
 def require_memory(needed: int, what: str, fix: str) -> None:
     """Raise UsageError if `needed` bytes exceed the memory of this machine; `what` needs them."""
-    memory = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    memory = machine_memory()
     if needed > memory:
         raise UsageError(f"{what} need {needed / 1e9:,.0f} GB, this machine has {memory / 1e9:,.0f} GB; {fix}")

@@ -13,7 +13,7 @@ from mpmcol.io.lock import locked
 from mpmcol.io.names import CHECKPOINT_FILES
 from mpmcol.io.results import Results
 from mpmcol.io.run_folder import prepare_folder, reopen_folder, write_result
-from mpmcol.mpm.jit import set_threads
+from mpmcol.mpm.jit import CACHE_NOTE, set_threads
 from mpmcol.mpm.kernels import loop
 from mpmcol.mpm.particles import Points
 from mpmcol.mpm.solver import Solver
@@ -56,17 +56,21 @@ def run(
         notify: called with each message for the user, one line.
 
     Raises:
-        UsageError: the folder holds a finished run, or an unfinished one that differs, or the case cannot be run.
+        UsageError: the folder holds a finished run, or an unfinished one that differs, or the case cannot be run; or
+            this process was forked from one that had already computed.
         NumericalFailure: the run diverged; the folder holds everything up to the failure.
         OutputError: a file cannot be written, or another run writes to the folder.
-        Interrupted: SIGINT, SIGTERM, SIGUSR1 or `max_wall` stopped the run; the same call resumes it. A second signal
-            aborts it at once with KeyboardInterrupt.
+        Interrupted: a signal (`mpmcol.simulation.interrupt`) or `max_wall` stopped the run; the same call resumes it. A
+            second signal aborts it at once with KeyboardInterrupt. A handler that the caller has installed for the
+            signal is called when the state is saved. In a thread that is not the main one, only `max_wall` stops a run.
     """
     if on_instability not in ("stop", "retry"):
         raise UsageError(f'on_instability = "{on_instability}": expected "stop" or "retry"')
     folder, used = Path(folder), set_threads(threads)
     if threads is not None and used != threads:
         notify(f"note: {used} threads instead of {threads}; set NUMBA_NUM_THREADS to allow more")
+    if CACHE_NOTE:
+        notify(CACHE_NOTE)
     with stop_request(max_wall) as stop, locked(folder) as lock:
         checkpoint = None if fresh else find_checkpoint(case, folder, force_resume, notify)
         model = build_model(case)  # may refuse the case: before old files are removed

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import resource
 import sys
 from dataclasses import asdict
 from hashlib import sha256
 from typing import Any
 
 import numpy as np
+import psutil
 
 from mpmcol.case import case_hash, strength_of
 from mpmcol.experiments import profile_scores, score
@@ -19,8 +19,6 @@ from mpmcol.provenance import versions
 from mpmcol.simulation.quality import dissipation_of, stress_quality_of
 from mpmcol.simulation.recorder import derived_values
 from mpmcol.simulation.state import Simulation
-
-MEMORY_UNIT = 1 if sys.platform == "darwin" else 1024  # bytes, of ru_maxrss
 
 
 def summarize(status: str, simulation: Simulation, final: Snapshot) -> dict[str, Any]:
@@ -80,7 +78,11 @@ def state_checksum(solver: Solver) -> str:
 
 def peak_memory() -> int:
     """Peak resident memory of this process, bytes, including interpreter, compiler and kernels."""
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * MEMORY_UNIT
+    if sys.platform == "win32":
+        return int(psutil.Process().memory_info().peak_wset)
+    import resource
+
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024)
 
 
 def _stop_time(simulation: Simulation) -> float | None:

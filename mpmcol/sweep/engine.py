@@ -16,7 +16,7 @@ from mpmcol.provenance import code_version
 from mpmcol.sweep.compile_cache import smallest_per_variant
 from mpmcol.sweep.runs import PlannedRun, write_case
 from mpmcol.sweep.scheduling import Allocation, allocate
-from mpmcol.sweep.task import ABORT, CONTINUE, STOP, StopRequest, Task, TaskResult, execute_task
+from mpmcol.sweep.task import ABORT, CONTINUE, OWN_GROUP, STOP, StopRequest, Task, TaskResult, execute_task
 
 TICK = 0.25  # s
 
@@ -157,4 +157,4 @@ def _compile_kernels(runs: Sequence[PlannedRun]) -> None:
     cases = [str(write_case(run)) for run in smallest_per_variant(runs)]
     command = [sys.executable, "-m", "mpmcol.sweep.compile_cache", *cases]
     environment = {**os.environ, "NUMBA_NUM_THREADS": "1"}
-    subprocess.run(command, env=environment, stdin=subprocess.DEVNULL, capture_output=True, start_new_session=True)
+    subprocess.run(command, env=environment, stdin=subprocess.DEVNULL, capture_output=True, **OWN_GROUP)

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from mpmcol.setup.cost import estimate
-from mpmcol.setup.memory import memory_bytes
+from mpmcol.setup.memory import machine_memory, memory_bytes
 from mpmcol.sweep.compile_cache import kernel_variant
 from mpmcol.sweep.runs import PlannedRun
 
@@ -55,7 +55,7 @@ def allocate(
         memory: bytes (default: memory of the machine).
     """
     cores = cores or available_cores()
-    budget = MEMORY_SHARE * (memory or os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
+    budget = MEMORY_SHARE * (memory or machine_memory())
     candidates = []
     for per_run in [threads] if threads else range(1, cores + 1):
         concurrent = jobs or max(min(cores // per_run, len(runs), _fitting(runs, budget)), 1)

@@ -8,9 +8,10 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from mpmcol.errors import Interrupted, NumericalFailure, OutputError, UsageError
 from mpmcol.io.lock import is_locked
@@ -21,6 +22,14 @@ from mpmcol.provenance import code_version
 RETRIES = 2
 GRACE = 30.0  # s for a stopped run to write its checkpoint, before it is killed
 POLL = 0.1  # s
+
+# A process of its own group does not receive Ctrl-C from the terminal; the sweep does, and then stops its runs.
+if sys.platform == "win32":
+    OWN_GROUP: dict[str, Any] = {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}
+    STOP_SIGNAL = signal.CTRL_BREAK_EVENT
+else:
+    OWN_GROUP: dict[str, Any] = {"start_new_session": True}
+    STOP_SIGNAL = signal.SIGTERM
 
 CONTINUE, STOP, ABORT = range(3)  # levels of a stop request: none, stop with a checkpoint, kill
 StopRequest = Callable[[], int]  # returns the level
@@ -95,14 +104,14 @@ def _attempt(task: Task, fresh: bool, stop: StopRequest) -> int:
     with (task.folder / LOG_FILE).open("wb") as log:
         run = subprocess.Popen(
             run_command(task.folder, task.threads, fresh),
-            stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT, env=environment,
-            start_new_session=True,  # Ctrl-C in the terminal reaches the sweep only, which then stops its runs
+            stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT, env=environment, **OWN_GROUP,
         )  # fmt: skip
     deadline = 0.0
     while run.poll() is None:
         time.sleep(POLL)
         if stop() and not deadline:
-            run.send_signal(signal.SIGTERM)
+            with suppress(OSError):  # Windows sends it only within a console; the run is killed later
+                run.send_signal(STOP_SIGNAL)
             deadline = time.monotonic() + GRACE
         if deadline and (stop() >= ABORT or time.monotonic() > deadline):
             run.kill()
@@ -119,10 +128,14 @@ def _failure_message(folder: Path, code: int, attempts: int) -> str:
     """How a run ended, with the last line of its log."""
     path = folder / LOG_FILE
     try:
-        lines = [line.strip() for line in path.read_text(errors="replace").splitlines() if line.strip()]
+        lines = [line.strip() for line in path.read_text("utf-8", errors="replace").splitlines() if line.strip()]
     except OSError:
         lines = []
-    ended = f"killed by {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
+    ended = f"killed by {_signal_name(-code)}" if code < 0 else f"exit code {code}"
     tries = "" if attempts == 1 else f", {attempts} times"
     last = f": {lines[-1]}" if lines and code > 0 else ""
     return f"{ended}{tries}{last} ({path})"
+
+
+def _signal_name(number: int) -> str:
+    return signal.Signals(number).name if number in list(signal.Signals) else f"signal {number}"

@@ -304,9 +304,6 @@ def test_a_grid_larger_than_the_memory_is_refused(monkeypatch: pytest.MonkeyPatc
     discretization = discretize(case)
     require_memory_for(discretization)
     assert memory_bytes(discretization) < grid_bytes(discretization)
-    monkeypatch.setattr(
-        "mpmcol.setup.memory.os.sysconf",
-        {"SC_PHYS_PAGES": 1, "SC_PAGE_SIZE": grid_bytes(discretization) - 1}.get,
-    )
+    monkeypatch.setattr("mpmcol.setup.memory.machine_memory", lambda: grid_bytes(discretization) - 1)
     with pytest.raises(UsageError, match=r"increase grid\.spacing"):
         build_model(case)

@@ -1,0 +1,183 @@
+"""Runs in forked processes and in several threads of one process work with equal bits, or are refused in words."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+
+import mpmcol
+from mpmcol.errors import OutputError
+from mpmcol.io.lock import is_locked
+from mpmcol.simulation.interrupt import stop_request
+from tests.support.runs import TINY, assert_equal_runs
+
+needs_fork = pytest.mark.skipif(not hasattr(os, "fork"), reason="this system has no fork")
+
+PROGRAM = f"""
+import multiprocessing, sys, time
+import mpmcol
+
+def run(folder):
+    return mpmcol.run(mpmcol.load_case("quickstart", {TINY}), folder, threads=1).summary["state_sha256"]
+
+def in_pool(folder):
+    with multiprocessing.get_context("fork").Pool(1) as pool:
+        return pool.apply_async(run, (folder,)).get(200.0)
+"""
+FORK_BEFORE_AND_AFTER = """
+assert in_pool("a") == run("b")  # the fork precedes the first run of this process
+started = time.monotonic()
+try:
+    in_pool("c")
+except mpmcol.errors.UsageError as refusal:
+    print(f"{time.monotonic() - started:.3f}", refusal)
+"""
+# The pool ends its processes by SIGTERM while one of them computes.
+TERMINATED_POOL = """
+from pathlib import Path
+
+with multiprocessing.get_context("fork").Pool(1) as pool:
+    pool.apply_async(run, ("a",))
+    while not Path("a/case.resolved.toml").exists():
+        time.sleep(0.01)
+print("ended")
+"""
+
+
+def executed(program: str, folder: Path) -> str:
+    environment = {**os.environ, "PYTHONPATH": str(Path(mpmcol.__file__).parents[1])}
+    command = [sys.executable, "-c", PROGRAM + program]
+    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=240)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+@needs_fork
+def test_a_pool_forked_before_the_first_run_works_and_one_forked_after_it_is_refused_at_once(tmp_path: Path) -> None:
+    seconds, _, message = executed(FORK_BEFORE_AND_AFTER, tmp_path).partition(" ")
+    assert "this process was forked from one that had already computed" in message
+    assert 'multiprocessing.get_context("spawn") or "forkserver"' in message
+    assert float(seconds) < 10.0  # without load a few hundredths; it once waited for ever
+    assert not (tmp_path / "c").exists()
+
+
+@needs_fork
+def test_a_pool_can_end_its_runs(tmp_path: Path) -> None:
+    assert executed(TERMINATED_POOL, tmp_path) == "ended\n"
+    assert not is_locked(tmp_path / "a")
+
+
+@needs_fork
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGUSR2])
+def test_a_child_forked_during_a_run_ends_by_the_signals_of_its_parent(number: signal.Signals) -> None:
+    with stop_request():
+        child = os.fork()
+        if not child:
+            signal.raise_signal(number)
+            os._exit(0)  # the signal was ignored
+        _, status = os.waitpid(child, 0)
+    assert os.waitstatus_to_exitcode(status) == -number
+
+
+def test_a_handler_of_the_caller_is_called_after_the_run_and_stays(monkeypatch: pytest.MonkeyPatch) -> None:
+    received: list[int] = []
+
+    def handler(number: int, frame: object) -> None:
+        received.append(number)
+
+    previous = signal.signal(signal.SIGTERM, handler)
+    try:
+        with stop_request() as request:
+            signal.raise_signal(signal.SIGTERM)
+            assert request.reason == "SIGTERM" and received == []
+        assert received == [signal.SIGTERM] and signal.getsignal(signal.SIGTERM) is handler
+    finally:
+        signal.signal(signal.SIGTERM, previous)
+
+
+def test_signals_that_are_sent_repeatedly_stop_a_run_once_and_others_abort_it() -> None:
+    with stop_request() as request:
+        signal.raise_signal(signal.SIGHUP)
+        signal.raise_signal(signal.SIGHUP)
+        signal.raise_signal(signal.SIGXCPU)
+        assert request.reason == "SIGHUP"
+        with pytest.raises(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGTERM)
+
+
+@pytest.mark.parametrize("ignored", [signal.SIGHUP, signal.SIGTERM])
+def test_a_signal_that_the_caller_ignores_stays_ignored(ignored: signal.Signals) -> None:
+    previous = signal.signal(ignored, signal.SIG_IGN)
+    try:
+        with stop_request() as request:
+            signal.raise_signal(ignored)
+            assert request.reason == ""
+        assert signal.getsignal(ignored) is signal.SIG_IGN
+    finally:
+        signal.signal(ignored, previous)
+
+
+# ------------------------------------------------------------------------------------ threads of one process
+
+
+def test_two_threads_run_two_cases_with_the_bits_of_single_runs(tmp_path: Path) -> None:
+    cases = {"low": mpmcol.load_case("quickstart", TINY), "high": mpmcol.load_case("quickstart", [*TINY, HIGH])}
+    together = threading.Barrier(2, timeout=60.0)
+
+    def run(name: str) -> None:
+        together.wait()
+        mpmcol.run(cases[name], tmp_path / "together" / name, threads=1)
+
+    for name, case in cases.items():
+        mpmcol.run(case, tmp_path / name, threads=1)
+    with ThreadPoolExecutor(2) as threads:
+        list(threads.map(run, cases))
+    for name in cases:
+        assert_equal_runs(tmp_path / name, tmp_path / "together" / name)
+        mine, other = (folder / name / "snapshots/000001.vtkhdf" for folder in (tmp_path, tmp_path / "together"))
+        assert mine.read_bytes() == other.read_bytes()
+
+
+HIGH = "geometry.aspect=1.5"
+
+
+@pytest.mark.slow
+def test_threads_take_turns_where_the_threading_layer_requires_it(tmp_path: Path) -> None:
+    """The layer workqueue ends the process if two threads use it at a time."""
+    program = """
+from concurrent.futures import ThreadPoolExecutor
+with ThreadPoolExecutor(2) as threads:
+    print(len(set(threads.map(run, ("a", "b")))))
+"""
+    environment = {**os.environ, "NUMBA_THREADING_LAYER": "workqueue"}
+    command = [sys.executable, "-c", PROGRAM + program]
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=240)
+    assert (done.returncode, done.stdout) == (0, "1\n"), done.stderr
+
+
+def test_of_two_threads_with_one_folder_one_is_refused(tmp_path: Path) -> None:
+    case = mpmcol.load_case("quickstart", TINY)
+    refused = threading.Event()
+
+    def wait(stage: str, fraction: float) -> None:
+        refused.wait(60.0)
+
+    with ThreadPoolExecutor(1) as threads:
+        first = threads.submit(mpmcol.run, case, tmp_path, threads=1, progress=wait)
+        deadline = time.monotonic() + 60.0
+        while not is_locked(tmp_path) and time.monotonic() < deadline:
+            time.sleep(0.001)
+        try:
+            with pytest.raises(OutputError, match="another run is writing here"):
+                mpmcol.run(case, tmp_path, threads=1)
+        finally:
+            refused.set()
+        assert first.result().summary["status"] == "done"
