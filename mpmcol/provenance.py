@@ -42,7 +42,7 @@ def environment() -> dict[str, Any]:
 def cpu_name() -> str:
     """Name of the processor, or its architecture where the system does not report the name."""
     try:
-        lines = Path("/proc/cpuinfo").read_text().splitlines()
+        lines = Path("/proc/cpuinfo").read_text("utf-8").splitlines()
         return next(line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
     except (OSError, StopIteration):
         return platform.processor() or platform.machine()

@@ -97,7 +97,7 @@ def make_report(cases: list[BenchmarkCase]) -> Report:
 def load_report(path: Path) -> Report:
     """Read a report written by `--json`; raises UsageError if the file is not one."""
     try:
-        data = json.loads(path.read_text())
+        data = json.loads(path.read_text("utf-8"))
         if data["schema"] != SCHEMA:
             raise ValueError(f"schema {data['schema']}, expected {SCHEMA}")
         return Report(data["date"], data["machine"], tuple(_read_case(case) for case in data["cases"]))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import os
 import re
 from collections.abc import Mapping, Sequence
@@ -17,6 +18,7 @@ from mpmcol.case.toml_lines import SYNTAX_ERROR, KeyPath, TomlError, locate, par
 from mpmcol.errors import CaseError
 
 MAX_FILE_SIZE = 200_000  # bytes
+UTF_16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)  # what `>` of Windows PowerShell writes
 _LONGEST_LINE = 200  # characters that are searched for a hint
 _LIST_HINT = "(mpmcol cases lists the shipped cases)"
 
@@ -177,14 +179,14 @@ def read_source(name: str, path: Path) -> Source:
     try:
         with path.open("rb") as file:
             content = file.read(MAX_FILE_SIZE + 1)
-    except IsADirectoryError as failure:
-        raise _error(name, "is a folder; expected a case file", hint=_file_in(path)) from failure
     except OSError as failure:
+        if path.is_dir():  # Windows reports a lack of permission
+            raise _error(name, "is a folder; expected a case file", hint=_file_in(path)) from failure
         raise _error(name, f"cannot be read: {failure.strerror}") from failure
     if len(content) > MAX_FILE_SIZE:
         raise _error(name, f"larger than {MAX_FILE_SIZE // 1000} kB, the limit of a case or study")
     try:
-        text = content.decode("utf-8-sig")
+        text = content.decode("utf-16" if content.startswith(UTF_16) else "utf-8-sig")
     except UnicodeDecodeError as failure:
         line = content[: failure.start].count(b"\n") + 1
         excerpt = content.split(b"\n")[line - 1].decode(errors="replace")

@@ -28,7 +28,7 @@ def _json(path: Path) -> None:
 
 
 def _table(path: Path) -> None:
-    with path.open(newline="") as file:
+    with path.open(encoding="utf-8", newline="") as file:
         lengths = {len(row) for row in csv.reader(file, strict=True)}
     if len(lengths) != 1:
         raise ValueError("rows differ in length")

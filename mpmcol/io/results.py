@@ -50,7 +50,7 @@ class Results:
         """The content of result.json."""
         path = self.folder / RESULT_FILE
         try:
-            content = json.loads(path.read_text())
+            content = json.loads(path.read_text("utf-8"))
         except FileNotFoundError:
             raise OutputError(f"{path} is missing: the run has not ended; run the case again") from None
         except (OSError, ValueError) as error:
@@ -120,7 +120,7 @@ def measure_stop_time(history: Mapping[str, np.ndarray], spacing: float, fall_ti
 def read_history(path: Path) -> dict[str, np.ndarray]:
     """Columns of a history.csv: `stage` as text, all others as numbers. Raises OutputError."""
     try:
-        with path.open(newline="") as file:
+        with path.open(encoding="utf-8", newline="") as file:
             rows = list(csv.DictReader(file))
         return {
             name: np.array([row[name] if name == "stage" else float(row[name]) for row in rows]) for name in HISTORY

@@ -76,7 +76,7 @@ def _read_result(path: Path) -> Any:
 def time_reached(folder: Path) -> float | None:
     """Time since release in the last row of a run's history, s; None before the release."""
     try:
-        rows = (folder / HISTORY_FILE).read_text().splitlines()
+        rows = (folder / HISTORY_FILE).read_text("utf-8").splitlines()
         names, last = rows[0].split(","), rows[-1].split(",")
         return float(last[names.index("time")]) if last[names.index("stage")] != BEFORE_RELEASE else None
     except (OSError, ValueError, IndexError):

@@ -29,7 +29,7 @@ class FileStopRequest:
     def __call__(self) -> int:
         """The level in the file; CONTINUE while it does not exist."""
         try:
-            return int(self.path.read_text())
+            return int(self.path.read_text("utf-8"))
         except (OSError, ValueError):
             return CONTINUE
 

@@ -138,4 +138,7 @@ def _failure_message(folder: Path, code: int, attempts: int) -> str:
 
 
 def _signal_name(number: int) -> str:
-    return signal.Signals(number).name if number in list(signal.Signals) else f"signal {number}"
+    try:
+        return signal.Signals(number).name
+    except ValueError:  # a real-time signal
+        return f"signal {number}"

@@ -1,4 +1,4 @@
-"""Ctrl-C during a run stops it promptly with a snapshot of its state; a full disk at stdout is reported."""
+"""Signals and readers that go away leave a complete state of a run; a full disk at stdout is reported."""
 
 from __future__ import annotations
 
@@ -9,9 +9,15 @@ import sys
 import time
 from pathlib import Path
 
+import pytest
+
+import mpmcol
+from mpmcol.errors import Interrupted
 from mpmcol.io.results import Results
-from tests.support.cli import started
+from mpmcol.simulation.interrupt import SIGNALS
+from tests.support.cli import set_options, started
 from tests.support.processes import wait_until
+from tests.support.runs import TINY, assert_equal_runs
 
 
 def test_an_interrupt_saves_the_state(tmp_path: Path) -> None:
@@ -30,8 +36,49 @@ def test_an_interrupt_saves_the_state(tmp_path: Path) -> None:
     assert results.snapshot(-1).stage == "stopped"
 
 
-def test_a_full_disk_at_the_standard_output_is_reported(tmp_path: Path) -> None:
-    command = [sys.executable, "-u", "-m", "mpmcol", "check", "quickstart"]
+@pytest.mark.parametrize("number", SIGNALS, ids=lambda number: number.name)
+def test_every_signal_saves_the_state(number: signal.Signals, finished: Path, tmp_path: Path) -> None:
+    def send(stage: str, fraction: float) -> None:
+        if stage == "collapse" and fraction > 0.1:
+            signal.raise_signal(number)
+
+    case = mpmcol.load_case("quickstart", TINY)
+    with pytest.raises(Interrupted, match=f"stopped by {number.name} at step .*repeat the command to resume") as caught:
+        mpmcol.run(case, tmp_path / "run", progress=send)
+    assert caught.value.exit_code == 75
+    assert_equal_runs(finished, mpmcol.run(case, tmp_path / "run").folder)
+
+
+def first_line(command: list[str], folder: Path, **streams: int) -> tuple[int, str]:
+    """Exit code and stderr of `mpmcol` if the reader of its stdout ends after one line."""
+    environment = {**os.environ, "PYTHONPATH": str(Path(mpmcol.__file__).parents[1])}
+    with (
+        (folder / "stderr").open("w") as err,
+        subprocess.Popen(
+            [sys.executable, "-m", "mpmcol", *command], cwd=folder, env=environment, stdout=subprocess.PIPE,
+            **{"stderr": err.fileno(), **streams},
+        ) as process,
+    ):  # fmt: skip
+        assert process.stdout is not None
+        process.stdout.readline()
+        process.stdout.close()
+        return process.wait(120), (folder / "stderr").read_text()
+
+
+@pytest.mark.parametrize("streams", [{}, {"stderr": subprocess.STDOUT}], ids=["stdout", "both"])
+def test_a_run_whose_reader_goes_away_is_completed(streams: dict[str, int], finished: Path, tmp_path: Path) -> None:
+    code, err = first_line(["run", "quickstart", *set_options(TINY), "--out", "run"], tmp_path, **streams)
+    assert (code, err.count("Error"), err.count("Traceback")) == (141, 0, 0), err
+    assert_equal_runs(finished, tmp_path / "run")
+
+
+def test_a_command_whose_reader_goes_away_ends_quietly(tmp_path: Path) -> None:
+    assert first_line(["cases"], tmp_path) == (141, "")
+
+
+@pytest.mark.parametrize("options", [["-u"], []], ids=["unbuffered", "buffered"])
+def test_a_full_disk_at_the_standard_output_is_reported(options: list[str], tmp_path: Path) -> None:
+    command = [sys.executable, *options, "-m", "mpmcol", "check", "quickstart"]
     with Path("/dev/full").open("w") as full:
         environment = {**os.environ, "PYTHONPATH": str(Path.cwd())}
         done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, cwd=tmp_path, env=environment)

@@ -22,7 +22,12 @@ from mpmcol.plotting.render.frame import View, canvas_size, compose, read_for_re
 
 # By path: `-m` would import this package, which the child does not need.
 WORKER = (sys.executable, "-P", str(Path(__file__).with_name("worker.py")))
-INSTALL = "install libegl1 libgl1-mesa-dri (Debian, Ubuntu) or mesa-libEGL mesa-dri-drivers (RHEL)"
+IS_LINUX = sys.platform == "linux"
+INSTALL = (
+    "install libegl1 libgl1-mesa-dri (Debian, Ubuntu) or mesa-libEGL mesa-dri-drivers (RHEL)"
+    if IS_LINUX
+    else "update the graphics driver"
+)
 
 
 def draw_frames(paths: Sequence[Path], view: View) -> tuple[list[Image.Image], str]:
@@ -47,7 +52,7 @@ def draw_points(paths: Sequence[Path], images: Sequence[Path], view: View) -> st
         "size": canvas_size(view.size),
         "point_pixels": view.point_pixels,
     }
-    environment = os.environ | {"VTK_DEFAULT_OPENGL_WINDOW": "vtkEGLRenderWindow"}
+    environment = os.environ | ({"VTK_DEFAULT_OPENGL_WINDOW": "vtkEGLRenderWindow"} if IS_LINUX else {})
     try:
         child = subprocess.run(
             WORKER,
@@ -55,7 +60,8 @@ def draw_points(paths: Sequence[Path], images: Sequence[Path], view: View) -> st
             env=environment,
             capture_output=True,
             check=False,
-            text=True,
+            encoding="utf-8",
+            errors="replace",
             timeout=120 + 20 * len(paths),
         )
     except subprocess.TimeoutExpired as error:
@@ -69,7 +75,9 @@ def draw_points(paths: Sequence[Path], images: Sequence[Path], view: View) -> st
 
 
 def has_egl() -> bool:
-    """Whether the EGL library can be loaded."""
+    """Whether the EGL library can be loaded, by which Linux draws without a display; other systems need none."""
+    if not IS_LINUX:
+        return True
     try:
         ctypes.CDLL("libEGL.so.1")
     except OSError:

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from mpmcol.errors import OutputError
+from mpmcol.io import atomic
 from mpmcol.io.atomic import atomic_write, make_folder
 
 
@@ -117,3 +118,28 @@ def test_make_folder(tmp_path: Path):
     (tmp_path / "file").touch()
     with pytest.raises(OutputError, match="file/b: cannot be written"):
         make_folder(tmp_path / "file" / "b")
+
+
+@pytest.mark.parametrize("refusals", [3, 10**6], ids=["shortly", "longer"])
+def test_a_file_that_another_program_has_open_in_windows(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, refusals: int
+) -> None:
+    """Windows refuses to replace it; the rename is repeated until the other program, often a scanner, closes it."""
+    replace, attempts = os.replace, []
+
+    def refuse(source: Path, target: Path) -> None:
+        attempts.append(target)
+        if len(attempts) <= refusals:
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+        replace(source, target)
+
+    monkeypatch.setattr(os, "replace", refuse)
+    monkeypatch.setattr(atomic, "PATIENCE", 0.2)
+    target = tmp_path / "a.txt"
+    if refusals == 3:
+        atomic_write(target, b"new")
+        assert target.read_bytes() == b"new" and len(attempts) == 4
+    else:
+        with pytest.raises(OutputError, match="a.txt: cannot be written: Permission denied"):
+            atomic_write(target, b"new")
+        assert os.listdir(tmp_path) == []

@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+import errno
+import os
+import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
+import mpmcol
 from mpmcol.errors import OutputError
+from mpmcol.io import file_lock
 from mpmcol.io.lock import is_locked, locked
 from mpmcol.io.names import LOCK_FILE
 
@@ -44,3 +51,76 @@ def test_a_removed_or_replaced_folder_is_noticed(tmp_path: Path) -> None:
         (folder / LOCK_FILE).touch()
         with pytest.raises(OutputError, match="repeat the command with --out NEW_FOLDER to resume"):
             lock.check()
+
+
+needs_fork = pytest.mark.skipif(not hasattr(os, "fork"), reason="this system has no fork")
+
+HOLDER = """
+import sys, time
+from pathlib import Path
+from mpmcol.io.lock import locked
+
+with locked(Path(sys.argv[1])):
+    print("locked", flush=True)
+    time.sleep(60.0)
+"""
+
+
+def test_the_lock_of_a_killed_process_is_released(tmp_path: Path) -> None:
+    environment = {**os.environ, "PYTHONPATH": str(Path(mpmcol.__file__).parents[1])}
+    command = [sys.executable, "-c", HOLDER, str(tmp_path)]
+    with subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True) as holder:
+        assert holder.stdout is not None and holder.stdout.readline() == "locked\n"
+        assert is_locked(tmp_path)
+        holder.kill()
+    assert not is_locked(tmp_path)
+
+
+def test_the_state_of_a_read_only_folder_is_found_without_creating_a_file(tmp_path: Path) -> None:
+    assert not is_locked(tmp_path) and not list(tmp_path.iterdir())
+    with locked(tmp_path):
+        (tmp_path / LOCK_FILE).chmod(0o444)
+        tmp_path.chmod(0o555)
+        opened: list[int] = []
+        real = os.open
+        with pytest.MonkeyPatch.context() as patch:  # the superuser may write in any case
+            patch.setattr(os, "open", lambda path, flags, *more: opened.append(flags) or real(path, flags, *more))
+            assert is_locked(tmp_path)
+        assert opened == [os.O_RDONLY]
+        tmp_path.chmod(0o755)
+
+
+@needs_fork
+def test_the_lock_is_released_although_a_forked_child_still_has_the_file_open(tmp_path: Path) -> None:
+    with locked(tmp_path):
+        child = os.fork()
+        if not child:
+            signal.pause()
+    try:
+        assert not is_locked(tmp_path)
+    finally:
+        os.kill(child, signal.SIGKILL)
+        os.waitpid(child, 0)
+
+
+@needs_fork
+def test_a_child_that_leaves_the_context_leaves_the_lock_to_its_parent(tmp_path: Path) -> None:
+    parent = os.getpid()
+    with locked(tmp_path):
+        child = os.fork()
+        if child:
+            os.waitpid(child, 0)
+            assert is_locked(tmp_path)
+    if os.getpid() != parent:
+        os._exit(0)
+
+
+def test_a_file_system_without_locks_is_refused_in_words(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*arguments: object) -> None:
+        raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
+
+    monkeypatch.setattr(file_lock, "_lock", fail)
+    (tmp_path / LOCK_FILE).touch()
+    assert not is_locked(tmp_path)
+    with pytest.raises(OutputError, match="has no file locks .*choose a folder on another disk"), locked(tmp_path):
+        pass
