@@ -40,6 +40,7 @@ check: $(READY)  ## check style, format, types and import layers
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+	$(BIN)/mypy --platform win32 --cache-dir .mypy_cache/windows
 	$(BIN)/lint-imports
 
 bench: $(READY)  ## measure the time per point and step of every kernel

@@ -71,7 +71,8 @@ def run(
     discretisation errors, without the error of the model. With --certify the case is run three times each on this grid
     and a coarser one, and on a finer grid too if an error bar is wider than the accuracy.
 
-    Ctrl-C, SIGTERM, SIGUSR1 and --max-wall stop the run with a checkpoint (exit code 75); a second Ctrl-C aborts it.
+    Ctrl-C, the signals of schedulers and --max-wall stop the run with a checkpoint (exit code 75); a second Ctrl-C
+    aborts it.
     Repeating the command resumes a stopped or killed run, with results that are identical to those of an uninterrupted
     run.
 

@@ -16,7 +16,7 @@ from mpmcol.errors import Interrupted
 from mpmcol.io.results import Results
 from mpmcol.simulation.interrupt import SIGNALS
 from tests.support.cli import set_options, started
-from tests.support.processes import wait_until
+from tests.support.processes import handled_by, wait_until
 from tests.support.runs import TINY, assert_equal_runs
 
 
@@ -43,7 +43,9 @@ def test_every_signal_saves_the_state(number: signal.Signals, finished: Path, tm
             signal.raise_signal(number)
 
     case = mpmcol.load_case("quickstart", TINY)
-    with pytest.raises(Interrupted, match=f"stopped by {number.name} at step .*repeat the command to resume") as caught:
+    message = f"stopped by {number.name} at step .*repeat the command to resume"
+    handler = signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL
+    with handled_by(handler, number), pytest.raises(Interrupted, match=message) as caught:
         mpmcol.run(case, tmp_path / "run", progress=send)
     assert caught.value.exit_code == 75
     assert_equal_runs(finished, mpmcol.run(case, tmp_path / "run").folder)

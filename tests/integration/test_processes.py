@@ -7,16 +7,17 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 
 import mpmcol
-from mpmcol.errors import OutputError
+from mpmcol.cli.sweep_display import SweepDisplay
+from mpmcol.errors import Interrupted, OutputError
 from mpmcol.io.lock import is_locked
-from mpmcol.simulation.interrupt import stop_request
+from mpmcol.simulation.interrupt import REPEATED, stop_request
+from tests.support.processes import handled_by, wait_until
 from tests.support.runs import TINY, assert_equal_runs
 
 needs_fork = pytest.mark.skipif(not hasattr(os, "fork"), reason="this system has no fork")
@@ -52,8 +53,16 @@ print("ended")
 """
 
 
-def executed(program: str, folder: Path) -> str:
-    environment = {**os.environ, "PYTHONPATH": str(Path(mpmcol.__file__).parents[1])}
+TWO_THREADS = """
+from concurrent.futures import ThreadPoolExecutor
+
+with ThreadPoolExecutor(2) as threads:
+    print(len(set(threads.map(run, ("a", "b")))))
+"""
+
+
+def executed(program: str, folder: Path, **variables: str) -> str:
+    environment = {**os.environ, "PYTHONPATH": str(Path(mpmcol.__file__).parents[1]), **variables}
     command = [sys.executable, "-c", PROGRAM + program]
     done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=240)
     assert done.returncode == 0, done.stderr
@@ -78,7 +87,7 @@ def test_a_pool_can_end_its_runs(tmp_path: Path) -> None:
 @needs_fork
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGUSR2])
 def test_a_child_forked_during_a_run_ends_by_the_signals_of_its_parent(number: signal.Signals) -> None:
-    with stop_request():
+    with handled_by(signal.SIG_DFL, number), stop_request():
         child = os.fork()
         if not child:
             signal.raise_signal(number)
@@ -87,24 +96,21 @@ def test_a_child_forked_during_a_run_ends_by_the_signals_of_its_parent(number: s
     assert os.waitstatus_to_exitcode(status) == -number
 
 
-def test_a_handler_of_the_caller_is_called_after_the_run_and_stays(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_handler_of_the_caller_is_called_after_the_run_and_stays() -> None:
     received: list[int] = []
 
     def handler(number: int, frame: object) -> None:
         received.append(number)
 
-    previous = signal.signal(signal.SIGTERM, handler)
-    try:
+    with handled_by(handler, signal.SIGTERM):
         with stop_request() as request:
             signal.raise_signal(signal.SIGTERM)
             assert request.reason == "SIGTERM" and received == []
         assert received == [signal.SIGTERM] and signal.getsignal(signal.SIGTERM) is handler
-    finally:
-        signal.signal(signal.SIGTERM, previous)
 
 
 def test_signals_that_are_sent_repeatedly_stop_a_run_once_and_others_abort_it() -> None:
-    with stop_request() as request:
+    with handled_by(signal.SIG_DFL, *REPEATED), stop_request() as request:
         signal.raise_signal(signal.SIGHUP)
         signal.raise_signal(signal.SIGHUP)
         signal.raise_signal(signal.SIGXCPU)
@@ -115,21 +121,28 @@ def test_signals_that_are_sent_repeatedly_stop_a_run_once_and_others_abort_it() 
 
 @pytest.mark.parametrize("ignored", [signal.SIGHUP, signal.SIGTERM])
 def test_a_signal_that_the_caller_ignores_stays_ignored(ignored: signal.Signals) -> None:
-    previous = signal.signal(ignored, signal.SIG_IGN)
-    try:
+    with handled_by(signal.SIG_IGN, ignored):
         with stop_request() as request:
             signal.raise_signal(ignored)
             assert request.reason == ""
         assert signal.getsignal(ignored) is signal.SIG_IGN
-    finally:
-        signal.signal(ignored, previous)
+
+
+def test_a_closed_terminal_stops_the_runs_of_a_sweep_and_does_not_abort_them(tmp_path: Path) -> None:
+    with handled_by(signal.SIG_DFL, *REPEATED):
+        with pytest.raises(Interrupted, match="stopped gracefully"), SweepDisplay(tmp_path, quiet=True):
+            with pytest.raises(KeyboardInterrupt):
+                signal.raise_signal(signal.SIGHUP)
+            signal.raise_signal(signal.SIGHUP)  # while the runs write their checkpoints
+            raise KeyboardInterrupt
+        assert signal.getsignal(signal.SIGHUP) is signal.SIG_DFL
 
 
 # ------------------------------------------------------------------------------------ threads of one process
 
 
 def test_two_threads_run_two_cases_with_the_bits_of_single_runs(tmp_path: Path) -> None:
-    cases = {"low": mpmcol.load_case("quickstart", TINY), "high": mpmcol.load_case("quickstart", [*TINY, HIGH])}
+    cases = {a: mpmcol.load_case("quickstart", [*TINY, f"geometry.aspect={a}"]) for a in ("1.0", "1.5")}
     together = threading.Barrier(2, timeout=60.0)
 
     def run(name: str) -> None:
@@ -146,21 +159,10 @@ def test_two_threads_run_two_cases_with_the_bits_of_single_runs(tmp_path: Path) 
         assert mine.read_bytes() == other.read_bytes()
 
 
-HIGH = "geometry.aspect=1.5"
-
-
 @pytest.mark.slow
 def test_threads_take_turns_where_the_threading_layer_requires_it(tmp_path: Path) -> None:
     """The layer workqueue ends the process if two threads use it at a time."""
-    program = """
-from concurrent.futures import ThreadPoolExecutor
-with ThreadPoolExecutor(2) as threads:
-    print(len(set(threads.map(run, ("a", "b")))))
-"""
-    environment = {**os.environ, "NUMBA_THREADING_LAYER": "workqueue"}
-    command = [sys.executable, "-c", PROGRAM + program]
-    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=240)
-    assert (done.returncode, done.stdout) == (0, "1\n"), done.stderr
+    assert executed(TWO_THREADS, tmp_path, NUMBA_THREADING_LAYER="workqueue") == "1\n"
 
 
 def test_of_two_threads_with_one_folder_one_is_refused(tmp_path: Path) -> None:
@@ -172,9 +174,7 @@ def test_of_two_threads_with_one_folder_one_is_refused(tmp_path: Path) -> None:
 
     with ThreadPoolExecutor(1) as threads:
         first = threads.submit(mpmcol.run, case, tmp_path, threads=1, progress=wait)
-        deadline = time.monotonic() + 60.0
-        while not is_locked(tmp_path) and time.monotonic() < deadline:
-            time.sleep(0.001)
+        wait_until(lambda: is_locked(tmp_path))
         try:
             with pytest.raises(OutputError, match="another run is writing here"):
                 mpmcol.run(case, tmp_path, threads=1)

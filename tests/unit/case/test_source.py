@@ -75,6 +75,11 @@ def test_a_missing_file_is_reported_with_the_nearest_shipped_case(write: Write) 
     assert "no such case file" in only_problem("x" * 5000).message
 
 
+def test_a_file_written_by_the_shell_of_windows_is_read(write: Write) -> None:
+    write('extends = "quickstart"\r\ntitle = "mine"\r\n'.encode("utf-16"))
+    assert load_case("my.toml").title == "mine"
+
+
 @pytest.mark.parametrize(
     ("content", "line", "message"),
     [
@@ -87,6 +92,7 @@ def test_a_missing_file_is_reported_with_the_nearest_shipped_case(write: Write) 
         (b"a = [[0x" + b"f" * 5000 + b"]]", 1, "integer with more than 64 bits"),
         (b"a = " + b"[" * 20000, 1, "nested too deeply"),
         (b"#" * 200_001, None, "larger than 200 kB"),
+        (b"\xff\xfea", 1, "not valid UTF-8"),
     ],
 )
 def test_a_file_that_cannot_be_parsed_is_reported_with_its_line(
