@@ -72,9 +72,8 @@ def run(
     and a coarser one, and on a finer grid too if an error bar is wider than the accuracy.
 
     Ctrl-C, the signals of schedulers and --max-wall stop the run with a checkpoint (exit code 75); a second Ctrl-C
-    aborts it.
-    Repeating the command resumes a stopped or killed run, with results that are identical to those of an uninterrupted
-    run.
+    aborts it. Repeating the command resumes a stopped or killed run, with results that are identical to those of an
+    uninterrupted run.
 
     A numerical failure stops the run with its cause, location and remedy (exit code 3); the last valid state is kept as
     a snapshot. With --on-instability retry, time.cfl is halved instead, at most four times.

@@ -16,6 +16,7 @@ from mpmcol.mpm import cache_folder
 from tests.support.cli import invoke, set_options
 from tests.support.runs import TINY
 
+CHINESE = "\u67f1.toml"  # "column"
 CACHE = "from mpmcol.mpm.jit import CACHE_FOLDER, CACHE_NOTE\nprint(CACHE_FOLDER)\nprint(CACHE_NOTE)"
 THREADS = "from mpmcol.mpm.jit import set_threads\nprint(set_threads(None))"
 
@@ -30,6 +31,13 @@ def test_charts_do_not_depend_on_the_backend_of_matplotlib(finished: Path, tmp_p
     done = run("-m", "mpmcol", "plot", str(folder), MPLBACKEND=backend)
     assert done.returncode == 0, done.stderr
     assert (folder / "front.png").exists()
+
+
+@pytest.mark.parametrize("content", ['extends = "quickstart"\n', "wrong = 1\n"], ids=["stdout", "stderr"])
+def test_text_that_the_encoding_of_a_console_lacks_is_written_as_escapes(content: str, tmp_path: Path) -> None:
+    (tmp_path / CHINESE).write_text(content)
+    done = run("-m", "mpmcol", "check", str(tmp_path / CHINESE), PYTHONIOENCODING="cp1252:strict")
+    assert "\\u67f1.toml" in done.stdout + done.stderr and "internal error" not in done.stderr
 
 
 @pytest.mark.parametrize(("value", "expected"), [("1", 1), ("3", 3), ("100", 4), ("2,1", 2), ("many", 4), ("", 4)])
