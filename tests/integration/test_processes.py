@@ -20,6 +20,7 @@ from mpmcol.simulation.interrupt import REPEATED, stop_request
 from tests.support.processes import handled_by, wait_until
 from tests.support.runs import TINY, assert_equal_runs
 
+pytestmark = pytest.mark.filterwarnings("ignore:This process .* is multi-threaded:DeprecationWarning")
 needs_fork = pytest.mark.skipif(not hasattr(os, "fork"), reason="this system has no fork")
 
 PROGRAM = f"""
@@ -51,8 +52,6 @@ with multiprocessing.get_context("fork").Pool(1) as pool:
         time.sleep(0.01)
 print("ended")
 """
-
-
 TWO_THREADS = """
 from concurrent.futures import ThreadPoolExecutor
 

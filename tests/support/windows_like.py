@@ -66,7 +66,7 @@ def install() -> None:
 
 
 def _stand_ins() -> dict[str, Any]:
-    found: dict[str, Any] = {name: _without(name, names.split()) for name, names in POSIX_NAMES.items()}
+    found: dict[str, Any] = {name: _StandIn(name, names.split()) for name, names in POSIX_NAMES.items()}
     found["sys"].platform = "win32"
     found["signal"].CTRL_BREAK_EVENT = signal.SIGTERM  # stops a process of its own group as SIGBREAK does
     members = {name: number for name, number in signal.Signals.__members__.items() if hasattr(found["signal"], name)}
@@ -104,10 +104,6 @@ class _StandIn(ModuleType):
         return getattr(self._real, name)
 
 
-def _without(name: str, hidden: list[str]) -> _StandIn:
-    return _StandIn(name, hidden)
-
-
 def _locking(descriptor: int, mode: int, size: int) -> None:
     """`msvcrt.locking`: an exclusive lock of some bytes."""
     try:
@@ -136,8 +132,7 @@ def _replace_files(stand_in: Any) -> None:
         return len(data)
 
     def replace(source: Any, target: Any) -> None:
-        is_open = any(os.path.exists(target) and os.path.samefile(file, target) for file in _open_files())
-        if is_open:
+        if os.path.exists(target) and any(os.path.samefile(file, target) for file in _open_files()):
             raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), target)
         os.replace(source, target)
 

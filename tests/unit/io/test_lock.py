@@ -53,6 +53,7 @@ def test_a_removed_or_replaced_folder_is_noticed(tmp_path: Path) -> None:
             lock.check()
 
 
+pytestmark = pytest.mark.filterwarnings("ignore:This process .* is multi-threaded:DeprecationWarning")
 needs_fork = pytest.mark.skipif(not hasattr(os, "fork"), reason="this system has no fork")
 
 HOLDER = """
