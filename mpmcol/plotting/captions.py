@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+import tomllib
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from mpmcol.case import Case
@@ -11,49 +12,61 @@ from mpmcol.case.fields import number_of
 from mpmcol.case.reference import field_at
 from mpmcol.case.values import leaf_values
 from mpmcol.io.results import Results
+from mpmcol.io.snapshot import Meta
 from mpmcol.measure import ColumnShape
+from mpmcol.measure.shape import AZIMUTHS
 from mpmcol.plotting.figures import Heading
 from mpmcol.units import length_text
 
 MODELS = {"plane": "plane strain", "axisymmetric": "axisymmetric", "quarter": "3D quarter model", "full": "3D model"}
-LAWS = {"mohr-coulomb": "Mohr-Coulomb", "mohr-coulomb-softening": "softening Mohr-Coulomb", "elastic": "elastic"}
+LENGTHS = {"r_i": "r_i", "h_i": "h_i", "h": "spacing"}  # symbols
+FRICTION = ("friction_deg", "friction_peak_deg", "friction_residual_deg")
 MOST_KEYS = 2  # in the name of a run
 _ASPECT = re.compile(r",? *\ba = \d+(\.\d+)?")
 
 
 def heading_of(case: Case, shape: ColumnShape) -> Heading:
     """The title of the case with the aspect ratio as resolved, and model, size, grid and material below it."""
-    return Heading(run_title(case.title, shape), ", ".join(_parameters(case, shape)))
+    return Heading(run_title(case.title, shape.model, shape.a), ", ".join(_parameters(vars(shape), _material(case))))
+
+
+def heading_of_snapshot(meta: Meta) -> Heading:
+    """As `heading_of`, from the metadata of a snapshot."""
+    case = tomllib.loads(str(meta.get("case", "")))
+    title = run_title(str(meta["title"]), str(meta["model"]), float(meta["h_i"]) / float(meta["r_i"]))
+    return Heading(title, ", ".join(_parameters(meta, case.get("material", {}))))
 
 
 def common_heading(title: str, runs: Sequence[tuple[Case, ColumnShape]]) -> Heading:
     """A title without an aspect ratio, and the parameters that all runs have in common."""
-    parameters = [_parameters(*run) for run in runs]
+    parameters = [_parameters(vars(shape), _material(case)) for case, shape in runs]
     return Heading(_ASPECT.sub("", title), ", ".join(p for p in parameters[0] if all(p in own for own in parameters)))
 
 
-def run_title(title: str, shape: ColumnShape) -> str:
+def run_title(title: str, model: str, a: float) -> str:
     """The title of a case with the aspect ratio of the column, which may differ from the one that the title had."""
-    return f"{_ASPECT.sub('', title) or MODELS[shape.model]}, a = {shape.a:.3g}"
+    return f"{_ASPECT.sub('', title) or MODELS[model]}, a = {a:.3g}"
 
 
-def _parameters(case: Case, shape: ColumnShape) -> list[str]:
-    per_cell = round((shape.spacing / shape.point_size) ** shape.dimension)
-    sizes = {"r_i": shape.r_i, "h_i": shape.h_i, "h": shape.spacing}
-    lengths = [f"${name}$ = {length_text(value)}" for name, value in sizes.items()]
-    return [MODELS[shape.model], *lengths, f"{per_cell} points per cell", material_text(case)]
+def _parameters(shape: Mapping[str, Any], material: Mapping[str, Any]) -> list[str]:
+    """Texts for the column, the grid and the material."""
+    dimension = 3 if shape["model"] in AZIMUTHS else 2
+    per_cell = round((float(shape["spacing"]) / float(shape["point_size"])) ** dimension)
+    lengths = [f"${name}$ = {length_text(float(shape[key]))}" for name, key in LENGTHS.items()]
+    return [MODELS[shape["model"]], *lengths, f"{per_cell} points per cell", *_material_text(material)]
 
 
-def material_text(case: Case) -> str:
+def _material(case: Case) -> dict[str, Any]:
+    return case.material.model_dump()
+
+
+def _material_text(material: Mapping[str, Any]) -> list[str]:
     """Constitutive law and friction angle; of a softening law from peak to residual."""
-    material = case.material
-    name = LAWS.get(material.law, material.law)
-    peak = getattr(material, "friction_peak_deg", None)
-    friction = getattr(material, "friction_deg", None) or getattr(material, "friction_residual_deg", None)
-    if friction is None:
-        return name
-    angle = f"{peak:g} to {friction:g}" if peak else f"{friction:g}"
-    return rf"{name}, $\varphi$ = {angle}$\degree$"
+    if not material:
+        return []
+    name = str(material["law"]).replace("mohr-coulomb", "Mohr-Coulomb").replace("-softening", " with softening")
+    angles = [f"{material[key]:g}" for key in FRICTION if material.get(key) is not None]
+    return [rf"{name}, $\varphi$ = {' to '.join(angles)}$\degree$" if angles else name]
 
 
 def run_names(runs: Sequence[Results]) -> list[str]:

@@ -13,6 +13,7 @@ from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.legend_handler import HandlerTuple
+from matplotlib.patheffects import withStroke
 from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator, StrMethodFormatter
 
 from mpmcol.io.atomic import atomic_write
@@ -24,6 +25,8 @@ RIGHT_EDGE = 0.9  # of the width of the axes: lines that end farther to the righ
 _TICK_STEPS = ((1.3, (1.0, 2.0, 3.0, 5.0, 7.0)), (2.5, (1.0, 2.0, 5.0)), (np.inf, (1.0,)))
 
 _CONNECTOR: dict[str, Any] = {"arrowstyle": "-", "linewidth": 0.5, "shrinkA": 1.0, "shrinkB": 0.0, "relpos": (0.0, 0.5)}
+
+_HALO = withStroke(linewidth=2.5, foreground="white")
 
 
 class Heading(NamedTuple):
@@ -83,7 +86,7 @@ def label_ends(axes: Axes, labels: Sequence[EndLabel]) -> None:
     beside = x > RIGHT_EDGE
     y[beside] = _apart(y[beside], 1.35 * LABEL_SIZE / height)
     for label, is_beside, level in zip(labels, beside, y, strict=True):
-        place: dict[str, Any] = {"xytext": (6.0, 0.0), "textcoords": "offset points"}
+        place: dict[str, Any] = {"xytext": (6.0, 7.0), "textcoords": "offset points", "path_effects": [_HALO]}
         if is_beside:
             connector = _CONNECTOR | {"color": label.colour}
             place = {"xytext": (1.025, level), "textcoords": "axes fraction", "arrowprops": connector}
