@@ -273,7 +273,7 @@ def test_snapshot_without_the_required_metadata(tmp_path: Path, without_egl: Non
         "id": np.arange(3),
     }
     write_snapshot(tmp_path, 0, Snapshot(0.0, 0, "collapse", arrays), {"title": "a", "model": "plane"})
-    with pytest.raises(OutputError, match="metadata h_i, point_size, r_i missing"):
+    with pytest.raises(OutputError, match="metadata h_i, point_size, r_i, spacing missing"):
         render(tmp_path, gif=False)
 
 
