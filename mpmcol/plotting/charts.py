@@ -18,6 +18,7 @@ from matplotlib.figure import Figure
 
 from mpmcol.experiments import Experiment, Profile, mark
 from mpmcol.io.atomic import atomic_write
+from mpmcol.io.glossary import ENERGY_UNITS
 from mpmcol.measure import Array, ColumnShape, Measurement
 
 EXPERIMENT_COLOUR = "#b2182b"
@@ -144,7 +145,8 @@ def energy_chart(
     for name, style in ENERGY_STYLES.items():
         upper.plot(tau, change(name), **style)
     lower.plot(tau, change("residual"), color="black")
-    upper.set(ylabel="energy (% of potential energy at release)", title=_column_name(shape))
+    scale = f"% of {total:.3g} {ENERGY_UNITS[shape.model][1]}"
+    upper.set(ylabel=f"energy ({scale},\nthe potential energy at release)", title=_column_name(shape))
     lower.set(ylabel="residual (%)", xlabel=TIME_LABEL)
     figure.align_ylabels()
     for axes in (upper, lower):
