@@ -24,7 +24,7 @@ _ANSWERS = {
         "dependence on the rate of strain, such as mu(I), is not modelled; friction is material.friction_deg"
     ),
     "mu|friction_coefficient|coefficient_of_friction|internal_friction|phi|friction_angle": (
-        "friction is an angle: material.friction_deg = atan(mu)"
+        "friction is given as an angle: material.friction_deg, atan(mu) for a coefficient mu"
     ),
     "tension|tensile|tension_cutoff|cutoff|capillary|cohesive": (
         "the tensile strength follows from material.cohesion, which is that of Mohr-Coulomb"

@@ -65,7 +65,7 @@ def explain(key: str = "") -> str:
         return "\n\n".join(map(explain, ["schema", "title", "extends", *tables]))
     names = key_names()
     if key not in names:
-        raise UsageError(f"there is no key {fields.shown(key)}.{_hint(key, names)} (mpmcol explain lists all keys)")
+        raise UsageError(f"there is no key {fields.shown(key)}.{hint_for(key)} (mpmcol explain lists all keys)")
     path = tuple(key.split("."))
     inside = [name for name in names if name.startswith(key + ".")]
     title = f"[{key}]" if inside else key
@@ -73,8 +73,9 @@ def explain(key: str = "") -> str:
     return "\n".join([*lines, *(line for name in inside for line in _indented(name))])
 
 
-def _hint(key: str, names: tuple[str, ...]) -> str:
-    """Why there is no such key, or the one with the most similar last part."""
+def hint_for(key: str) -> str:
+    """Why there is no such key, or the key with the most similar last part; "" if there is neither."""
+    names = key_names()
     if answer := answer_to(tuple(key.split("."))):
         return f" {answer[:1].upper()}{answer[1:]}."
     near = fields.nearest(key.rpartition(".")[2], (name.rpartition(".")[2] for name in names))

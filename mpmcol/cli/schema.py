@@ -25,15 +25,21 @@ def explain(key: str, markdown: bool) -> None:
 
 
 def _explanation(key: str) -> str:
-    """Explanations of a key of a case, of a name in results, or of both."""
+    """Explanations of a key of a case, of a name in results, or of both.
+
+    Raises UsageError if there is neither.
+    """
     from mpmcol.case import explain as explain_key
-    from mpmcol.case import key_names
-    from mpmcol.io.columns import explain_name, explain_names
+    from mpmcol.case import hint_for, key_names
+    from mpmcol.io.columns import explain_name, explain_names, explain_word
 
     if key == "results":
         return explain_names()
-    text = explain_name(key) if key else ""
-    return "\n\n".join(filter(None, [explain_key(key) if key in key_names() or not text else "", text]))
+    found = [explain_key(key)] if not key or key in key_names() else []
+    found += [text for text in [explain_name(key)] if key and text]
+    if not found and not hint_for(key):
+        found = [text for text in [explain_word(key)] if text]
+    return "\n\n".join(found) or explain_key(key)  # which raises
 
 
 @click.command()

@@ -37,12 +37,13 @@ class Entry:
 
 
 def explain_name(name: str) -> str:
-    """Meaning, unit and occurrence of a name in results; "" if there is none.
+    """Meaning, unit and occurrence of a name in results; "" if there is none."""
+    return "\n".join(map(str, find_entries(name)))
 
-    The name may have further words: kinetic_energy is explained as kinetic.
-    """
-    words = (find_entries(word) for word in (name, *name.split("_")))
-    return "\n".join(map(str, next(filter(None, words), [])))
+
+def explain_word(name: str) -> str:
+    """Explanation of the first word of an unknown name that is a name in results: kinetic of kinetic_energy."""
+    return next(filter(None, map(explain_name, name.split("_"))), "")
 
 
 def explain_names() -> str:

@@ -126,6 +126,21 @@ def test_names_are_explained_by_the_command(name: str, parts: list[str]) -> None
     assert explained.exit_code == 0 and all(part in explained.stdout for part in parts)
 
 
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("base_friction", "Friction with floor and walls is not modelled"),
+        ("friction_deg", 'Did you mean "material.friction_deg"?'),
+        ("", None),
+        ("nonsense", 'there is no key "nonsense". (mpmcol explain'),
+    ],
+)
+def test_keys_of_a_case_come_before_words_of_names(name: str, message: str | None) -> None:
+    explained = invoke("explain", name)
+    assert message in explained.stderr if message else "grid.spacing" in explained.stdout
+    assert explained.exit_code == (2 if message else 0)
+
+
 def test_all_names_are_listed() -> None:
     listed = invoke("explain", "results").stdout
     assert all(f"\n  {name}\n    " in listed for names in NAMES.values() for name in names)

@@ -22,7 +22,7 @@ ASKED = {  # key -> part of the answer
     "obstacle": "obstacles are not modelled",
     "material.mu_s": "rate of strain, such as mu(I), is not modelled",
     "material.grain_diameter": "rate of strain, such as mu(I), is not modelled",
-    "material.mu": "material.friction_deg = atan(mu)",
+    "material.mu": "material.friction_deg, atan(mu)",
     "material.tension_cutoff": "material.cohesion",
 }
 
