@@ -149,7 +149,7 @@ def _counted(alike: Sequence[str], count: int) -> str:
     """The first of some warnings, with the number of runs unless it is the same for all."""
     if len(alike) == count and len(set(alike)) == 1:
         return alike[0]
-    others = "" if len(set(alike)) == 1 else ", other numbers in the others"
+    others = "" if len(set(alike)) == 1 else ", with the numbers of the first"
     return f"{alike[0]} ({len(alike)} of {count} runs{others})"
 
 

@@ -132,7 +132,7 @@ def test_warnings_that_differ_in_numbers_are_reported_once() -> None:
         )
     )
     assert line.startswith("material.dilatancy_deg = 8: ")
-    assert line.endswith("(4 of 6 runs, other numbers in the others)")
+    assert line.endswith("(4 of 6 runs, with the numbers of the first)")
 
 
 def test_work_increases_with_the_size_of_the_column() -> None:
