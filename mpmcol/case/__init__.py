@@ -5,7 +5,7 @@ from __future__ import annotations
 from mpmcol.case.load import flattened_text, load_case, resolved_toml
 from mpmcol.case.markdown import markdown_reference
 from mpmcol.case.problem import Problem
-from mpmcol.case.reference import explain, json_schema, key_names
+from mpmcol.case.reference import explain, hint_for, json_schema, key_names
 from mpmcol.case.schema import Case
 from mpmcol.case.source import shipped_cases
 from mpmcol.case.strength import strength_of
@@ -17,6 +17,7 @@ __all__ = [
     "case_hash",
     "explain",
     "flattened_text",
+    "hint_for",
     "json_schema",
     "key_names",
     "load_case",

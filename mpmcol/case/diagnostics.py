@@ -11,6 +11,7 @@ from pydantic_core import ErrorDetails
 
 from mpmcol.case import fields
 from mpmcol.case.constraints import ViolatedConstraint, violations
+from mpmcol.case.not_modelled import answer_to
 from mpmcol.case.problem import MOST_COUNTED, Problem, set_option
 from mpmcol.case.reference import field_at, fields_at, key_names
 from mpmcol.case.source import CaseInput
@@ -58,6 +59,8 @@ def _key_path(error: ErrorDetails) -> KeyPath:
 
 def _nearest_key(key: KeyPath, law: str) -> KeyPath | None:
     *table, name = key
+    if answer_to(key):
+        return None
     near = fields.nearest(name, fields_at(tuple(table), law))
     return (*table, near) if near else None
 
@@ -85,8 +88,16 @@ def _unknown_key(given: CaseInput, key: KeyPath, intended: KeyPath | None, law: 
         field = field_at(intended, law)
         hint = f'did you mean "{intended[-1]}"?   ({field.description}: {fields.expected(field)})'
     else:
-        hint = _correct_place(key, law) or "known keys: " + ", ".join(fields_at(tuple(table), law))
+        known = "known keys: " + ", ".join(fields_at(tuple(table), law))
+        hint = _answer(given, key) or _correct_place(key, law) or known
     return _problem(given, key, message, hint, intended or tuple(table))
+
+
+def _answer(given: CaseInput, key: KeyPath) -> str | None:
+    """The answer to a key for what is not modelled; to an unknown table, by its keys as well."""
+    value = _value_at(given.tables, key)
+    keys = [key, *((*key, str(name)) for name in value)] if isinstance(value, dict) else [key]
+    return next(filter(None, map(answer_to, keys)), None)
 
 
 def _correct_place(key: KeyPath, law: str) -> str:

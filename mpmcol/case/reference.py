@@ -9,6 +9,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
 from mpmcol.case import fields
+from mpmcol.case.not_modelled import answer_to
 from mpmcol.case.schema import Case
 from mpmcol.case.tables import LawName
 from mpmcol.errors import UsageError
@@ -19,7 +20,7 @@ _LAW = FieldInfo(annotation=LawName, description="constitutive law; the other ke
 _EXTENDS = FieldInfo(
     annotation=str,
     default=None,
-    description="case to extend, a shipped case or a path; each table given here replaces that of the extended case",
+    description="case to extend, a shipped case or a path; keys given here replace those of the extended case",
 )
 
 
@@ -64,9 +65,7 @@ def explain(key: str = "") -> str:
         return "\n\n".join(map(explain, ["schema", "title", "extends", *tables]))
     names = key_names()
     if key not in names:
-        near = fields.nearest(key, names) or _ending(key, names)
-        hint = f' Did you mean "{near}"?' if near else ""
-        raise UsageError(f"there is no key {fields.shown(key)}.{hint} (mpmcol explain lists all keys)")
+        raise UsageError(f"there is no key {fields.shown(key)}.{hint_for(key)} (mpmcol explain lists all keys)")
     path = tuple(key.split("."))
     inside = [name for name in names if name.startswith(key + ".")]
     title = f"[{key}]" if inside else key
@@ -74,10 +73,14 @@ def explain(key: str = "") -> str:
     return "\n".join([*lines, *(line for name in inside for line in _indented(name))])
 
 
-def _ending(key: str, names: tuple[str, ...]) -> str | None:
-    by_ending = {name.rpartition(".")[2]: name for name in names}
-    near = fields.nearest(key.rpartition(".")[2], by_ending)
-    return by_ending[near] if near else None
+def hint_for(key: str) -> str:
+    """Why there is no such key, or the key with the most similar last part; "" if there is neither."""
+    names = key_names()
+    if answer := answer_to(tuple(key.split("."))):
+        return f" {answer[:1].upper()}{answer[1:]}."
+    near = fields.nearest(key.rpartition(".")[2], (name.rpartition(".")[2] for name in names))
+    alike = [name for name in names if near and name.rpartition(".")[2] == near]
+    return f' Did you mean "{fields.nearest(key, alike) or alike[0]}"?' if alike else ""
 
 
 def _indented(name: str) -> list[str]:

@@ -20,6 +20,7 @@ from mpmcol.errors import CaseError
 MAX_FILE_SIZE = 200_000  # bytes
 UTF_16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)  # what `>` of Windows PowerShell writes
 _LONGEST_LINE = 200  # characters that are searched for a hint
+_MOST_NAMED = 3  # files of a folder in a hint
 _LIST_HINT = "(mpmcol cases lists the shipped cases)"
 
 _YAML = (".yaml", ".yml", ".json")
@@ -138,14 +139,16 @@ def _find(source: str | Path) -> tuple[str, Path]:
         raise _error('""', "expected the path of a case file or the name of a shipped case", hint=_LIST_HINT)
     path, name = Path(source), shortened(str(source), 200)
     if not os.path.exists(path):  # unlike Path.exists, accepts names that cannot exist
-        raise _error(name, "no such case file", hint=_suggestion(path, path.parent, shipped))
+        raise _error(name, "no such case file", hint=_suggestion(path, Path(), shipped))
     return name, path
 
 
 def _suggestion(path: Path, folder: Path, shipped: dict[str, Path]) -> str:
-    """Hint for the path of a file that does not exist in `folder`."""
-    if os.path.isfile(folder / f"{path.name}.toml"):
-        return f'did you mean "{path}.toml"?'
+    """Hint for the path of a file that does not exist, relative to `folder`."""
+    stem = str(path).removesuffix(path.suffix) if path.suffix.lower() in _YAML else str(path)
+    for other in (f"{stem}.toml", str(path).replace("\\", "/")):
+        if os.path.isfile(folder / other):
+            return f'did you mean "{other}"?'
     near = nearest(path.name.removesuffix(".toml"), shipped)
     return f'did you mean the shipped case "{near}"?   {_LIST_HINT}' if near else _LIST_HINT
 
@@ -160,7 +163,7 @@ def _find_parent(child: Source) -> tuple[str, Path]:
     shipped = shipped_cases()
     if parent in shipped:
         return parent + ".toml", shipped[parent]
-    raise _extends_error(child, "no such case file", _suggestion(Path(parent), beside.parent, shipped))
+    raise _extends_error(child, "no such case file", _suggestion(Path(parent), child.path.parent, shipped))
 
 
 def _extends_error(child: Source, message: str, hint: str = "") -> CaseError:
@@ -199,9 +202,10 @@ def read_source(name: str, path: Path) -> Source:
 
 
 def _file_in(folder: Path) -> str:
-    """Hint at the case file in a folder."""
-    found = sorted(folder.glob("*.toml"))
-    return f'did you mean "{found[0]}"?' if found else ""
+    """Hint at the case file in a folder; at the first few if there are several."""
+    found = [f'"{path}"' for path in sorted(folder.glob("*.toml"))[: _MOST_NAMED + 1]]
+    more = " ..." if len(found) > _MOST_NAMED else ""
+    return f"did you mean {' or '.join(found[:_MOST_NAMED])}{more}?" if found else ""
 
 
 def _syntax_hint(path: Path, line: str, reason: str) -> str:

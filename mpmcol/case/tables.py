@@ -51,7 +51,11 @@ class GeometryTable(Table):
     )
     base_thickness: float = quantity("thickness of the elastic base", "m", 0.02, gt=0)
     domain_length: float | None = quantity(
-        "length of the domain from the wall or axis; default: sized for the expected runout", "m", None, gt=0
+        "length of the domain from the wall or axis, of which the last five cells are not usable; default: sized for "
+        "the expected runout",
+        "m",
+        None,
+        gt=0,
     )
     domain_height: float | None = quantity(
         "height of the domain above the base; default: sized for the height of the column", "m", None, gt=0

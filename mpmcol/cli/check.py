@@ -15,16 +15,18 @@ def check(case: str, overrides: tuple[str, ...], resolved: bool) -> None:
     """Check a case without running it.
 
     CASE is a TOML file or the name of a shipped case (mpmcol cases). Prints a summary of the case, and a note for each
-    value that is rounded to fit the grid. If the case is invalid, all problems are printed with file, line and key, and
-    the exit code is 2.
+    value that is rounded to fit the grid and for each setting that is known to be unfit. If the case is invalid, all
+    problems are printed with file, line and key, and the exit code is 2.
     """
     from mpmcol.case import case_hash, load_case, resolved_toml
     from mpmcol.setup.discretization import discretize
     from mpmcol.setup.memory import require_memory_for
+    from mpmcol.setup.unfit_settings import require_stiff_column
 
     loaded = load_case(case, overrides)
     discretization = discretize(loaded)
     require_memory_for(discretization)
+    require_stiff_column(loaded)
     column = loaded.geometry
     kind = column.model if column.dimension == 2 else f"{column.model} {column.section}"
     click.echo(

@@ -44,6 +44,8 @@ def _json(measured: Measured) -> str:
         **_state(measured),
         **measurement.scalars(),
         "stop_time": measured.stop_time,
+        "energy_released": measured.energy_released,
+        "energy_unit": measured.energy_unit,
         "profile": {"x": measurement.profile_x.tolist(), "y": measurement.profile_y.tolist()},
         "scores": [score.as_dict() for score in measured.scores],
         "profile_scores": [vars(profile) for profile in measured.profiles],
@@ -53,6 +55,8 @@ def _json(measured: Measured) -> str:
 
 def _csv(measured: Measured) -> str:
     """Header and row; the columns depend only on the kind of column, so that rows of several runs can be combined."""
+    from mpmcol.io.columns import header
+    from mpmcol.io.glossary import MEASURE
     from mpmcol.io.values import flatten
     from mpmcol.sweep.table import error_column
 
@@ -62,7 +66,7 @@ def _csv(measured: Measured) -> str:
     for score in measured.scores:
         if score.quantity != "stop_time":
             row[error_column(score.experiment, score.quantity, score.front_definition)] = score.error
-    return ",".join(row) + "\n" + ",".join(map(_cell, row.values()))
+    return ",".join(header(row, MEASURE)) + "\n" + ",".join(map(_cell, row.values()))
 
 
 def _cell(value: Any) -> str:

@@ -28,7 +28,7 @@ def _state_lines(measured: Measured) -> list[str]:
 
 def _deposit_lines(measured: Measured) -> list[str]:
     shape, measurement, stop = measured.shape, measured.measurement, measured.stop_time
-    undisturbed, angle = measurement.undisturbed_radius, measurement.repose_angle_deg
+    undisturbed, angle, energy = measurement.undisturbed_radius, measurement.repose_angle_deg, measured.energy_released
     kind = shape.release if shape.dimension == 2 else shape.section
     return [
         f"{shape.model}, {kind}, a = {shape.a:.3g}, r_i = {1e3 * shape.r_i:.4g} mm",
@@ -39,6 +39,7 @@ def _deposit_lines(measured: Measured) -> list[str]:
         *([] if angle is None else [f"{'angle of repose':<20} {angle:9.1f} deg"]),
         f"{'undisturbed radius':<20} " + ("none" if undisturbed is None else f"{1e3 * undisturbed:9.1f} mm"),
         *([] if stop is None else [f"{'front stops at':<20} {stop:9.2f} sqrt(h_i/g)"]),
+        *([] if energy is None else [f"{'energy released':<20} {energy:9.3g} {measured.energy_unit}"]),
     ]
 
 

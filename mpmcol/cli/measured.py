@@ -11,6 +11,7 @@ import click
 from mpmcol.case import strength_of
 from mpmcol.errors import OutputError
 from mpmcol.experiments import ProfileScore, Score, profile_scores, score
+from mpmcol.io.glossary import ENERGY_UNITS
 from mpmcol.io.names import HISTORY_FILE
 from mpmcol.io.results import Results, measure_stop_time
 from mpmcol.measure import ColumnShape, Measurement
@@ -28,6 +29,8 @@ class Measured:
     measurement: Measurement
     shape: ColumnShape
     stop_time: float | None  # sqrt(h_i / g); None unless it is the final deposit
+    energy_released: float | None  # in `energy_unit`; None unless it is the last snapshot of a run with a result
+    energy_unit: str  # in words
     scores: list[Score]
     profiles: list[ProfileScore]
 
@@ -53,11 +56,19 @@ def measure_results(results: Results, snapshot: int) -> Measured:
         measurement=measurement,
         shape=shape,
         stop_time=stop,
+        energy_released=_energy_released(results) if is_last else None,
+        energy_unit=ENERGY_UNITS[shape.model][1],
         scores=score(values, shape.a, shape.model, shape.section, strength_of(results.case)),
         profiles=profile_scores(
             measurement.profile_x, measurement.profile_y, shape.model, shape.r_i, shape.h_i, shape.section
         ),
     )
+
+
+def _energy_released(results: Results) -> float | None:
+    """Potential energy released since the opening of the gate."""
+    shares = results.summary.get("dissipation") if results.status != "unfinished" else None
+    return shares["released"] if shares else None
 
 
 def _stop_time(results: Results) -> float | None:

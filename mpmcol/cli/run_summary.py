@@ -67,7 +67,8 @@ def _cost(summary: dict[str, Any]) -> Iterator[str]:
     yield f"{rate:.1f} million particle-steps per second with {threads} thread{'s' if threads > 1 else ''}"
     yield (
         f"{ended} after {summary['time_over_tau']:.2f} sqrt(h_i/g); worst J {summary['worst_J'][0]:.3f} ... "
-        f"{summary['worst_J'][1]:.3f}; energy residual {ledger['residual']:+.2e} J"
+        f"{summary['worst_J'][1]:.3f}; energy residual {ledger['residual']:+.2e} "
+        f"{summary.get('energy_unit', 'J')}"
     )
     yield from _quality(summary)
 
@@ -76,7 +77,8 @@ def _quality(summary: dict[str, Any]) -> Iterator[str]:
     """Where the energy went, and how quiet the stresses are."""
     if shares := summary.get("dissipation"):
         names = ("friction", "damping", "walls", "transfer", "filter")
-        yield "energy released: " + ", ".join(f"{name} {100.0 * shares[name]:.1f} %" for name in names)
+        released = f"{shares['released']:.3g} {summary.get('energy_unit', 'J')}"
+        yield f"energy released, {released}: " + ", ".join(f"{name} {100.0 * shares[name]:.1f} %" for name in names)
     if stress := summary.get("stress"):
         yield (
             f"pressure over the weight at the foot: 99 % below {stress['pressure_p99']:.2f}, at most "

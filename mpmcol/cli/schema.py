@@ -1,4 +1,4 @@
-"""`mpmcol explain` and `mpmcol schema`: documentation of the keys of a case file."""
+"""`mpmcol explain` and `mpmcol schema`: documentation of the keys of a case file and of the names in results."""
 
 from __future__ import annotations
 
@@ -11,17 +11,35 @@ import click
 @click.argument("key", default="")
 @click.option("--markdown", is_flag=True, help="Print the reference of all shipped cases and keys in Markdown.")
 def explain(key: str, markdown: bool) -> None:
-    """Explain the keys of a case file.
+    """Explain keys of a case file and names in results.
 
-    KEY is a key such as grid.spacing, or a table such as grid. Prints meaning, unit, bounds and default; without KEY,
-    of all keys.
+    KEY is a key such as grid.spacing, a table such as grid, or a name in the results such as zeta or front_height.
+    Prints meaning and unit, and bounds and default of keys; without KEY, of all keys. mpmcol explain results lists the
+    names in result.json, in the output of mpmcol measure, and in CSV files.
     """
-    from mpmcol.case import explain as explain_key
     from mpmcol.case import markdown_reference
 
     if markdown and key:
         raise click.UsageError("--markdown prints all keys: remove KEY")
-    click.echo(markdown_reference() if markdown else explain_key(key), nl=not markdown)
+    click.echo(markdown_reference() if markdown else _explanation(key), nl=not markdown)
+
+
+def _explanation(key: str) -> str:
+    """Explanations of a key of a case, of a name in results, or of both.
+
+    Raises UsageError if there is neither.
+    """
+    from mpmcol.case import explain as explain_key
+    from mpmcol.case import hint_for, key_names
+    from mpmcol.io.columns import explain_name, explain_names, explain_word
+
+    if key == "results":
+        return explain_names()
+    found = [explain_key(key)] if not key or key in key_names() else []
+    found += [text for text in [explain_name(key)] if key and text]
+    if not found and not hint_for(key):
+        found = [text for text in [explain_word(key)] if text]
+    return "\n\n".join(found) or explain_key(key)  # which raises
 
 
 @click.command()

@@ -13,6 +13,7 @@ import numpy as np
 
 from mpmcol.case import Case, load_case
 from mpmcol.errors import OutputError, UsageError
+from mpmcol.io.columns import without_unit
 from mpmcol.io.names import CASE_FILE, HISTORY_FILE, RESULT_FILE
 from mpmcol.io.snapshot import Snapshot, list_snapshots, read_snapshot
 from mpmcol.measure import ColumnShape, Measurement, measure, stop_time
@@ -121,7 +122,8 @@ def read_history(path: Path) -> dict[str, np.ndarray]:
     """Columns of a history.csv: `stage` as text, all others as numbers. Raises OutputError."""
     try:
         with path.open(encoding="utf-8", newline="") as file:
-            rows = list(csv.DictReader(file))
+            columns = [without_unit(column) for column in next(csv.reader(file), [])]
+            rows = list(csv.DictReader(file, columns))
         return {
             name: np.array([row[name] if name == "stage" else float(row[name]) for row in rows]) for name in HISTORY
         }

@@ -14,6 +14,7 @@ from mpmcol.case import Case, case_hash
 from mpmcol.errors import OutputError, UsageError
 from mpmcol.io.atomic import atomic_write, make_folder, remove
 from mpmcol.io.checksums import checksum_of, write_checksums
+from mpmcol.io.columns import header
 from mpmcol.io.lock import locked
 from mpmcol.io.names import (
     CASE_FILE,
@@ -93,12 +94,14 @@ def _is_finished(folder: Path) -> bool:
     return bool(status == "done")
 
 
-def write_history(folder: Path, rows: Sequence[Mapping[str, Any]]) -> None:
-    """Write history.csv. Raises OutputError."""
+def write_history(folder: Path, rows: Sequence[Mapping[str, Any]], model: str = "") -> None:
+    """Write history.csv. Raises OutputError.
+
+    model: geometry.model, on which the unit of energies depends; without it the unit is J.
+    """
     text = io.StringIO()
-    writer = csv.DictWriter(text, HISTORY, lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
+    csv.writer(text, lineterminator="\n").writerow(header(HISTORY, HISTORY_FILE, model))
+    csv.DictWriter(text, HISTORY, lineterminator="\n").writerows(rows)
     atomic_write(folder / HISTORY_FILE, text.getvalue().encode())
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
+from mpmcol.io.columns import without_unit
 from mpmcol.io.lock import is_locked
 from mpmcol.io.names import CASE_FILE, HISTORY_FILE, RESULT_FILE
 
@@ -77,7 +78,7 @@ def time_reached(folder: Path) -> float | None:
     """Time since release in the last row of a run's history, s; None before the release."""
     try:
         rows = (folder / HISTORY_FILE).read_text("utf-8").splitlines()
-        names, last = rows[0].split(","), rows[-1].split(",")
+        names, last = [*map(without_unit, rows[0].split(","))], rows[-1].split(",")
         return float(last[names.index("time")]) if last[names.index("stage")] != BEFORE_RELEASE else None
     except (OSError, ValueError, IndexError):
         return None

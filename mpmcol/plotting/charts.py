@@ -14,6 +14,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from mpmcol.experiments import Experiment
+from mpmcol.io.glossary import ENERGY_UNITS
 from mpmcol.measure import Array, ColumnShape, Measurement
 from mpmcol.plotting.captions import run_title
 from mpmcol.plotting.figures import LABEL_SIZE, EndLabel, Heading, add_heading, label_ends, legend_below, save_figure
@@ -189,7 +190,8 @@ def energy_chart(
     largest = float(np.abs(residual).max())
     limit = max(1.2 * largest, LEAST_RESIDUAL)
     add_heading(upper, heading or Heading(run_title("", shape.model, shape.a)))
-    upper.set(ylabel="energy (% of potential energy at release)")
+    scale = f"% of {total:.3g} {ENERGY_UNITS[shape.model][1]}"
+    upper.set(ylabel=f"energy ({scale},\nthe potential energy at release)")
     lower.set(ylabel="residual (%)", xlabel=TIME_LABEL, ylim=(-limit, limit))
     for axes in (upper, lower):
         axes.grid(color="0.9")

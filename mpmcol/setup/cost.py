@@ -14,6 +14,7 @@ from mpmcol.mpm.solver import Solver
 from mpmcol.setup.discretization import Discretization
 from mpmcol.setup.memory import memory_bytes
 from mpmcol.setup.model import build_model
+from mpmcol.setup.unfit_settings import require_stiff_column
 
 # typical durations: transits of a wave until a column rests behind its gate, and sqrt(h_i / g) until a collapse rests
 TYPICAL_TRANSITS = {"gravity": 7.0, "k0": 2.0}
@@ -45,9 +46,10 @@ class Estimate:
 def estimate(case: Case, threads: int | None = None) -> Estimate:
     """Build the model and step it for about half a second to measure its pace; no file is written.
 
-    Raises UsageError if the model does not fit into memory.
+    Raises UsageError if the model does not fit into memory, or if the column is too soft.
     """
     set_threads(threads)
+    require_stiff_column(case)
     model = build_model(case)
     stage = model.equilibrate
     solver = Solver(model.points, model.grid, stage.settings, stage.column, model.base, model.scheme)

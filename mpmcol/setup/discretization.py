@@ -12,10 +12,9 @@ from mpmcol.case import Case
 from mpmcol.mpm.boundary import OPEN_END, Faces
 from mpmcol.setup.domain import domain_size
 from mpmcol.setup.geometry import GEOMETRIES, Geometry, domain_faces, points_per_axis
-from mpmcol.setup.time_step import time_step_warnings
+from mpmcol.setup.unfit_settings import setting_warnings
 
-LARGE_SHORTENING = 0.01  # weight over stiffness above which a unit is probably wrong
-SPACING_TOLERANCE, LENGTH_TOLERANCE = 1e-9, 1e-6  # relative changes above which a warning is issued
+ROUNDING = 5e-5  # relative change of a length above which a warning is issued: less is 0.00 %
 
 
 @dataclass(frozen=True)
@@ -120,20 +119,14 @@ def discretize(case: Case) -> Discretization:
     geometry, warnings = case.geometry, []
     columns = max(round(geometry.r_i / case.grid.spacing), 1)
     h = geometry.r_i / columns
-    if abs(h / case.grid.spacing - 1.0) > SPACING_TOLERANCE:
+    if abs(h / case.grid.spacing - 1.0) > ROUNDING:
         warnings.append(
             f"grid.spacing became {h:.6g} m ({h / case.grid.spacing - 1.0:+.2%}) "
             f"so that the radius of {geometry.r_i:g} m is {columns} whole cells"
         )
     base = 0.0 if geometry.base == "rigid" else _whole_cells("base_thickness", geometry.base_thickness, h, warnings)
     depth = geometry.r_i if geometry.depth is None else _whole_cells("depth", geometry.depth, h, warnings)
-    shortening = case.material.density * geometry.gravity * geometry.h_i / case.material.youngs_modulus
-    if shortening > LARGE_SHORTENING:
-        warnings.append(
-            f"the column will shorten by about {shortening:.1%} under its own weight: "
-            "check that material.youngs_modulus is in Pa and material.density in kg/m3"
-        )
-    warnings += time_step_warnings(case)
+    warnings += setting_warnings(case, h)
     length, height = domain_size(case, h)
     per_axis = points_per_axis(case)
     return Discretization(
@@ -155,7 +148,7 @@ def discretize(case: Case) -> Discretization:
 def _whole_cells(key: str, length: float, h: float, warnings: list[str]) -> float:
     """A length rounded to whole cells, m; appends a warning if that changes it."""
     cells = max(round(length / h), 1)
-    if abs(cells * h / length - 1.0) > LENGTH_TOLERANCE:
+    if abs(cells * h / length - 1.0) > ROUNDING:
         warnings.append(
             f"geometry.{key} became {cells * h:.6g} m ({cells * h / length - 1.0:+.2%}), {cells} whole cells"
         )

@@ -19,21 +19,44 @@ LEAST_CELLS = OPEN_END.zone_cells + 1  # between the column and the open ends or
 def domain_size(case: Case, h: float) -> tuple[float, float]:
     """Length from wall or axis and height above the base, m; raises UsageError if given values are too small."""
     geometry = case.geometry
-    runout = expected_runout(geometry.model, geometry.a, geometry.section) * _friction_runout_factor(case)
-    runout *= RIGID_BASE_FACTOR if geometry.base == "rigid" else 1.0
-    widest = max(geometry.r_i, geometry.depth or 0.0)
-    length = geometry.domain_length or widest + geometry.r_i * (runout + RUNOUT_MARGIN) + OPEN_END.zone_cells * h
-    height = geometry.domain_height or geometry.h_i + HEADROOM_CELLS * h
-    for key, given, least in (
-        ("domain_length", length, widest + LEAST_CELLS * h),
-        ("domain_height", height, geometry.h_i + LEAST_CELLS * h),
+    enough = default_length(case, h), geometry.h_i + HEADROOM_CELLS * h
+    length, height = geometry.domain_length or enough[0], geometry.domain_height or enough[1]
+    for key, given, column, default in (
+        ("domain_length", length, _half_width(case), enough[0]),
+        ("domain_height", height, geometry.h_i, enough[1]),
     ):
-        if given < least:
+        if given < column + LEAST_CELLS * h:
             raise UsageError(
-                f"geometry.{key} = {given:g} m is too small for the column: at least {least:g} m are needed; "
-                "increase it, or omit it to size the domain from the expected runout"
+                f"geometry.{key} = {given:g} m is too small for the column, {column:g} m: its last {LEAST_CELLS} cells "
+                f"are not usable, so that {max(usable(given, h), 0.0):.4g} m are left; set {default:.4g} m, or omit it"
             )
     return length, height
+
+
+def usable(length: float, h: float) -> float:
+    """Part of the length or height of a domain that the flow can use, m: the cells at its end arrest or stop it."""
+    return length - LEAST_CELLS * h
+
+
+def default_length(case: Case, h: float) -> float:
+    """Length of the domain that is sized by the expected runout, m."""
+    zeta = expected_zeta(case) * (RIGID_BASE_FACTOR if case.geometry.base == "rigid" else 1.0)
+    return _half_width(case) + case.geometry.r_i * (zeta + RUNOUT_MARGIN) + OPEN_END.zone_cells * h
+
+
+def expected_front(case: Case) -> float:
+    """Distance of the farthest front of experiments on such a column from the wall or axis, m."""
+    return _half_width(case) + case.geometry.r_i * expected_zeta(case)
+
+
+def expected_zeta(case: Case) -> float:
+    """Runout over r_i, the longest among the experiments, and longer for lower friction."""
+    geometry = case.geometry
+    return expected_runout(geometry.model, geometry.a, geometry.section) * _friction_runout_factor(case)
+
+
+def _half_width(case: Case) -> float:
+    return max(case.geometry.r_i, case.geometry.depth or 0.0)
 
 
 def _friction_runout_factor(case: Case) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import product
-from math import isinf, sqrt
+from math import floor, isinf, sqrt
 from typing import NamedTuple
 
 from mpmcol.case import Case
@@ -78,7 +78,12 @@ def time_step_limit(case: Case) -> str:
     limit, where = case_limit(case)
     if limit == 0.0:
         return f'with method.basis = "{case.method.basis}" no time step is stable for a single particle {where}'
-    return f"a single particle {where} is stable up to {limit:.2f} in this case"
+    return f"a single particle {where} is stable up to {rounded_down(limit):g} in this case"
+
+
+def rounded_down(limit: float) -> float:
+    """A limit of time.cfl with two digits; a value that a message proposes must not exceed the limit."""
+    return floor(100.0 * limit) / 100.0
 
 
 def time_step_warnings(case: Case) -> list[str]:
@@ -92,7 +97,7 @@ def time_step_warnings(case: Case) -> list[str]:
     if cfl <= limit:
         return []
     return [
-        f"time.cfl = {cfl:g} exceeds {limit:.2f}, the stability limit of a single particle {where}; "
+        f"time.cfl = {cfl:g} exceeds {rounded_down(limit):g}, the stability limit of a single particle {where}; "
         "decrease time.cfl if the run diverges"
     ]
 

@@ -10,10 +10,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mpmcol.mpm.boundary import column_box
+from mpmcol.mpm.boundary import OPEN_END, column_box
 from mpmcol.mpm.kernels.stress_common import J_MAX, J_MIN
 from mpmcol.mpm.particles import COLUMN
 from mpmcol.mpm.solver import Solver
+from mpmcol.setup.domain import usable
 
 LOWER_TIME_STEP = "lower time.cfl ({limit}), or refine grid.spacing"
 DEFAULT_CFL = "0.5 is the default"  # where the single-particle stability limit is not known
@@ -24,8 +25,10 @@ SEPARATION = "points that separate, or sand that dilates, expand without bound"
 SLOW_STRAIN = 0.02  # volumetric strain of one step: waves and flow cause less, too large a time step causes more
 SOFT = 0.5  # free-fall speed over wave speed above which an impact, at half of it, compresses material by a quarter
 DOMAIN_TOO_SMALL = (
-    "the runout exceeds that of the experiments from which the domain was sized, or geometry.domain_length is too small"
+    "the runout exceeds that of the experiments from which the domain was sized, or geometry.domain_length is too "
+    "small: of {length:.4g} m, {usable:.4g} m are usable, five cells less"
 )
+LENGTHENING = 1.5  # of a domain that was too short
 
 
 class Failure(NamedTuple):
@@ -144,7 +147,14 @@ def _domain_failure(solver: Solver, row: int, x: np.ndarray) -> Failure:
         return Failure("domain", cause, float(x[1]), box.y_high, likely, "set a larger geometry.domain_height", row)
     horizontal = np.delete(x, 1)
     farthest, cause = float(horizontal[np.argmax(np.abs(horizontal))]), "material reached the end of the domain"
-    return Failure("domain", cause, farthest, None, DOMAIN_TOO_SMALL, "set a larger geometry.domain_length", row)
+    length = box.x_high + OPEN_END.stop_cells * solver.grid.h
+    likely = DOMAIN_TOO_SMALL.format(length=length, usable=usable(length, solver.grid.h))
+    return Failure("domain", cause, farthest, None, likely, larger_domain(length), row)
+
+
+def larger_domain(length: float) -> str:
+    """Advice where a domain of this length, m, was too short; the runout is unknown."""
+    return f"set a larger geometry.domain_length, for example {LENGTHENING * length:.4g} m"
 
 
 def failure_message(failure: dict[str, Any], retries: Sequence[dict[str, Any]] = ()) -> str:

@@ -156,7 +156,7 @@ class Recorder:
             remove(path)
 
     def _write_history(self) -> None:
-        write_history(self.folder, self.rows)
+        write_history(self.folder, self.rows, self.shape.model)
         self._history_written = time.monotonic()
 
     @cached_property

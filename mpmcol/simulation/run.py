@@ -17,7 +17,9 @@ from mpmcol.mpm.jit import CACHE_NOTE, set_threads
 from mpmcol.mpm.kernels import loop
 from mpmcol.mpm.particles import Points
 from mpmcol.mpm.solver import Solver
+from mpmcol.setup.cores import thread_note
 from mpmcol.setup.model import Model, build_model
+from mpmcol.setup.unfit_settings import require_stiff_column
 from mpmcol.simulation.checkpointer import INTERVAL, Checkpointer
 from mpmcol.simulation.failure import failure_message
 from mpmcol.simulation.interrupt import Stopped, stop_request
@@ -69,10 +71,13 @@ def run(
     folder, used = Path(folder), set_threads(threads)
     if threads is not None and used != threads:
         notify(f"note: {used} threads instead of {threads}; set NUMBA_NUM_THREADS to allow more")
+    if note := thread_note(used):
+        notify(f"note: {note}")
     if CACHE_NOTE:
         notify(CACHE_NOTE)
     with stop_request(max_wall) as stop, locked(folder) as lock:
         checkpoint = None if fresh else find_checkpoint(case, folder, force_resume, notify)
+        require_stiff_column(case)
         model = build_model(case)  # may refuse the case: before old files are removed
         if checkpoint:
             require_same_points(model, checkpoint)

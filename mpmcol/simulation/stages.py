@@ -11,9 +11,10 @@ from mpmcol.errors import NumericalFailure
 from mpmcol.mpm.kernels import loop
 from mpmcol.mpm.lanes import ID, X
 from mpmcol.mpm.particles import BASE
+from mpmcol.setup.domain import usable
 from mpmcol.setup.model import StageSetup, set_boundaries
 from mpmcol.setup.time_step import time_step_limit
-from mpmcol.simulation.failure import Failure, failure_message, failure_record, identify_failure
+from mpmcol.simulation.failure import Failure, failure_message, failure_record, identify_failure, larger_domain
 from mpmcol.simulation.monitor import CheckedState, find_failure
 from mpmcol.simulation.quality import quality_notes
 from mpmcol.simulation.state import Simulation
@@ -141,9 +142,10 @@ class Stages:
             )
         if count := len(self._arrested_points()):
             noun = "particle was" if count == 1 else "particles were"
+            length, h = self.model.discretization.length, self.model.discretization.h
             self.simulation.warn(
-                f"{count} {noun} arrested at the domain boundary (x = {self.model.discretization.length:.4g} m): "
-                "front_max is a lower bound; set a larger geometry.domain_length"
+                f"{count} {noun} arrested at the domain boundary (x = {length:.4g} m, usable up to "
+                f"{usable(length, h):.4g} m): front_max is a lower bound; {larger_domain(length)}"
             )
         front = self.recorder.rows[-1]
         if front["front_max"] > DETACHED_FRONT * front["front_connected"]:

@@ -12,6 +12,7 @@ import psutil
 
 from mpmcol.case import case_hash, strength_of
 from mpmcol.experiments import profile_scores, score
+from mpmcol.io.glossary import ENERGY_UNITS
 from mpmcol.io.results import RESULT_SCHEMA, measure_snapshot, measure_stop_time
 from mpmcol.io.snapshot import Snapshot
 from mpmcol.mpm.solver import Solver
@@ -56,6 +57,7 @@ def summarize(status: str, simulation: Simulation, final: Snapshot) -> dict[str,
         "core_seconds": progress.cpu_s,
         "ns_per_point_step": progress.wall_s["collapse"] / max(collapse_steps * len(model.points), 1) * 1e9,
         "peak_memory_bytes": peak_memory(),
+        "energy_unit": ENERGY_UNITS[geometry.model][1],
         "ledger": recorder.energy_ledger(),
         "dissipation": asdict(shares) if (shares := dissipation_of(simulation)) else None,
         "stress": asdict(stress) if (stress := stress_quality_of(simulation, final)) else None,

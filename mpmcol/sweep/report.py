@@ -14,7 +14,7 @@ from mpmcol.sweep.engine import Outcome
 from mpmcol.sweep.fits import SLOPES_FILE, Slope, fit_slopes, write_slopes
 from mpmcol.sweep.runs import PlannedRun
 from mpmcol.sweep.series import ASPECT_COLUMN, Series, choose_axis, group_rows
-from mpmcol.sweep.table import CSV_FILE, HDF5_FILE, Row, csv_text, make_rows, write_hdf5
+from mpmcol.sweep.table import CSV_FILE, HDF5_FILE, Row, make_rows, table_text, write_hdf5
 
 if TYPE_CHECKING:
     from mpmcol.plotting.figures import Heading
@@ -55,7 +55,7 @@ def write_report(outcomes: Sequence[Outcome], out: Path) -> SweepReport:
     slopes = [slope for group in groups for slope in group.slopes]
     charts = {out / _chart_file(quantity, group, groups): (quantity, group) for group in groups for quantity in CHARTED}
     files = [out / CSV_FILE, out / HDF5_FILE, *([out / SLOPES_FILE] if slopes else []), *charts]
-    text = csv_text(rows).encode()
+    text = table_text(rows).encode()
     if not (all(path.exists() for path in files) and (out / CSV_FILE).read_bytes() == text):
         write_hdf5(out, rows, outcomes)
         if slopes:

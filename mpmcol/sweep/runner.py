@@ -8,11 +8,12 @@ from pathlib import Path
 
 from mpmcol.io.run_status import read_status
 from mpmcol.provenance import code_version
+from mpmcol.setup.cores import available_cores
 from mpmcol.sweep.dask_engine import dask_pool
 from mpmcol.sweep.engine import Outcome, execute_runs
 from mpmcol.sweep.plan import Plan, PlanEntry, prepare_out, write_plan
 from mpmcol.sweep.runs import PlannedRun
-from mpmcol.sweep.scheduling import Allocation, allocate, available_cores
+from mpmcol.sweep.scheduling import Allocation, allocate
 
 
 class SweepObserver:

@@ -23,6 +23,7 @@ from mpmcol.provenance import code_version
 from mpmcol.setup.cost import durations
 from mpmcol.setup.discretization import Discretization, discretize
 from mpmcol.setup.memory import require_memory_for
+from mpmcol.setup.unfit_settings import kind_of, require_stiff_column
 from mpmcol.sweep.axes import ASPECT, MOST_VALUES, Axis
 
 SHORT_NAMES = {ASPECT: "a"}
@@ -136,9 +137,20 @@ def combine(axes: Sequence[Axis], zipped: bool) -> list[Combination]:
 
 
 def notes(runs: Sequence[PlannedRun]) -> list[str]:
-    """Values that were rounded to fit the grid, each once, with the number of runs that it applies to."""
-    counts = Counter(warning for run in runs for warning in run.discretization.warnings)
-    return [text if count == len(runs) else f"{text} ({count} of {len(runs)} runs)" for text, count in counts.items()]
+    """Warnings about the runs with the number of runs that they apply to; of those of one kind, the first."""
+    kinds: dict[str, list[str]] = {}
+    for run in runs:
+        for warning in run.discretization.warnings:
+            kinds.setdefault(kind_of(warning), []).append(warning)
+    return [_counted(alike, len(runs)) for alike in kinds.values()]
+
+
+def _counted(alike: Sequence[str], count: int) -> str:
+    """The first of some warnings, with the number of runs unless it is the same for all."""
+    if len(alike) == count and len(set(alike)) == 1:
+        return alike[0]
+    others = "" if len(set(alike)) == 1 else ", with the numbers of the first"
+    return f"{alike[0]} ({len(alike)} of {count} runs{others})"
 
 
 def short_names(keys: Iterable[str]) -> dict[str, str]:
@@ -150,7 +162,7 @@ def short_names(keys: Iterable[str]) -> dict[str, str]:
 
 
 def _checked(source: str | Path, combination: Combination, out: Path, names: Mapping[str, str]) -> PlannedRun:
-    """The run with these values; CaseError if its case is invalid or does not fit into the memory."""
+    """The run with these values; CaseError if its case is invalid, too soft, or too large for the memory."""
     case = load_case(source, [f"{key}={text}" for key, text in combination])
     leaves = leaf_values(case)
     inputs = {key: leaves.get(key, text) for key, text in combination}
@@ -158,6 +170,7 @@ def _checked(source: str | Path, combination: Combination, out: Path, names: Map
     run = plan_run(case, out, inputs, name or Path(source).stem)
     try:
         require_memory_for(run.discretization)
+        require_stiff_column(case)
     except UsageError as error:
         raise case_error([Problem(f"run {run.name}", None, "", str(error), "")]) from None
     return run

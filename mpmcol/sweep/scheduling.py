@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import heapq
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from mpmcol.setup.cores import available_cores
 from mpmcol.setup.cost import estimate
 from mpmcol.setup.memory import machine_memory, memory_bytes
 from mpmcol.sweep.compile_cache import kernel_variant
@@ -28,11 +28,6 @@ class Allocation:
     def __str__(self) -> str:
         jobs = "1 run" if self.jobs == 1 else f"{self.jobs} runs"
         return f"{jobs} at a time, {self.threads} thread{'s' if self.threads > 1 else ''} per run"
-
-
-def available_cores() -> int:
-    """Number of cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def allocate(

@@ -15,7 +15,9 @@ from mpmcol.case import resolved_toml, strength_of
 from mpmcol.case.fields import number_of
 from mpmcol.case.reference import field_at
 from mpmcol.experiments import find_experiment
+from mpmcol.io import columns
 from mpmcol.io.atomic import atomic_write
+from mpmcol.io.glossary import TABLE
 from mpmcol.io.run_status import read_status
 from mpmcol.io.values import flatten
 from mpmcol.io.vtkhdf import image
@@ -30,13 +32,6 @@ MEASURED = (
     "at_rest", "time_over_tau",
 )  # fmt: skip
 COST = ("points", "column_points", "steps", "dt", "ns_per_point_step", "core_seconds", "peak_memory_bytes", "threads")
-UNITS = {
-    "front": "m", "height": "m", "repose_angle_deg": "deg", "undisturbed_radius": "m",
-    "stop_time": "sqrt(h_i/g)", "time_over_tau": "sqrt(h_i/g)",
-    **dict.fromkeys(SIZES, "m"), "rms_mm": "mm", "seconds": "s", "compile_seconds": "s", "dt": "s",
-    "ns_per_point_step": "ns", "peak_memory_bytes": "B",
-    "core_seconds": "s",
-}  # fmt: skip
 
 Row = dict[str, Any]
 
@@ -49,9 +44,9 @@ def make_rows(outcomes: Sequence[Outcome]) -> list[Row]:
     quantity and the front. law.zeta and law.beta are the values expected by the experiment of the case.
     """
     parts = [_parts(outcome) for outcome in outcomes]
-    columns = dict.fromkeys(name for alike in zip(*parts, strict=True) for part in alike for name in part)
+    names = dict.fromkeys(name for alike in zip(*parts, strict=True) for part in alike for name in part)
     rows = [{name: value for part in row for name, value in part.items()} for row in parts]
-    return [{name: row.get(name) for name in columns} for row in rows]
+    return [{name: row.get(name) for name in names} for row in rows]
 
 
 def csv_text(rows: Sequence[Row]) -> str:
@@ -61,6 +56,18 @@ def csv_text(rows: Sequence[Row]) -> str:
     writer.writeheader()
     writer.writerows({name: _cell(value) for name, value in row.items()} for row in rows)
     return text.getvalue()
+
+
+def table_text(rows: Sequence[Row]) -> str:
+    """The table as CSV; columns with units are named "name [unit]"."""
+    return csv_text([{columns.with_unit(name, unit_of(name)): value for name, value in row.items()} for row in rows])
+
+
+def read_table(path: Path) -> list[dict[str, str]]:
+    """Rows of a CSV file that mpmcol wrote into the folder of a run or a sweep, with names without units."""
+    with path.open(newline="") as file:
+        names = [columns.without_unit(column) for column in next(csv.reader(file))]
+        return list(csv.DictReader(file, names))
 
 
 def write_hdf5(out: Path, rows: Sequence[Row], outcomes: Sequence[Outcome]) -> Path:
@@ -130,6 +137,6 @@ def _column(values: list[Any]) -> Any:
 
 
 def unit_of(column: str) -> str:
-    """Unit of a column, which may be a key of the case; "1" if it has none."""
+    """Unit of a column of table.csv, which may be a key of the case; "1" if it has none."""
     number = number_of(field_at(tuple(column.split(".")), ""))
-    return UNITS.get(column.partition(".")[0]) or (number.unit if number else "") or "1"
+    return (number.unit if number else None) or columns.unit_of(TABLE, column) or "1"

@@ -42,7 +42,10 @@ def test_check_refuses_a_domain_that_is_too_small_for_its_column() -> None:
     radius = load_case("quickstart").geometry.r_i
     result = invoke("check", "quickstart", "--set", f"geometry.domain_length={1.01 * radius}")
     assert (result.exit_code, result.stdout) == (2, "")
-    assert "too small for the column" in result.stderr
+    assert "too small for the column, 0.09 m: its last 5 cells are not usable" in result.stderr
+    length = result.stderr.partition("; set ")[2].partition(" m")[0]
+    result = invoke("check", "quickstart", "--set", f"geometry.domain_length={length}")
+    assert result.exit_code == 0 and "domain_length" not in result.output
 
 
 def test_check_of_an_empty_name() -> None:
@@ -57,6 +60,9 @@ def test_a_name_without_its_extension_is_corrected() -> None:
     Path("folder/child.toml").write_text('extends = "mine"\n')
     assert 'did you mean "mine.toml"?' in invoke("check", "folder/child.toml").stderr
     assert 'did you mean "folder/mine.toml"?' in invoke("check", "folder/mine").stderr
+    assert 'did you mean "folder/mine.toml"?' in invoke("check", r"folder\mine.toml").stderr
+    assert 'did you mean "folder/mine.toml"?' in invoke("check", "folder/mine.yaml").stderr
+    assert 'did you mean "folder/child.toml" or "folder/mine.toml"?' in invoke("check", "folder").stderr
 
 
 def test_check_of_an_invalid_case_exits_with_2() -> None:

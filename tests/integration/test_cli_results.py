@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 from collections.abc import Callable
 from pathlib import Path
@@ -16,7 +14,7 @@ from mpmcol.io.results import HISTORY
 from mpmcol.io.run_folder import write_history, write_result
 from mpmcol.io.snapshot import Snapshot, write_snapshot
 from mpmcol.plotting import run_charts
-from tests.support.cli import invoke
+from tests.support.cli import csv_row, invoke
 
 TIMES = (0.0, 0.1, 0.2, 0.3)
 SIZE = 0.0025
@@ -101,7 +99,7 @@ def test_measure_begins_with_the_status_of_the_run(folder: Path, result: dict | 
 def test_json_and_csv_contain_the_status_of_the_run(folder: Path, result: dict | None, text: str):
     end(folder, result)
     record = json.loads(invoke("measure", folder, "--json").stdout)
-    (row,) = csv.DictReader(io.StringIO(invoke("measure", folder, "--csv").stdout))
+    row = csv_row(invoke("measure", folder, "--csv").stdout)
     status, is_at_rest = text.split()[0].strip(","), text == "done, at rest"
     assert [record[name] for name in ("status", "at_rest", "stage", "time")] == [status, is_at_rest, "rest", 0.3]
     assert [row[name] for name in ("status", "at_rest", "stage", "time")] == [

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 from dataclasses import replace
 from pathlib import Path
@@ -23,6 +21,7 @@ from mpmcol.io import results
 from mpmcol.measure import FRONTS, ColumnShape, Measurement, measure
 from mpmcol.plotting import charts
 from mpmcol.plotting.run_charts import chart_run
+from tests.support.cli import csv_row
 
 QUARTER = ColumnShape("quarter", "one-sided", r_i=0.1, h_i=0.09, spacing=0.005, density=2650.0, point_size=0.0025)
 BOX = replace(QUARTER, section="box")
@@ -90,7 +89,7 @@ def test_measure_prints_the_mean_and_the_range_around_the_axis(run: SimpleNamesp
 
 def test_json_and_csv_contain_mean_and_range(run: SimpleNamespace) -> None:
     record = json.loads(invoke(run, "--json"))
-    (row,) = csv.DictReader(io.StringIO(invoke(run, "--csv")))
+    row = csv_row(invoke(run, "--csv"))
     for name in FRONTS:
         for end in ("mean", "min", "max"):
             assert float(row[f"zeta.{name}.{end}"]) == pytest.approx(record["zeta"][name][end], rel=1e-5)

@@ -24,6 +24,7 @@ from typing import Any
 
 import mpmcol
 from mpmcol.errors import Interrupted
+from mpmcol.sweep.table import read_table
 
 Numbers = dict[str, Any]
 
@@ -144,7 +145,7 @@ def sweep(folder: Path) -> Numbers:
     )
     return {
         f"{k}.{name}": value
-        for k, row in enumerate(_rows(folder / "table.csv"))
+        for k, row in enumerate(read_table(folder / "table.csv"))
         for name, value in row.items()
         if not any(part in name for part in left_out)
     }

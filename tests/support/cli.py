@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import subprocess
 import sys
 from collections.abc import Iterable, Iterator
@@ -10,11 +12,18 @@ from contextlib import contextmanager, suppress
 from click.testing import CliRunner, Result
 
 from mpmcol.cli import main
+from mpmcol.io.columns import without_unit
 
 
 def invoke(*arguments: object) -> Result:
     """Call `mpmcol` with these arguments in this process."""
     return CliRunner().invoke(main, [str(argument) for argument in arguments])
+
+
+def csv_row(text: str) -> dict[str, str]:
+    """The only row of a CSV text, by names without units."""
+    (row,) = csv.DictReader(io.StringIO(text))
+    return {without_unit(column): value for column, value in row.items()}
 
 
 def set_options(overrides: Iterable[str]) -> list[str]:

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-import csv
 from pathlib import Path
 
 import numpy as np
 
 from mpmcol.io.results import Results
+from mpmcol.sweep.table import read_table
 
 COST = ("second", "ns_", "memory")  # parts of the names of columns that differ from one sweep to the next
 
 
 def measured_table(folder: Path) -> list[dict[str, str]]:
     """Rows of a sweep's table without the columns that depend on the machine."""
-    with (folder / "table.csv").open(newline="") as file:
-        rows = list(csv.DictReader(file))
+    rows = read_table(folder / "table.csv")
     return [{name: value for name, value in row.items() if not any(part in name for part in COST)} for row in rows]
 
 

@@ -60,6 +60,7 @@ def test_each_end_of_the_full_domain_stops_the_run(direction: tuple[float, ...],
     else:
         length = stages.model.discretization.length
         assert "reached the end of the domain" in text and "set a larger geometry.domain_length" in text
+        assert f"{length - 5.0 * h:.4g} m are usable, five cells less" in text and f"{1.5 * length:.4g} m" in text
         assert length - 5.0 * h <= np.sign(direction[axis]) * failure["value"] < length - 2.0 * h
 
 

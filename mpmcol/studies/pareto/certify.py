@@ -14,7 +14,9 @@ from mpmcol.errors import UsageError
 from mpmcol.io.names import REPEATS_FOLDER
 from mpmcol.io.run_folder import replace_run
 from mpmcol.studies.convergence import converged_value, pooled_scatter
-from mpmcol.studies.pareto.recommend import Recommendation, finer_grid
+from mpmcol.studies.definition import as_overrides
+from mpmcol.studies.pareto.proposed import completed
+from mpmcol.studies.pareto.recommend import Recommendation, configuration_values, finer_grid
 from mpmcol.studies.runs import CFL, repeated_cfl
 from mpmcol.sweep.engine import Outcome, unsuccessful
 from mpmcol.sweep.fits import student_t
@@ -99,11 +101,10 @@ def certify(
         raise UsageError(f"{out} is not empty and holds no run with --certify; use --out for another folder")
 
     def run_all(levels: Sequence[float], errors: Mapping[str, float]) -> tuple[list[Outcome], list[ErrorBar]]:
-        runs = [run for cells in levels for run in _repeated_runs(source, values, cells, repeats)]
+        runs = [run for cells in levels for run in _repeated_runs(source, overrides, advice.variant, cells, repeats)]
         outcomes = run_sweep(runs, repeats, jobs=jobs, threads=threads, observer=observer)
         return outcomes, _error_bars(outcomes, levels, errors, repeats)
 
-    values = [*overrides, *advice.overrides]
     levels = [max(round(advice.cells / RATIO), 2), advice.cells]
     outcomes, bars = run_all(levels, advice.errors)
     if any(bar.relative > accuracy for bar in bars):
@@ -158,10 +159,14 @@ def _finest(outcomes: Sequence[Outcome]) -> Outcome:
     return max((one for one in outcomes if one.status == "done"), key=lambda one: one.run.inputs["cells"])
 
 
-def _repeated_runs(source: str | Path, overrides: Sequence[str], cells: float, out: Path) -> list[PlannedRun]:
-    base = load_case(source, overrides)
+def _repeated_runs(
+    source: str | Path, overrides: Sequence[str], variant: str, cells: float, out: Path
+) -> list[PlannedRun]:
+    values = configuration_values(load_case(source, overrides), variant, cells)
+    configured = [*overrides, *as_overrides(completed(source, overrides, values) or values)]
+    base = load_case(source, configured)
     runs = []
     for cfl in repeated_cfl(base.time.cfl, REPEATS):
-        case = load_case(source, [*overrides, f"grid.spacing={base.geometry.r_i / cells:.9g}", f"{CFL}={cfl}"])
+        case = load_case(source, [*configured, f"{CFL}={cfl}"])
         runs.append(plan_run(case, out, {"cells": cells, CFL: float(cfl)}, f"cells{cells:g}-cfl{float(cfl):.4g}"))
     return runs

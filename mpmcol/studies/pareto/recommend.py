@@ -13,6 +13,7 @@ from mpmcol.case.fields import shown
 from mpmcol.case.values import leaf_values
 from mpmcol.errors import UsageError
 from mpmcol.studies.definition import Value, as_overrides
+from mpmcol.studies.pareto.proposed import completed
 from mpmcol.studies.pareto.shipped import (
     QUANTITIES,
     SAME_ASPECT,
@@ -25,6 +26,7 @@ from mpmcol.studies.pareto.shipped import (
     similar_cases,
 )
 from mpmcol.studies.pareto.study import load_study_case, variant_values
+from mpmcol.studies.runs import CFL
 from mpmcol.sweep.runs import PlannedRun
 
 POINTS_PER_CELL = 4  # of the study, where a variant does not set it
@@ -78,6 +80,11 @@ def recommend(source: str | Path, overrides: Sequence[str], accuracy: float) -> 
         UsageError: there is none; the message shows the most accurate configuration.
     """
     candidates = list(options(source, overrides))
+    if not candidates:
+        raise UsageError(
+            "every configuration of the study has too few cells for this column, or other settings that are unfit for "
+            "it; set grid.spacing instead of an accuracy (mpmcol check reports unfit settings)"
+        )
     accurate = [one for one in candidates if one.error <= accuracy]
     if not accurate:
         best = min(candidates, key=lambda one: one.error)
@@ -104,11 +111,16 @@ def finer_grid(
 
 
 def options(source: str | Path, overrides: Sequence[str]) -> Iterator[Recommendation]:
-    """Yield all selectable configurations of the study for a case, with their errors and costs."""
+    """Yield the selectable configurations of the study for a case, with their errors and costs.
+
+    Those that would cause warnings are omitted, for example grids with few cells in the height of a flat column.
+    """
     case = load_case(source, overrides)
     cases = neighbouring_cases(parameters_of(case))
     for (variant, cells), group in studied_configurations(cases).items():
-        values = configuration_values(case, variant, cells)
+        values = completed(source, overrides, configuration_values(case, variant, cells))
+        if values is None:
+            continue
         configured = load_case(source, [*overrides, *as_overrides(values)])
         pace = max(one.seconds_per_point_step for one in group)
         cost = pace * PlannedRun({}, configured, Path()).work
@@ -145,6 +157,8 @@ def differences_from_study(case: Case, variant: str, cases: Sequence[str]) -> li
     study = shipped_study()
     here, there = _compared(case), _compared(load_study_case(study.cases[cases[0]], study.variants[variant]))
     keys = [key for key in here if key in there and here[key] != there[key]]
+    if here[CFL] <= there[CFL]:  # a smaller time step is no less accurate
+        keys = [key for key in keys if key != CFL]
     return [
         *_outside_range(case),
         *(f"{key} = {shown(here[key])}, in the study {shown(there[key])}" for key in keys),

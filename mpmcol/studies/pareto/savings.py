@@ -10,6 +10,7 @@ from statistics import median_high
 from mpmcol.case import Case, load_case
 from mpmcol.setup.discretization import discretize
 from mpmcol.studies.definition import Value, as_overrides
+from mpmcol.studies.pareto.proposed import completed
 from mpmcol.studies.pareto.recommend import POINTS_PER_CELL, options
 from mpmcol.studies.pareto.shipped import (
     QUANTITIES,
@@ -57,10 +58,10 @@ def propose(source: str | Path, overrides: Sequence[str], accuracy: float) -> It
     column = parameters_of(case)
     cells = case.geometry.r_i / discretize(case).h
     for change in CHANGES:
-        if values := change.values(case):
+        if (changed := change.values(case)) and (values := completed(source, overrides, changed)):
             effect = _effect(change, column, cells)
             yield Proposal(change.name, values, _cost_ratio(source, overrides, values), effect)
-    if values := _coarser(source, overrides, cells, accuracy):
+    if (changed := _coarser(source, overrides, cells, accuracy)) and (values := completed(source, overrides, changed)):
         yield Proposal("coarser grid", values, _cost_ratio(source, overrides, values), None)
 
 

@@ -27,7 +27,14 @@ def test_an_explanation_holds_unit_bounds_default_and_law() -> None:
     assert all(key in explain() for key in key_names())
 
 
-@pytest.mark.parametrize(("key", "meant"), [("grid.spacng", "grid.spacing"), ("spacing", "grid.spacing")])
+@pytest.mark.parametrize(
+    ("key", "meant"),
+    [
+        ("grid.spacng", "grid.spacing"),
+        ("spacing", "grid.spacing"),
+        ("stages.collaps.damping", "stages.collapse.damping"),
+    ],
+)
 def test_an_unknown_key_is_reported_with_the_nearest_key(key: str, meant: str) -> None:
     with pytest.raises(UsageError, match=f'Did you mean "{meant}"?'):
         explain(key)

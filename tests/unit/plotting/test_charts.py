@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 from dataclasses import replace
 from pathlib import Path
@@ -20,7 +18,7 @@ from mpmcol.io import results
 from mpmcol.plotting import charts, profiles, run_charts
 from mpmcol.plotting.figures import MOST_ENTRIES
 from mpmcol.plotting.styles import EXPERIMENT_STYLES, POINTS_COLOUR, RUN_COLOURS
-from tests.support.cli import invoke
+from tests.support.cli import csv_row, invoke
 from tests.support.synthetic_run import SHAPE, SyntheticRun, deposit
 
 PNG = b"\x89PNG\r\n\x1a\n"
@@ -264,7 +262,7 @@ def test_measure_command_table(run: SyntheticRun) -> None:
 def test_measure_command_json_and_csv_agree(run: SyntheticRun) -> None:
     record = json.loads(invoke("measure", run.folder, "--json").output)
     text = invoke("measure", run.folder, "--csv").output
-    (row,) = csv.DictReader(io.StringIO(text))
+    row = csv_row(text)
     assert record["stop_time"] == pytest.approx(0.25 / np.sqrt(0.09 / 9.81), rel=0.05)
     assert float(row["zeta.front_height"]) == pytest.approx(record["zeta"]["front_height"], rel=1e-5)
     score = next(s for s in record["scores"] if s["experiment"] == "paper-plane" and s["quantity"] == "beta")

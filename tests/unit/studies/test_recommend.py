@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from mpmcol.case import load_case
+from mpmcol.cli.accuracy import narrower_bars
 from mpmcol.errors import UsageError
 from mpmcol.io.results import Results
 from mpmcol.studies.pareto import recommend, savings
@@ -58,6 +59,11 @@ def test_the_cheapest_accurate_configuration_is_recommended() -> None:
     assert case.material.youngs_modulus < 2e6
     assert recommend.recommend("lube-cylinder", (), 0.02).cells == 40.0
     assert recommend.recommend("lube-cylinder", (), 0.5).cells == 10.0
+
+
+def test_an_accuracy_is_proposed_only_if_the_study_permits_it() -> None:
+    assert narrower_bars("lube-cylinder", (), 0.1) == "a finer grid makes it narrower: --accuracy 5%"
+    assert "no configuration with half the error" in narrower_bars("lube-cylinder", (), 0.03)
 
 
 def test_differences_from_the_study_are_reported(tmp_path: Path) -> None:

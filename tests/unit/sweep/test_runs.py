@@ -121,6 +121,20 @@ def test_notes_state_the_number_of_runs_they_apply_to() -> None:
     assert all("runs)" not in note for note in notes(plan("grid.spacing=0.02", aspect="1,2")))
 
 
+def test_warnings_that_differ_in_numbers_are_reported_once() -> None:
+    (line,) = notes(
+        plan(
+            "material.dilatancy_deg=0,8,12",
+            "grid.spacing=0.0097",
+            "geometry.base=rigid",
+            "method.wall_impulse=true",
+            aspect="1,2",
+        )
+    )
+    assert line.startswith("material.dilatancy_deg = 8: ")
+    assert line.endswith("(4 of 6 runs, with the numbers of the first)")
+
+
 def test_work_increases_with_the_size_of_the_column() -> None:
     runs = plan(aspect="0.5:7")
     assert all(small.work < large.work for small, large in itertools.pairwise(runs))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -23,7 +22,7 @@ from mpmcol.sweep.axes import parse_axes
 from mpmcol.sweep.engine import Outcome
 from mpmcol.sweep.report import write_report
 from mpmcol.sweep.runs import PlannedRun, plan_runs
-from mpmcol.sweep.table import make_rows
+from mpmcol.sweep.table import make_rows, read_table
 from mpmcol.sweep.task import TaskResult
 
 FRONTS = ("front_max", "front_connected", "front_height")
@@ -112,8 +111,7 @@ def test_the_mean_in_3d_has_the_same_name_as_the_value_in_2d(tmp_path: Path) -> 
 def test_csv_and_hdf5_have_the_same_content(tmp_path: Path) -> None:
     runs = plan(tmp_path)
     report = write_report([fail(runs[0]), *map(finish, runs[1:])], tmp_path)
-    with (tmp_path / "table.csv").open(newline="") as file:
-        rows = list(csv.DictReader(file))
+    rows = read_table(tmp_path / "table.csv")
     with h5py.File(tmp_path / "table.h5") as file:
         assert set(file) - {"case"} == set(rows[0])
         assert file["zeta.front_max"].attrs["unit"] == "1" and file["height"].attrs["unit"] == "m"

@@ -1,0 +1,97 @@
+"""Names in results: their entries in the glossary, and columns of CSV files with units.
+
+A column is named "name [unit]" if it has a unit with which its name does not end: time [s], front.front_height [m],
+repose_angle_deg. `without_unit` gives the name.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from functools import cache
+
+from mpmcol.io.glossary import ENERGY, ENERGY_UNITS, NAMES, Names
+
+ENERGY_TEXT = "J: per metre of width in the plane model, per radian in axisymmetry, of the modelled part in 3D"
+
+
+@dataclass
+class Entry:
+    """A unit and a meaning, with the names that have them and the files or commands in which these occur."""
+
+    unit: str
+    meaning: str
+    names: list[str] = field(default_factory=list)
+    where: list[str] = field(default_factory=list)
+
+    def __str__(self) -> str:
+        unit = ENERGY_TEXT if self.unit == ENERGY else self.unit
+        return "\n".join(
+            [
+                ", ".join(dict.fromkeys(self.names)),
+                f"    {self.meaning}",
+                f"    {f'unit {unit}; ' if unit else ''}in {', '.join(dict.fromkeys(self.where))}",
+            ]
+        )
+
+
+def explain_name(name: str) -> str:
+    """Meaning, unit and occurrence of a name in results; "" if there is none."""
+    return "\n".join(map(str, find_entries(name)))
+
+
+def explain_word(name: str) -> str:
+    """Explanation of the first word of an unknown name that is a name in results: kinetic of kinetic_energy."""
+    return next(filter(None, map(explain_name, name.split("_"))), "")
+
+
+def explain_names() -> str:
+    """All names in results, by the file or the command in which they occur."""
+    return "\n\n".join("\n".join([f"[{where}]", *_listed(names)]) for where, names in NAMES.items())
+
+
+def _listed(names: Names) -> list[str]:
+    return [f"  {name}\n    {meaning}" + (f" ({unit})" if unit else "") for name, (unit, meaning) in names.items()]
+
+
+def find_entries(name: str) -> list[Entry]:
+    """Entries of a full name, its first parts or its last one; names with equal unit and meaning are one entry."""
+    found: dict[tuple[str, str], Entry] = {}
+    for where, names in NAMES.items():
+        for full, content in names.items():
+            is_part = full.startswith(f"{name}.") or full.endswith(f".{name}")
+            if is_part or _pattern(full).fullmatch(name):
+                entry = found.setdefault(content, Entry(*content))
+                entry.names.append(full)
+                entry.where.append(where)
+    return list(found.values())
+
+
+def unit_of(where: str, name: str, model: str = "") -> str | None:
+    """Unit of a name in a file or command, "" if it has none; None if the name is not in the table."""
+    matching = (unit for full, (unit, _) in NAMES[where].items() if _pattern(full).fullmatch(name))
+    unit = next(matching, None)
+    return ENERGY_UNITS[model][0] if unit == ENERGY and model else unit
+
+
+def header(names: Iterable[str], where: str, model: str = "") -> list[str]:
+    """Header of a CSV file: each name, with its unit in brackets if it has one that the name does not end with."""
+    return [with_unit(name, unit_of(where, name, model) or "") for name in names]
+
+
+def with_unit(name: str, unit: str) -> str:
+    """A name with its unit in brackets; without it if it is "" or 1, or if the name ends with it."""
+    return name if unit in ("", "1") or name.endswith(f"_{unit}") else f"{name} [{unit}]"
+
+
+def without_unit(column: str) -> str:
+    """The name of a column of a CSV file."""
+    return column.partition(" [")[0]
+
+
+@cache
+def _pattern(full: str) -> re.Pattern[str]:
+    """Pattern of a full name, in which capitals stand for any parts, and which may be a mean or a limit in 3D."""
+    variable = re.sub(r"[A-Z]{4,}(\\\.[A-Z]{4,})*", r"[\\w.:+-]+", re.escape(full))
+    return re.compile(rf"{variable}(\.(mean|min|max))?")

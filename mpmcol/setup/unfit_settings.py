@@ -1,0 +1,164 @@
+"""Settings that are known to be unfit: independent checks of a case, and the refusal of columns that are too soft.
+
+A new check is a function and an entry of CHECKS. Its warning is one line that begins with the key: value, effect, and
+what to set instead. Effects are those of runs at r_i / h = 14, relative to the same column with the better setting.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from math import ceil, degrees, pi, sqrt
+
+from mpmcol.case import Case
+from mpmcol.errors import UsageError
+from mpmcol.setup.domain import LEAST_CELLS, default_length, expected_front, usable
+from mpmcol.setup.time_step import time_step_warnings
+
+FEWEST_CELLS = 6  # in height and radius of a column
+RIGHT_ANGLE = pi / 2.0
+LEAST_DENSITY = 23.0  # kg/m3; a smaller number is a density in g/cm3, of which no element has more than 22.6
+MOST_DILATANCY = 5.0  # degrees, constant during the flow
+SMALL_SHORTENING, LARGE_SHORTENING, MOST_SHORTENING = 0.001, 0.01, 1.0 / 3.0  # elastic, by the column's own weight
+
+
+def setting_warnings(case: Case, h: float) -> list[str]:
+    """Warnings about the settings of a case, one line each; h: node spacing used, m."""
+    found = [check(case, h) for check in CHECKS]
+    return [*filter(None, found), *time_step_warnings(case)]
+
+
+def kind_of(warning: str) -> str:
+    """The text of a warning without its numbers, which is the same for several cases."""
+    return re.sub(r"[-+]?\d[\d.]*(e[-+]?\d+)?", "", warning)
+
+
+def require_stiff_column(case: Case) -> None:
+    """Raise UsageError if the column is so soft that its own weight makes a different column of it."""
+    if (shortening := elastic_shortening(case)) > MOST_SHORTENING:
+        raise UsageError(f"{_softness(case, shortening)}, more than a third; {_stiffer(case, shortening)}")
+
+
+def elastic_shortening(case: Case) -> float:
+    """Change of height over height by the own weight of a column confined by its gate, rho g h_i / (2 E_oed)."""
+    geometry, oedometric = case.geometry, case.material.wave_speed**2  # over density
+    return 0.5 * geometry.gravity * geometry.h_i / oedometric
+
+
+def soft_column(case: Case, h: float) -> str | None:
+    """The column is lower at its release than the case states, and so is its deposit."""
+    shortening = elastic_shortening(case)
+    if shortening < LARGE_SHORTENING:
+        return None
+    return f"{_softness(case, shortening)}, and the deposit is lower by as much; {_stiffer(case, shortening)}"
+
+
+def _softness(case: Case, shortening: float) -> str:
+    return (
+        f"material.youngs_modulus = {case.material.youngs_modulus:g} Pa: the elastic shortening of the column under "
+        f"its own weight, rho g h_i / (2 E_oed), is {shortening:.1%} of its height"
+    )
+
+
+def _stiffer(case: Case, shortening: float) -> str:
+    """A stiffness with which the column hardly shortens, and the units to check."""
+    modulus = float(f"{case.material.youngs_modulus * shortening / SMALL_SHORTENING:.1e}")
+    return f"set {modulus:g} Pa or more, and check that lengths are in m, the density in kg/m3 and the modulus in Pa"
+
+
+def one_point_per_cell(case: Case, h: float) -> str | None:
+    """Cells become empty where the flow stretches the material."""
+    if case.grid.points_per_cell > 1:
+        return None
+    better = "4, 9 or 16" if case.geometry.dimension == 2 else "8 or 27"
+    return (
+        "grid.points_per_cell = 1: too few where the flow stretches the material; deposits are 2 to 24 % too low, and "
+        f"runouts differ by -33 to +13 %; set {better}"
+    )
+
+
+def few_cells(case: Case, h: float) -> str | None:
+    """The front is where the deposit becomes thinner than a cell."""
+    geometry = case.geometry
+    lengths = {"radius": geometry.r_i, "height": geometry.h_i, "half-depth": geometry.depth or geometry.r_i}
+    name = min(lengths, key=lambda name: lengths[name])
+    if lengths[name] > (FEWEST_CELLS - 0.01) * h:
+        return None
+    fine = geometry.r_i / ceil(FEWEST_CELLS * geometry.r_i / lengths[name] - 0.01)  # whole cells in the radius
+    return (
+        f"grid.spacing = {h:.4g} m: the {name} of the column has only {lengths[name] / h:.2g} cells; with 5 cells "
+        f"runouts are 14 to 47 % shorter than with 14, with 2 cells 36 to 100 %; set {fine:.4g} m or less"
+    )
+
+
+def rigid_floor_without_reaction(case: Case, h: float) -> str | None:
+    """Points next to the floor keep their velocity, although the nodes of the floor are held."""
+    if case.geometry.base != "rigid" or case.method.wall_impulse:
+        return None
+    return (
+        'method.wall_impulse = false with geometry.base = "rigid": points slide over the floor, and runouts become '
+        "wrong by up to 7 % by front_height and 76 % by front_max; set method.wall_impulse = true"
+    )
+
+
+def friction_in_radians(case: Case, h: float) -> str | None:
+    """Granular material has friction angles above 1.6 degrees, a right angle in radians."""
+    for name, angle in _angles(case, "friction_"):
+        if angle < RIGHT_ANGLE:
+            return (
+                f"material.{name} = {angle:g} is an angle in degrees, and the material flows like a liquid; if it is "
+                f'in radians, set "{angle:g} rad" ({degrees(angle):.3g} degrees)'
+            )
+    return None
+
+
+def density_in_grams(case: Case, h: float) -> str | None:
+    """Time steps are proportional to the square root of the density."""
+    density = case.material.density
+    if density >= LEAST_DENSITY:
+        return None
+    return (
+        f"material.density = {density:g} kg/m3 is less than that of any granular material; if it is in g/cm3, set "
+        f'"{density:g} g/cm3", with {sqrt(1e3):.0f} times fewer steps'
+    )
+
+
+def endless_dilatancy(case: Case, h: float) -> str | None:
+    """Sand dilates to a critical state; a constant angle of dilatancy has no such end."""
+    for name, angle in _angles(case, "dilatancy_"):
+        if angle > MOST_DILATANCY and "peak" not in name:
+            return (
+                f"material.{name} = {angle:g}: the material dilates as long as it flows; at 10 degrees deposits have "
+                f'6 to 18 % more volume; set material.{name} = 0, or use material.law = "mohr-coulomb-softening", '
+                "whose dilatancy decays from dilatancy_peak_deg to dilatancy_residual_deg"
+            )
+    return None
+
+
+def _angles(case: Case, prefix: str) -> Iterator[tuple[str, float]]:
+    """Keys of the material that begin with `prefix`, and their values in degrees."""
+    return ((name, value) for name, value in case.material if name.startswith(prefix))
+
+
+def short_domain(case: Case, h: float) -> str | None:
+    """The flow reaches the cells at the end of the domain that arrest it."""
+    length, front = case.geometry.domain_length, expected_front(case)
+    if length is None or usable(length, h) >= front:
+        return None
+    return (
+        f"geometry.domain_length = {length:g} m: its last {LEAST_CELLS} cells are not usable, so that "
+        f"{usable(length, h):.4g} m are left, and fronts of experiments reach {front:.4g} m; set "
+        f"{default_length(case, h):.4g} m, or omit it"
+    )
+
+
+CHECKS: tuple[Callable[[Case, float], str | None], ...] = (
+    one_point_per_cell,
+    few_cells,
+    rigid_floor_without_reaction,
+    friction_in_radians,
+    density_in_grams,
+    endless_dilatancy,
+    soft_column,
+    short_domain,
+)

@@ -1,0 +1,170 @@
+"""Every name in results is explained, and columns of CSV files have units."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import mpmcol
+from mpmcol.case import key_names, load_case
+from mpmcol.errors import NumericalFailure
+from mpmcol.io.columns import explain_name, unit_of, with_unit, without_unit
+from mpmcol.io.glossary import HISTORY, MEASURE, NAMES, RESULT, SLOPES, TABLE
+from mpmcol.io.results import Results, read_history
+from mpmcol.sweep.engine import Outcome
+from mpmcol.sweep.fits import Slope
+from mpmcol.sweep.runs import PlannedRun
+from mpmcol.sweep.table import make_rows, read_table, table_text
+from mpmcol.sweep.task import TaskResult
+from tests.support.cli import csv_row, invoke
+from tests.support.runs import TINY
+
+ENERGIES = ("potential", "kinetic", "elastic", "plastic", "damping", "residual", "grid_kinetic")
+
+
+def names_in(value: Any, prefix: str = "") -> Iterator[str]:
+    """Names of all values in nested tables and in arrays of tables, and of the tables themselves."""
+    if isinstance(value, dict):
+        for name, entry in value.items():
+            yield prefix + name
+            yield from names_in(entry, f"{prefix}{name}.")
+    elif isinstance(value, list):
+        for entry in value:
+            yield from names_in(entry, prefix)
+
+
+def unexplained(where: str, names: Iterator[str]) -> set[str]:
+    """Names that are not in the glossary; a table whose keys are in it need not be."""
+    known = NAMES[where]
+    tables = {".".join(name.split(".")[:-1]) for name in known}
+    return {name for name in names if unit_of(where, name) is None and name not in tables}
+
+
+@pytest.fixture(scope="module")
+def table(finished: Path) -> list[dict[str, Any]]:
+    """The row of a finished run in the table of a sweep over its aspect ratio and spacing."""
+    case = load_case(finished / "case.resolved.toml")
+    inputs = {"geometry.aspect": 1.0, "grid.spacing": case.grid.spacing}
+    return make_rows([Outcome(PlannedRun(inputs, case, finished), TaskResult("done", 1))])
+
+
+def test_every_name_in_a_result_is_explained(finished: Path) -> None:
+    summary = json.loads((finished / "result.json").read_text())
+    assert unexplained(RESULT, names_in(summary)) == set()
+    assert all(explain_name(name) for name in names_in(summary))
+
+
+def test_every_name_of_failures_and_retries_is_explained(tmp_path: Path) -> None:
+    """The time step is far beyond the stability limit at first."""
+    harsh = load_case("quickstart", [*TINY, "time.cfl=2"])
+    with pytest.raises(NumericalFailure):
+        mpmcol.run(harsh, tmp_path / "failed", threads=1)
+    retried = mpmcol.run(harsh, tmp_path / "retried", threads=1, on_instability="retry").summary
+    summary = Results(tmp_path / "failed").summary
+    assert summary["failure"]["check"] and retried["retries"]
+    assert unexplained(RESULT, names_in(summary)) == unexplained(RESULT, names_in(retried)) == set()
+
+
+def test_every_name_of_a_measurement_is_explained(finished: Path) -> None:
+    record = json.loads(invoke("measure", finished, "--json").stdout)
+    assert unexplained(MEASURE, names_in(record)) == set()
+    text = invoke("measure", finished, "--csv").stdout
+    assert unexplained(MEASURE, iter(csv_row(text))) == set()
+    assert "front.front_height [m]" in text and "repose_angle_deg," in text and "time [s]" in text
+
+
+def test_every_column_of_the_history_is_explained_and_has_its_unit(finished: Path) -> None:
+    columns = (finished / "history.csv").read_text().partition("\n")[0].split(",")
+    assert unexplained(HISTORY, map(without_unit, columns)) == set()
+    assert {f"{name} [J/m]" for name in ENERGIES} < set(columns)  # plane strain
+    assert {"time [s]", "front_height [m]", "step", "J_min"} < set(columns)
+
+
+def test_a_history_of_an_earlier_version_can_be_read(finished: Path, tmp_path: Path) -> None:
+    """Its columns have no units."""
+    header, rows = (finished / "history.csv").read_text().split("\n", 1)
+    (tmp_path / "history.csv").write_text(",".join(map(without_unit, header.split(","))) + "\n" + rows)
+    old, new = read_history(tmp_path / "history.csv"), read_history(finished / "history.csv")
+    assert list(old) == list(new) and all(np.array_equal(old[name], new[name]) for name in old)
+
+
+def test_every_column_of_a_sweep_is_explained_and_has_its_unit(table: list[dict[str, Any]], tmp_path: Path) -> None:
+    assert unexplained(TABLE, iter(table[0])) <= set(key_names())
+    (tmp_path / "table.csv").write_text(table_text(table))
+    columns = (tmp_path / "table.csv").read_text().partition("\n")[0].split(",")
+    expected = {"geometry.aspect", "grid.spacing [m]", "zeta.front_height", "height [m]", "seconds [s]"}
+    assert expected < set(columns)
+    (row,) = read_table(tmp_path / "table.csv")
+    assert list(row) == list(table[0]) and float(row["height"]) == table[0]["height"]
+
+
+def test_every_column_of_the_slopes_is_explained() -> None:
+    assert unexplained(SLOPES, (field.name for field in fields(Slope))) == set()
+
+
+@pytest.mark.parametrize(
+    ("name", "parts"),
+    [
+        ("zeta", ["(r_f - r_i) / r_i", "Eq. 37", "result.json", "table.csv"]),
+        ("front_height", ["front.front_height", "unit m", "history.csv"]),
+        ("zeta.front_height.mean", ["runout"]),
+        ("repose_angle_deg", ["20 % of the height", "unit deg"]),
+        ("state_sha256", ["checksum"]),
+        ("kinetic_energy", ["ledger.kinetic, kinetic", "per metre of width", "per radian"]),
+        ("error.lube-2004.zeta.front_max", ["relative error"]),
+        ("time", ["[time]", "time.cfl", "time since release", "unit s"]),
+    ],
+)
+def test_names_are_explained_by_the_command(name: str, parts: list[str]) -> None:
+    explained = invoke("explain", name)
+    assert explained.exit_code == 0 and all(part in explained.stdout for part in parts)
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("base_friction", "Friction with floor and walls is not modelled"),
+        ("friction_deg", 'Did you mean "material.friction_deg"?'),
+        ("", None),
+        ("nonsense", 'there is no key "nonsense". (mpmcol explain'),
+    ],
+)
+def test_keys_of_a_case_come_before_words_of_names(name: str, message: str | None) -> None:
+    explained = invoke("explain", name)
+    assert message in explained.stderr if message else "grid.spacing" in explained.stdout
+    assert explained.exit_code == (2 if message else 0)
+
+
+def test_all_names_are_listed() -> None:
+    listed = invoke("explain", "results").stdout
+    assert all(f"\n  {name}\n    " in listed for names in NAMES.values() for name in names)
+    assert "grid.spacing" in invoke("explain").stdout and "state_sha256" not in invoke("explain").stdout
+
+
+def test_a_unit_is_not_repeated() -> None:
+    named = {with_unit(*column) for column in (("time", "s"), ("angle_deg", "deg"), ("a", "1"), ("status", ""))}
+    assert named == {"time [s]", "angle_deg", "a", "status"} and {*map(without_unit, named)} == {
+        "time", "angle_deg", "a", "status",
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("model", "unit"), [("plane", "J/m"), ("axisymmetric", "J/rad"), ("quarter", "J"), ("full", "J")]
+)
+def test_energies_are_per_metre_per_radian_or_whole(model: str, unit: str) -> None:
+    assert unit_of(HISTORY, "kinetic", model) == unit
+    assert unit_of(HISTORY, "height", model) == "m"
+
+
+def test_the_unit_of_energies_is_in_the_result_and_in_the_text(finished: Path) -> None:
+    assert Results(finished).summary["energy_unit"] == "J per metre of width"
+    measured = invoke("measure", finished).stdout
+    assert any(
+        line.startswith("energy released") and line.endswith("J per metre of width") for line in measured.splitlines()
+    )

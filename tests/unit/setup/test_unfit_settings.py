@@ -1,0 +1,101 @@
+"""Settings that are known to be unfit: each causes one warning, and what this proposes causes none."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import mpmcol
+from mpmcol.case import load_case, shipped_cases
+from mpmcol.setup import cores
+from mpmcol.setup.cores import available_cores, thread_note
+from mpmcol.setup.discretization import discretize
+from mpmcol.setup.unfit_settings import kind_of, require_stiff_column
+from tests.support.cli import invoke, set_options
+from tests.support.runs import TINY
+
+SAND = ("geometry.aspect=1", "grid.spacing=0.005")  # of lube-channel, with an elastic base and wall_impulse = false
+UNFIT = [  # overrides of SAND, beginning of the warning, what it proposes
+    (["grid.points_per_cell=1"], "grid.points_per_cell = 1", "grid.points_per_cell=9"),
+    (["grid.spacing=0.02"], "grid.spacing = 0.0225 m: the radius", "grid.spacing=0.015"),
+    (["geometry.aspect=0.3", "grid.spacing=0.0075"], "grid.spacing = 0.0075 m: the height", "grid.spacing=0.0045"),
+    (["geometry.base=rigid"], "method.wall_impulse = false", "method.wall_impulse=true"),
+    (["material.friction_deg=0.5236"], "material.friction_deg = 0.5236", "material.friction_deg=0.5236 rad"),
+    (["material.density=2.65"], "material.density = 2.65 kg/m3", "material.density=2.65 g/cm3"),
+    (["material.dilatancy_deg=10"], "material.dilatancy_deg = 10", "material.dilatancy_deg=0"),
+    (["material.youngs_modulus=1e5"], "material.youngs_modulus = 100000 Pa", "material.youngs_modulus=1.1e+06"),
+    (["geometry.domain_length=0.3"], "geometry.domain_length = 0.3 m", "geometry.domain_length=0.398"),
+]
+SOFTENING = [
+    (["material.friction_residual_deg=0.5"], "material.friction_residual_deg = 0.5"),
+    (["material.dilatancy_residual_deg=6"], "material.dilatancy_residual_deg = 6"),
+]
+
+
+def warnings_of(case: str, *overrides: str) -> list[str]:
+    """Warnings of a case, without those of lengths that are rounded to whole cells."""
+    return [text for text in discretize(load_case(case, overrides)).warnings if " became " not in text]
+
+
+@pytest.mark.parametrize(("overrides", "beginning", "proposed"), UNFIT, ids=[str(one[0]) for one in UNFIT])
+def test_an_unfit_setting_is_reported_and_its_remedy_is_not(
+    overrides: list[str], beginning: str, proposed: str
+) -> None:
+    (warning,) = warnings_of("lube-channel", *SAND, *overrides)
+    assert warning.startswith(beginning) and "\n" not in warning
+    assert proposed.partition("=")[2] in warning.partition("set")[2]
+    assert warnings_of("lube-channel", *SAND, *overrides, proposed) == []
+
+
+@pytest.mark.parametrize(("overrides", "beginning"), SOFTENING)
+def test_residual_angles_are_those_that_last(overrides: list[str], beginning: str) -> None:
+    (warning,) = warnings_of("lube-channel-dense", *overrides)
+    assert warning.startswith(beginning)
+
+
+@pytest.mark.parametrize("name", shipped_cases())
+def test_shipped_cases_cause_no_warning(name: str) -> None:
+    assert warnings_of(name) == []
+
+
+def test_lengths_that_change_by_round_off_are_not_reported() -> None:
+    spacings = ("0.003214286", "0.0032143", "0.003214", "0.003")
+    found = [
+        discretize(load_case("bui-rods", ["geometry.radius=0.09", f"grid.spacing={h}"])).warnings for h in spacings
+    ]
+    assert [len(warnings) for warnings in found] == [0, 0, 1, 0] and "(+0.01%)" in found[2][0]
+
+
+def test_a_column_that_its_own_weight_compresses_by_a_third_is_refused(tmp_path: Path) -> None:
+    """By every command that would run it: its shortening is rho g h_i / (2 E_oed)."""
+    limit = 1.5 * 2650.0 * 9.81 * 0.09 * 0.9  # E_oed = E / 0.9 at nu = 0.2
+    softer, stiffer = (f"material.youngs_modulus={factor * limit}" for factor in (0.99, 1.01))
+    require_stiff_column(load_case("lube-channel", [*SAND, stiffer]))
+    for command, *options in (("check",), ("run", "--dry-run"), ("run", "--out", tmp_path / "run")):
+        refused = invoke(command, "lube-channel", *options, *set_options((*SAND, softer)))
+        assert refused.exit_code == 2 and "of its height, more than a third; set" in refused.output
+    refused = invoke("sweep", "lube-channel", "--dry-run", *set_options((*SAND[1:], softer)), "--aspect", "0.1,1")
+    assert refused.exit_code == 2 and "run a1: material.youngs_modulus" in refused.output
+    assert not (tmp_path / "run/case.resolved.toml").exists()
+
+
+def test_a_run_reports_an_unfit_setting_once_and_records_it(tmp_path: Path) -> None:
+    messages: list[str] = []
+    case = load_case("quickstart", [*TINY, "stages.collapse.max_time_factor=0.1", "material.friction_deg=0.5236"])
+    results = mpmcol.run(case, tmp_path, notify=messages.append)
+    (warning,) = (text for text in results.summary["warnings"] if text.startswith("material.friction_deg"))
+    assert messages.count(f"note: {warning}") == 1
+
+
+def test_more_threads_than_cores_are_reported(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert available_cores() >= 1
+    monkeypatch.setattr(cores, "available_cores", lambda: 2)
+    assert "8 threads on 2 cores: no faster than 2" in (thread_note(8) or "")
+    assert thread_note(2) is thread_note(1) is None
+
+
+def test_warnings_of_one_kind_differ_in_numbers_only() -> None:
+    settings = ("material.dilatancy_deg=10", "material.dilatancy_deg=12.5", "material.density=2.65")
+    one, other, third = (kind_of(*warnings_of("lube-channel", setting)) for setting in settings)
+    assert one == other != third
