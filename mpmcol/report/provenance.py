@@ -1,0 +1,49 @@
+"""Where results come from: case files, versions, and how the cases of several runs differ."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from mpmcol.case.values import leaf_values
+from mpmcol.io.names import CASE_FILE, GIVEN_CASE_FILE
+from mpmcol.io.results import Results
+from mpmcol.report.model import Table
+from mpmcol.sweep.table import unit_of
+
+
+def case_files(results: Results) -> list[tuple[str, str]]:
+    """The case with all defaults, and as given if the folder has it."""
+    names = [name for name in (GIVEN_CASE_FILE, CASE_FILE) if (results.folder / name).is_file()]
+    texts = {name: (results.folder / name).read_text(encoding="utf-8", errors="replace") for name in names}
+    return [(name, text) for name, text in texts.items() if name == CASE_FILE or text != texts[CASE_FILE]]
+
+
+def case_differences(runs: Sequence[Results], names: Sequence[str]) -> Table:
+    """The keys whose values differ between the runs."""
+    values = [leaf_values(results.case) for results in runs]
+    rows = [
+        (_with_unit(key), *(_shown(one[key]) for one in values))
+        for key in values[0]
+        if key != "title" and any(one[key] != values[0][key] for one in values[1:])
+    ]
+    return Table(("Key", *names), rows or [("none", *("" for _ in names))])
+
+
+def _with_unit(key: str) -> str:
+    unit = unit_of(key)
+    return key if unit == "1" else f"{key} ({unit})"
+
+
+def _shown(value: Any) -> str:
+    return f"{value:.10g}" if isinstance(value, float) else str(value)
+
+
+def version_table(runs: Sequence[Results], names: Sequence[str]) -> Table:
+    """Versions of program and packages, and the digests that identify case and result."""
+    summaries = [results.summary for results in runs]
+    packages = dict.fromkeys(name for summary in summaries for name in summary["versions"])
+    rows = [(name, *(summary["versions"].get(name, "") for summary in summaries)) for name in packages]
+    digests = {"case_hash": "Digest of the case", "state_sha256": "Digest of the final state (SHA-256)"}
+    rows += [(text, *(str(summary.get(key, "")) for summary in summaries)) for key, text in digests.items()]
+    return Table(("Item", *names), rows, texts=1 + len(names))
