@@ -10,9 +10,9 @@ from mpmcol.io.names import RESULT_FILE
 from mpmcol.io.results import Results
 
 REQUIRED = {  # keys of result.json; the others may be missing
-    "front", "zeta", "spread", "height", "beta", "area_factor", "repose_angle_deg", "undisturbed_radius", "stop_time",
-    "at_rest", "time_over_tau", "errors", "points", "column_points", "spacing_used", "r_i", "base_used", "steps", "dt",
-    "wall_s", "peak_memory_bytes", "threads", "versions",
+    "front", "zeta", "spread", "height", "beta", "area_factor", "at_rest", "time_over_tau", "errors", "points",
+    "column_points", "spacing_used", "r_i", "base_used", "steps", "dt", "wall_s", "peak_memory_bytes", "threads",
+    "versions",
 }  # fmt: skip
 RESUME = "repeat the `mpmcol run` command to resume it"
 REPEAT = "run the case again with --fresh"

@@ -44,8 +44,7 @@ def measures(results: Results) -> list[Measure]:
     """Runout, height and shape of the deposit, and the end of the run."""
     summary, shape = results.summary, results.shape
     tau = sqrt(shape.h_i / results.case.geometry.gravity)
-    angle, undisturbed, stop = (summary[name] for name in ("repose_angle_deg", "undisturbed_radius", "stop_time"))
-    end = "At rest after" if summary["at_rest"] else "Stopped, still moving, after"
+    angle, undisturbed, stop = (summary.get(name) for name in ("repose_angle_deg", "undisturbed_radius", "stop_time"))
     return [
         *(_runout(name, summary, shape.r_i, shape.range_label) for name in FRONT_NAMES),
         Measure("Spread of the three runouts", "", f"{summary['spread']:.3f}"),
@@ -54,7 +53,7 @@ def measures(results: Results) -> list[Measure]:
         _length("Undisturbed radius", undisturbed, "") if undisturbed else Measure("Undisturbed radius"),
         Measure("Area factor", "", f"{summary['area_factor']:.3f}", summary["area_factor"]),
         _time("Front stops after", stop, tau),
-        _time(end, summary["time_over_tau"], tau),
+        _time("End of the run", summary["time_over_tau"], tau, "at rest" if summary["at_rest"] else "still moving"),
     ]
 
 
@@ -73,22 +72,24 @@ def cost_measures(results: Results) -> list[Measure]:
 
 def energy_measures(results: Results) -> list[Measure]:
     """Where the potential energy released went, and the quality of the stresses."""
-    shares, stress = results.summary.get("dissipation"), results.summary.get("stress")
-    found = [Measure(f"Dissipated by {name}", f"{100.0 * shares[name]:.1f} %") for name in SHARES] if shares else []
-    if stress:
-        found += [
-            Measure("Weight of the deposit at its foot", f"{1e-3 * stress['weight_at_foot']:.3g} kPa"),
-            Measure("Pressure, 99 % of the points below", "", f"{stress['pressure_p99']:.2f} of this weight"),
-            Measure("Points inside the deposit without stress", f"{100.0 * stress['stress_free']:.1f} %"),
-        ]
-    return found
+    shares, stress = (results.summary.get(name) or {} for name in ("dissipation", "stress"))
+    foot = stress.get("weight_at_foot")
+    return [
+        *(Measure(f"Dissipated by {name}", _percent(shares.get(name))) for name in SHARES),
+        Measure("Weight of the deposit at its foot", "" if foot is None else f"{1e-3 * foot:.3g} kPa"),
+        Measure(
+            "Pressure that 99 % of the points do not exceed, over this weight", _percent(stress.get("pressure_p99"))
+        ),
+        Measure("Points inside the deposit without stress", _percent(stress.get("stress_free"))),
+    ]
 
 
 def key_figures(results: Results) -> list[Figure]:
     """What a reader looks for first."""
-    shown = {"front_height": "Runout", "Height": "Height", "Angle": "Angle of repose", "At rest": "At rest after"}
+    end = "At rest after" if results.summary["at_rest"] else "Still moving after"
+    shown = {"front_height": "Runout", "Height": "Height", "Angle": "Angle of repose", "End": end}
     found = [(label, one) for one in measures(results) for part, label in shown.items() if part in one.name]
-    return [Figure(label, one.value or "none", one.normalised) for label, one in found]
+    return [Figure(label, one.value, one.normalised.partition(",")[0]) for label, one in found if one.value]
 
 
 def measure_table(rows: Sequence[Measure], caption: str) -> Table:
@@ -151,10 +152,15 @@ def _length(name: str, metres: float, normalised: str) -> Measure:
     return Measure(name, length_text(metres), normalised, metres)
 
 
-def _time(name: str, over_tau: float | None, tau: float) -> Measure:
+def _time(name: str, over_tau: float | None, tau: float, remark: str = "") -> Measure:
     if over_tau is None:
         return Measure(name)
-    return Measure(name, f"{over_tau * tau:.3g} s", f"{over_tau:.2f} {TIME_UNIT}", over_tau * tau)
+    normalised = ", ".join(filter(None, (f"{over_tau:.2f} {TIME_UNIT}", remark)))
+    return Measure(name, f"{over_tau * tau:.3g} s", normalised, over_tau * tau)
+
+
+def _percent(share: float | None) -> str:
+    return "" if share is None else f"{100.0 * share:.1f} %"
 
 
 def _compared(one: Measure, first: Measure) -> str:

@@ -17,7 +17,7 @@ from mpmcol.io.results import Results
 from mpmcol.plotting.render import VIEWS
 from mpmcol.plotting.run_charts import chart_run
 from mpmcol.report.model import Picture
-from mpmcol.report.points import PointImages, encode_animation, encode_image
+from mpmcol.report.point_images import PointImages, encode_animation, encode_image
 
 TYPES = {".png": "image/png", ".gif": "image/gif", ".svg": "image/svg+xml"}
 CHARTS = {  # file of `mpmcol plot` -> what it shows, caption

@@ -13,10 +13,11 @@ from mpmcol.sweep.table import unit_of
 
 
 def case_files(results: Results) -> list[tuple[str, str]]:
-    """The case with all defaults, and as given if the folder has it."""
-    names = [name for name in (GIVEN_CASE_FILE, CASE_FILE) if (results.folder / name).is_file()]
-    texts = {name: (results.folder / name).read_text(encoding="utf-8", errors="replace") for name in names}
-    return [(name, text) for name, text in texts.items() if name == CASE_FILE or text != texts[CASE_FILE]]
+    """Name and text of the case with all defaults, and before it of the case as given, if it is kept and differs."""
+    paths = [path for name in (GIVEN_CASE_FILE, CASE_FILE) if (path := results.folder / name).is_file()]
+    texts = [(path.name, path.read_text(encoding="utf-8", errors="replace")) for path in paths]
+    same = len({_without_comments(text) for _, text in texts}) == 1
+    return texts[-1:] if same else texts
 
 
 def case_differences(runs: Sequence[Results], names: Sequence[str]) -> Table:
@@ -28,6 +29,10 @@ def case_differences(runs: Sequence[Results], names: Sequence[str]) -> Table:
         if key != "title" and any(one[key] != values[0][key] for one in values[1:])
     ]
     return Table(("Key", *names), rows or [("none", *("" for _ in names))])
+
+
+def _without_comments(text: str) -> str:
+    return "\n".join(line for line in text.splitlines() if line and not line.startswith("#"))
 
 
 def _with_unit(key: str) -> str:

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from mpmcol.io.results import Results
-from mpmcol.report.provenance import case_differences
+from mpmcol.report.provenance import case_differences, case_files
 from mpmcol.studies.judgement import judge
 from mpmcol.sweep.axes import parse_axes
 from mpmcol.sweep.plan import prepare_out, write_plan
@@ -56,6 +56,7 @@ def other(finished: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     def change(result: dict) -> None:
         result["front"]["front_height"] = 3.0 * result["front"]["front_height"] - 2.0 * result["r_i"]
         result["warnings"] = [HOSTILE]
+        del result["dissipation"], result["stress"], result["repose_angle_deg"]  # as by an earlier version
 
     return copy_run(finished, folder, change, ("friction_deg = 33.0", "friction_deg = 30.0"))
 
@@ -129,6 +130,15 @@ def test_runs_are_compared_with_the_first(comparison: Path) -> None:
 def test_equal_cases_have_no_differences(finished: Path, run: Path) -> None:
     runs = [Results(finished), Results(run)]
     assert case_differences(runs, ["a", "b"]).rows == [("none", "", "")]
+
+
+def test_the_case_as_given_is_shown_if_it_differs(finished: Path, tmp_path: Path) -> None:
+    folder = copy_run(finished, tmp_path / "run", lambda result: None)
+    given, resolved = folder / "case.toml", (folder / "case.resolved.toml").read_text()
+    given.write_text(f"# copied\n{resolved}")
+    assert case_files(Results(folder)) == [("case.resolved.toml", resolved)]
+    given.write_text("schema = 1\n")
+    assert case_files(Results(folder)) == [("case.toml", "schema = 1\n"), ("case.resolved.toml", resolved)]
 
 
 def test_a_sweep_with_its_runs_and_charts(sweep: Path) -> None:

@@ -32,6 +32,7 @@ WIDTH = 800  # pixels
 LEFT, RIGHT, TOP, BOTTOM = 84, 24, 40, 150  # margins around the material, pixels
 LOWEST, HIGHEST = 0.25, 1.0  # height of the image of the material over its width
 DPI = 130  # for text that is readable where the image is shown at half of its size
+LEAST_SIDE = 2  # of a point, pixels: smaller ones leave gaps where the material has dilated
 LIGHTEST = 248  # level from which on a grey counts as white
 FRAME_MS, LAST_FRAME_MS = 120, 2000
 
@@ -116,7 +117,7 @@ def paint_points(image: np.ndarray, x: np.ndarray, colors: np.ndarray, extent: t
     rows, columns = image.shape[:2]
     left, right, bottom, top = extent
     order = np.argsort(x[:, 2], kind="stable")
-    offset = np.arange(ceil(side))
+    offset = np.arange(max(ceil(side), LEAST_SIDE))
     column = np.rint((x[order, 0] - left) / (right - left) * columns - side / 2.0).astype(int)[:, None] + offset
     row = np.rint((top - x[order, 1]) / (top - bottom) * rows - side / 2.0).astype(int)[:, None] + offset
     column[(column < 0) | (column >= columns)] = columns  # beyond the last one, which is left out below

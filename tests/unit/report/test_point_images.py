@@ -7,7 +7,7 @@ import io
 import numpy as np
 from PIL import Image
 
-from mpmcol.report.points import encode_animation, paint_points
+from mpmcol.report.point_images import encode_animation, paint_points
 
 WHITE, RED, GREEN = (255, 255, 255), (255, 0, 0), (0, 255, 0)
 EXTENT = (0.0, 4.0, 0.0, 2.0)  # m
