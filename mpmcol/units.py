@@ -148,3 +148,8 @@ def to_unit(text: str, unit: str) -> float:
 def length_text(metres: float) -> str:
     """A length with four digits, in mm below one metre and in m above."""
     return f"{1e3 * metres:.4g} mm" if abs(metres) < 1.0 else f"{metres:.4g} m"
+
+
+def length_scale(metres: float) -> tuple[str, float]:
+    """Unit for the axis of a chart that shows lengths up to `metres`, "mm" or "m", and the factor from m to it."""
+    return ("mm", 1e3) if abs(metres) < 1.0 else ("m", 1.0)

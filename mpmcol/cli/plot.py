@@ -20,23 +20,48 @@ def parse_times(context: click.Context, parameter: click.Parameter, text: str | 
 
 
 @click.command()
-@click.argument("folder", metavar="DIR", type=PATH)
+@click.argument("folders", metavar="DIR...", type=PATH, nargs=-1, required=True)
 @click.option(
     "--times",
     metavar="T,...",
     callback=parse_times,
-    help="Times of the profiles, s since release; the last state is always drawn  [default: five, equally spaced]",
+    help="Times of the profiles of one run, s since release; the last state is always drawn  [default: four, equally "
+    "spaced]",
 )
-@click.option("--out", metavar="DIR", type=PATH, help="Folder of the charts  [default: the results folder]")
+@click.option(
+    "--points",
+    metavar="FILE.csv",
+    type=PATH,
+    help='Measurements to draw in profile.png: columns "r" and "z" in m, or with a unit such as "r [mm]", and possibly '
+    '"series" or "t".',
+)
+@click.option(
+    "--out", metavar="DIR", type=PATH, help="Folder of the charts  [default: DIR; of several runs, the current folder]"
+)
 @click.option("--svg", is_flag=True, help="Also write each chart as SVG.")
-def plot(folder: Path, times: tuple[float, ...] | None, out: Path | None, svg: bool) -> None:
-    """Draw charts of a run.
+def plot(
+    folders: tuple[Path, ...], times: tuple[float, ...] | None, points: Path | None, out: Path | None, svg: bool
+) -> None:
+    """Draw charts of a run, or compare several runs.
 
     DIR is a results folder. Writes profile.png (profiles of the deposit), front.png (front and height over time) and
-    energy.png (energy balance over time).
+    energy.png (energy balance over time). With several folders, each chart has a line for each run.
     """
     from mpmcol.io.results import Results
+    from mpmcol.plotting.comparison import chart_comparison
+    from mpmcol.plotting.points import read_points
     from mpmcol.plotting.run_charts import chart_run
 
-    for path in chart_run(Results(folder), times=times, svg=svg, out=out, notify=partial(click.echo, err=True)):
+    measured = read_points(points) if points else []
+    runs = [Results(folder) for folder in folders]
+    if len(runs) == 1:
+        notify = partial(click.echo, err=True)
+        paths = chart_run(runs[0], times=times, svg=svg, points=measured, out=out, notify=notify)
+    elif times is not None:
+        raise click.UsageError(
+            "--times chooses profiles of one run; charts of several runs show the last state of each"
+        )
+    else:
+        paths = chart_comparison(runs, points=measured, svg=svg, out=out or Path())
+    for path in paths:
         click.echo(path)

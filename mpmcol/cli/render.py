@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import sys
+from contextlib import ExitStack
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -25,6 +28,7 @@ def parse_size(context: click.Context, parameter: click.Parameter, text: str) ->
 @click.command()
 @click.argument("folder", metavar="DIR", type=PATH)
 @click.option("--gif", is_flag=True, help="Also write an animation of all snapshots.")
+@click.option("--mp4", is_flag=True, help="Also write an animation as MP4 (needs imageio-ffmpeg).")
 @click.option("--view", type=click.Choice(["side", "3d", "top"]), help="Camera view  [default: side, in 3D 3d]")
 @click.option("--color", type=click.Choice(COLORS), default=COLORS[0], show_default=True, help="Colour of the points.")
 @click.option("--snapshot", metavar="N", default=-1, show_default=True, help="Snapshot index (-1: last).")
@@ -34,7 +38,14 @@ def parse_size(context: click.Context, parameter: click.Parameter, text: str) ->
     help=f"Size in pixels, each {LEAST_PIXELS} to {MOST_PIXELS}.",
 )  # fmt: skip
 def render(
-    folder: Path, gif: bool, view: str | None, color: str, snapshot: int, out: Path | None, size: tuple[int, int]
+    folder: Path,
+    gif: bool,
+    mp4: bool,
+    view: str | None,
+    color: str,
+    snapshot: int,
+    out: Path | None,
+    size: tuple[int, int],
 ) -> None:
     """Draw the material points of a run.
 
@@ -43,7 +54,20 @@ def render(
     """
     from mpmcol.plotting.render import render as draw
 
-    rendered = draw(folder, gif=gif, view=view, color=color, snapshot=snapshot, size=size, out=out)
+    bar: Any = None
+    with ExitStack() as stack:
+
+        def progress(done: int, total: int) -> None:
+            nonlocal bar
+            if bar is None:
+                bar = stack.enter_context(
+                    click.progressbar(length=total, label="images", file=sys.stderr, hidden=not sys.stderr.isatty())
+                )
+            bar.update(1)
+
+        rendered = draw(
+            folder, gif=gif, mp4=mp4, view=view, color=color, snapshot=snapshot, size=size, out=out, progress=progress
+        )
     for path in rendered.paths:
         click.echo(path)
     if rendered.note:

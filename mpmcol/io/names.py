@@ -13,8 +13,8 @@ GIVEN_CASE_FILE, LOG_FILE = "case.toml", "run.log"
 ERROR_BARS_FILE, REPEATS_FOLDER = "error_bars.json", "repeats"  # of `mpmcol run --certify`
 REPORT_FILE = "report.html"  # of `mpmcol report`
 CHART_FILES = (
-    "profile.png", "front.png", "energy.png", "profile.svg", "front.svg", "energy.svg", "collapse.gif", "topview.png",
-    "snapshot-*.png",
+    "profile.png", "front.png", "energy.png", "profile.svg", "front.svg", "energy.svg", "collapse.gif", "collapse.mp4",
+    "topview.png", "snapshot-*.png",
 )  # fmt: skip
 # All files of a run, as patterns. The case is last, so that a partly emptied folder is still recognised as a run's.
 OWN_FILES = (

@@ -12,7 +12,10 @@ from mpmcol.errors import OutputError, UsageError
 from mpmcol.experiments import find_experiment
 from mpmcol.io.atomic import make_folder
 from mpmcol.io.results import Results
-from mpmcol.plotting.charts import FRONT_STYLES, energy_chart, front_chart, profile_chart
+from mpmcol.plotting.captions import heading_of
+from mpmcol.plotting.charts import energy_chart, front_chart, profile_chart
+from mpmcol.plotting.points import MeasuredSeries
+from mpmcol.plotting.styles import FRONT_STYLES
 
 
 def chart_run(
@@ -20,6 +23,7 @@ def chart_run(
     *,
     times: Sequence[float] | None = None,
     svg: bool = False,
+    points: Sequence[MeasuredSeries] = (),
     out: Path | None = None,
     notify: Callable[[str], None] = lambda note: None,
 ) -> list[Path]:
@@ -27,8 +31,9 @@ def chart_run(
 
     Args:
         results: of the run.
-        times: of the profiles, s since release; the nearest snapshots are drawn (default: five equally spaced times).
+        times: of the profiles, s since release; the nearest snapshots are drawn (default: four equally spaced times).
             The last state is always added.
+        points: measurements of the user's own, drawn in profile.png.
         svg: also write each chart as SVG.
         out: folder of the charts, created if missing (default: the results folder).
         notify: receives a message for each unreadable snapshot, which is omitted.
@@ -43,6 +48,7 @@ def chart_run(
         raise UsageError(f"{results.folder}: the run ended before the column was released; there is nothing to chart")
     history = {name: column[released] for name, column in results.history.items()}
     options: dict[str, Any] = {"gravity": results.case.geometry.gravity, "svg": svg}
+    options["heading"] = heading_of(results.case, shape)
     experiment = find_experiment(results.case.score.experiment, shape.model, shape.section)
     time, height, fronts = history["time"], history["height"], {name: history[name] for name in FRONT_STYLES}
     times_by_index = _readable(results, notify)
@@ -50,7 +56,7 @@ def chart_run(
     at_rest = max(times_by_index) == len(results.snapshots) - 1 and results.came_to_rest
     folder = make_folder(out or Path(results.folder))
     return [
-        *profile_chart(folder / "profile.png", shape, deposits, experiment, at_rest=at_rest, **options),
+        *profile_chart(folder / "profile.png", shape, deposits, experiment, at_rest=at_rest, points=points, **options),
         *front_chart(folder / "front.png", shape, time, fronts, height, experiment, **options),
         *energy_chart(folder / "energy.png", shape, time, history, **options),
     ]
@@ -74,7 +80,10 @@ def _nearest(times_by_index: dict[int, float], times: Sequence[float] | None) ->
     """Indices of the snapshots nearest to the times, and of the last snapshot."""
     index, moments = list(times_by_index), np.array(list(times_by_index.values()))
     spacing = np.diff(moments).max(initial=0.0)
-    wanted = np.linspace(max(moments[0], 0.0), moments[-1], 5) if times is None else np.asarray(times)
+    if times is None:  # the state at the release is the column, which every chart shows
+        wanted = np.linspace(max(moments[0], 0.0), moments[-1], 5)[1:]
+    else:
+        wanted = np.asarray(times)
     for time in wanted:
         if not np.abs(moments - time).min() <= spacing:
             raise UsageError(

@@ -10,20 +10,30 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from mpmcol.experiments import EXPERIMENTS, Experiment, Law
 from mpmcol.measure import FRONTS
-from mpmcol.plotting.charts import EXPERIMENT_COLOUR, FRONT_STYLES, save_figure
+from mpmcol.plotting.figures import (
+    MOST_ENTRIES,
+    EndLabel,
+    Heading,
+    add_heading,
+    label_ends,
+    legend_below,
+    save_figure,
+    use_plain_ticks,
+)
+from mpmcol.plotting.styles import FRONT_STYLES, RUN_COLOURS, TIME_COLOURS, experiment_style
 from mpmcol.sweep.fits import Slope
 from mpmcol.sweep.series import ASPECT_COLUMN, Series
 from mpmcol.sweep.table import unit_of
 
 ASPECT_LABEL = r"aspect ratio $a = h_i/r_i$ (-)"
 LABELS = {"zeta": r"runout $\zeta = (r_f - r_i)/r_i$ (-)", "beta": r"final height $\beta = h_f/h_i$ (-)"}
-COLOURS = ("black", "#2166ac", "#1b7837", "#762a83", "#b35806", "#01665e")
-DASHES: tuple[Any, ...] = ("--", "-.", (0, (1, 1)), (0, (8, 3)))
-LAW_COLOURS = ("0.5", "#8073ac", "#5aae61", "#e08214", "#4393c3")  # with DASHES, twenty distinct styles
+SERIES_MARKERS = "os^Dv<>"
+MOST_SERIES = MOST_ENTRIES - 3  # with legend entries; more series are labelled at their last marker
+MIDDLE = "front_connected"  # drawn where there are several series, with a bar over all definitions
+NOT_AT_REST = "not at rest"
 MARGIN = 1.15  # factor by which a logarithmic axis extends beyond the data
 _CURVE = 100
 
@@ -35,8 +45,8 @@ def sweep_chart(
     series: Sequence[Series],
     experiment: Experiment,
     *,
+    heading: Heading,
     slopes: Sequence[Slope] = (),
-    title: str = "",
     svg: bool = False,
 ) -> list[Path]:
     """Draw "zeta" or "beta" over `axis`; return the paths written.
@@ -47,39 +57,39 @@ def sweep_chart(
         series: rows that are not at rest are drawn in grey. A single series shows each definition of the front,
             several series show front_connected with a bar over the three definitions.
         experiment: drawn with its scatter; laws of other experiments on this kind of column are thin lines.
-        slopes: fitted lines.
+        heading: title and caption.
+        slopes: fitted lines; their formulas are in the legend entries of the markers.
     """
-    figure = Figure(figsize=(7.0, 6.6), layout="constrained")
+    figure = Figure(figsize=(8.0, 6.4), layout="constrained")
     axes = figure.subplots()
     values = [row[axis] for line in series for row in line.rows]
     if axis == ASPECT_COLUMN:
-        _frame_aspect(axes, values)
-        _draw_laws(axes, quantity, experiment, min(values) / MARGIN, max(values) * MARGIN)
+        axes.set(xscale="log", yscale="log", xlim=(min(values) / MARGIN, max(values) * MARGIN), xlabel=ASPECT_LABEL)
+        ends = _draw_laws(axes, quantity, experiment, min(values) / MARGIN, max(values) * MARGIN)
     else:
         _frame_other(axes, axis, values)
-        _draw_bands(axes, quantity, experiment, {row["a"] for line in series for row in line.rows})
+        ends = []
     ticks = {value: i for i, value in enumerate(dict.fromkeys(values))} if _are_text(values) else {}
-    for line, colour in zip(series, COLOURS * len(series), strict=False):
-        _draw_series(axes, quantity, axis, line, colour=colour, ticks=ticks, is_single=len(series) == 1)
+    for i, line in enumerate(series):
+        end = _draw_series(axes, quantity, axis, line, style=_series_style(i, len(series)), ticks=ticks)
+        ends += end if len(series) > MOST_SERIES else []
+    if axis != ASPECT_COLUMN:
+        ends += _draw_bands(axes, quantity, experiment, {row["a"] for line in series for row in line.rows})
     for slope in slopes:
         _draw_slope(axes, slope, series)
-    axes.set(ylabel=LABELS[quantity], title=title)
+    axes.set(ylabel=LABELS[quantity])
+    add_heading(axes, heading)
     axes.grid(color="0.9", which="major")
-    figure.legend(loc="outside lower center", ncols=2, frameon=False, fontsize="small")
+    if axis == ASPECT_COLUMN:
+        use_plain_ticks(axes.xaxis)
+        use_plain_ticks(axes.yaxis)
+    _add_legend(figure, axes, series, slopes, ends)
+    label_ends(axes, ends)
     return save_figure(figure, path, svg)
 
 
 def _are_text(values: Sequence[Any]) -> bool:
     return any(isinstance(value, (str, bool)) for value in values)
-
-
-def _frame_aspect(axes: Axes, values: Sequence[float]) -> None:
-    """Logarithmic axes with plain tick labels."""
-    axes.set(xscale="log", yscale="log", xlim=(min(values) / MARGIN, max(values) * MARGIN), xlabel=ASPECT_LABEL)
-    for one in (axes.xaxis, axes.yaxis):
-        one.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0, 7.0)))
-        one.set_major_formatter(StrMethodFormatter("{x:g}"))
-        one.set_minor_formatter(NullFormatter())
 
 
 def _frame_other(axes: Axes, axis: str, values: Sequence[Any]) -> None:
@@ -90,34 +100,40 @@ def _frame_other(axes: Axes, axis: str, values: Sequence[Any]) -> None:
         axes.set_xticks(range(len(texts)), texts)
 
 
-def _draw_laws(axes: Axes, quantity: str, experiment: Experiment, low: float, high: float) -> None:
-    """The experiment with its scatter and the gaps between the pieces of its law; then all other laws."""
-    law = experiment.law(quantity)
+def _draw_laws(axes: Axes, quantity: str, experiment: Experiment, low: float, high: float) -> list[EndLabel]:
+    """The experiment with its scatter and the gaps between the pieces of its law; then all other laws, named at their
+    ends."""
+    law, style = experiment.law(quantity), experiment_style(experiment)
     if law and law.pieces:
-        bold: dict[str, Any] = {"color": EXPERIMENT_COLOUR, "linewidth": 1.6}
+        bold: dict[str, Any] = {"color": style.colour, "linestyle": style.line, "linewidth": 1.8}
         label = f"{experiment.label(quantity)}, scatter {law.scatter:.0%}"
-        for i, (a, value) in enumerate(_curves(law, low, high)):
-            axes.plot(a, value, label=label if i == 0 else None, **bold)
+        for a, value in _curves(law, low, high):
+            axes.plot(a, value, label=label, **bold)
             scatter = law.scatter * value
-            axes.fill_between(a, value - scatter, value + scatter, color=EXPERIMENT_COLOUR, alpha=0.15, linewidth=0)
-        for i, (left, right) in enumerate((one.hi, two.lo) for one, two in pairwise(law.pieces) if one.hi < two.lo):
+            axes.fill_between(a, value - scatter, value + scatter, color=style.colour, alpha=0.13, linewidth=0)
+        for left, right in ((one.hi, two.lo) for one, two in pairwise(law.pieces) if one.hi < two.lo):
             label = f"{experiment.label(quantity)}: transition, no law"
-            axes.axvspan(left, right, color="0.93", zorder=-2, label=label if i == 0 else None)
-    others = _others(quantity, experiment, law)
-    for k, (name, other) in enumerate(others.items()):
-        style: dict[str, Any] = {"color": LAW_COLOURS[k % len(LAW_COLOURS)], "linestyle": DASHES[k % len(DASHES)]}
-        for i, (a, value) in enumerate(_curves(other, low, high)):
-            axes.plot(a, value, linewidth=0.9, label=name if i == 0 else None, **style)
+            axes.axvspan(left, right, color="0.93", zorder=-2, label=label)
+    ends = []
+    for other, own in _others(quantity, experiment, law).items():
+        style, name = experiment_style(other), other.label(quantity)
+        line: dict[str, Any] = {"linewidth": 0.9, "color": style.colour, "linestyle": style.line, "label": name}
+        marker = style.marker if other.column else ""  # only one column was tested
+        curves = _curves(own, low, high)
+        for a, value in curves:
+            axes.plot(a, value, marker=marker, markevery=[-1], **line)
+        ends += [EndLabel(a[-1], value[-1], name, style.colour) for a, value in curves[-1:]]
+    return ends
 
 
-def _others(quantity: str, experiment: Experiment, law: Law | None) -> dict[str, Law]:
+def _others(quantity: str, experiment: Experiment, law: Law | None) -> dict[Experiment, Law]:
     """All other laws for this kind of column, each once, under the first experiment that has it."""
-    found: dict[Law, str] = {}
+    found: dict[Law, Experiment] = {}
     for other in EXPERIMENTS.values():
         own = other.law(quantity) if other.model == experiment.model else None
-        if own and own != law:
-            found.setdefault(own, other.label(quantity))
-    return {name: own for own, name in found.items()}
+        if own and own.pieces and own != law:
+            found.setdefault(own, other)
+    return {other: own for own, other in found.items()}
 
 
 def _curves(law: Law, low: float, high: float) -> list[tuple[np.ndarray, np.ndarray]]:
@@ -127,38 +143,56 @@ def _curves(law: Law, low: float, high: float) -> list[tuple[np.ndarray, np.ndar
     return [(a, piece.prefactor * a**piece.exponent) for a, piece in zip(aspects, inside, strict=True)]
 
 
-def _draw_bands(axes: Axes, quantity: str, experiment: Experiment, aspects: set[float]) -> None:
+def _draw_bands(axes: Axes, quantity: str, experiment: Experiment, aspects: set[float]) -> list[EndLabel]:
     """The experiment's value for each aspect ratio, as a horizontal line with its scatter."""
+    style, ends = experiment_style(experiment), []
     for a in sorted(aspects):
         if expected := experiment.expected(quantity, a):
             value, half = expected
-            axes.axhspan(value - half, value + half, color=EXPERIMENT_COLOUR, alpha=0.15, linewidth=0)
-            label = f"{experiment.label(quantity)}, a = {a:.4g}, scatter"
-            axes.axhline(value, color=EXPERIMENT_COLOUR, linewidth=1.2, label=label)
+            axes.axhspan(value - half, value + half, color=style.colour, alpha=0.13, linewidth=0)
+            name = experiment.label(quantity)
+            label = f"{name}, scatter" if len(aspects) > 1 else f"{name}, a = {a:.4g}, scatter"
+            axes.axhline(value, color=style.colour, linestyle=style.line, linewidth=1.2, label=label)
+            ends.append(EndLabel(axes.get_xlim()[1], value, f"a = {a:.4g}", style.colour))
+    return ends if len(ends) > 1 else []
+
+
+def _series_style(i: int, count: int) -> dict[str, Any]:
+    """Marker of a series; the colours of many series are a sequence from light to dark."""
+    many = TIME_COLOURS(i / max(count - 1, 1))
+    colour = RUN_COLOURS[i] if count <= len(RUN_COLOURS) else many
+    return {"color": colour, "marker": SERIES_MARKERS[i % len(SERIES_MARKERS)] if count > 1 else "o"}
 
 
 def _draw_series(
-    axes: Axes, quantity: str, axis: str, line: Series, *, colour: str, ticks: Mapping[Any, int], is_single: bool
-) -> None:
-    """Markers of a series, grey for runs that are not at rest."""
-    for at_rest, paint in ((True, colour), (False, "0.65")):
+    axes: Axes, quantity: str, axis: str, line: Series, *, style: Mapping[str, Any], ticks: Mapping[Any, int]
+) -> list[EndLabel]:
+    """Markers of a series, grey for runs that are not at rest; a named series gets a label at its last marker."""
+    end: list[EndLabel] = []
+    for at_rest, paint in ((True, style["color"]), (False, "0.65")):
         rows = [row for row in line.rows if bool(row["at_rest"]) is at_rest]
         if not rows:
             continue
         x = [ticks.get(row[axis], row[axis]) for row in rows]
-        suffix = "" if at_rest else " (not at rest)"
-        mark: dict[str, Any] = {"color": paint, "linestyle": "none", "fillstyle": "none"}
+        mark: dict[str, Any] = {"linestyle": "none", "fillstyle": "none", "marker": style["marker"], "color": paint}
+        y = [row["beta" if quantity == "beta" else f"zeta.{MIDDLE}"] for row in rows]
         if quantity == "beta":
-            axes.plot(x, [row["beta"] for row in rows], marker="o", label=f"{line.label or 'beta'}{suffix}", **mark)
-        elif is_single:
+            axes.plot(x, y, label=_marker_label(line.label or "beta", at_rest), **mark)
+        elif not line.label:
             for front in FRONTS:
-                y = [row[f"zeta.{front}"] for row in rows]
-                axes.plot(x, y, marker=FRONT_STYLES[front]["marker"], label=f"{front}{suffix}", **mark)
+                own = mark | {"marker": FRONT_STYLES[front]["marker"]}
+                axes.plot(x, [row[f"zeta.{front}"] for row in rows], label=_marker_label(front, at_rest), **own)
         else:
             zeta = np.array([[row[f"zeta.{front}"] for front in FRONTS] for row in rows])
-            middle = zeta[:, FRONTS.index("front_connected")]
-            bars = np.abs(np.array([zeta.min(axis=1), zeta.max(axis=1)]) - middle)
-            axes.errorbar(x, middle, yerr=bars, marker="s", capsize=3, label=f"{line.label}{suffix}", **mark)
+            bars = np.abs(np.array([zeta.min(axis=1), zeta.max(axis=1)]) - y)
+            axes.errorbar(x, y, yerr=bars, capsize=3, label=_marker_label(line.label, at_rest), **mark)
+        last = int(np.argmax(x))
+        end = [EndLabel(x[last], y[last], line.label, style["color"])]
+    return end if line.label else []
+
+
+def _marker_label(name: str, at_rest: bool) -> str:
+    return name if at_rest else f"{name} ({NOT_AT_REST})"
 
 
 def _draw_slope(axes: Axes, slope: Slope, series: Sequence[Series]) -> None:
@@ -166,14 +200,37 @@ def _draw_slope(axes: Axes, slope: Slope, series: Sequence[Series]) -> None:
     index = next(i for i, line in enumerate(series) if line.label == slope.series)
     inside = [row["a"] for row in series[index].rows if row["at_rest"] and slope.lo <= row["a"] < slope.hi]
     a = np.geomspace(min(inside), max(inside), 2)
-    colour = COLOURS[index % len(COLOURS)]
+    colour = _series_style(index, len(series))["color"]
     dashes = FRONT_STYLES.get(slope.front, {}).get("linestyle", "-")
-    name = ", ".join(filter(None, (slope.series, slope.front)))
-    label = f"{name}: {_formula(slope)}" if name else _formula(slope)
-    axes.plot(a, slope.prefactor * a**slope.exponent, color=colour, linewidth=0.9, linestyle=dashes, label=label)
+    line: dict[str, Any] = {"color": colour, "linewidth": 0.9, "linestyle": dashes, "label": _slope_label(slope)}
+    axes.plot(a, slope.prefactor * a**slope.exponent, **line)
+
+
+def _add_legend(
+    figure: Figure, axes: Axes, series: Sequence[Series], slopes: Sequence[Slope], ends: Sequence[EndLabel]
+) -> None:
+    """Entries for markers, with the fits to them, and for the experiment; what has a label at its end has none."""
+    fits: dict[str, list[str]] = {}
+    for slope in slopes:
+        fits.setdefault(slope.series or slope.front or "beta", []).append(_formula(slope))
+    skipped = {end.text for end in ends} | {_slope_label(slope) for slope in slopes}
+    entries: dict[str, Any] = {}
+    for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
+        if label not in skipped:
+            text = (
+                NOT_AT_REST
+                if label.endswith(f"({NOT_AT_REST})")
+                else ": ".join([label, "; ".join(fits.get(label, []))])
+            )
+            entries.setdefault(text.removesuffix(": "), handle)
+    legend_below(figure, list(entries.values()), list(entries))
 
 
 def _formula(slope: Slope) -> str:
     width = "" if slope.half_width is None else rf" \pm {slope.half_width:.2f}"
     law = "" if slope.law_exponent is None else rf" (law $a^{{{slope.law_exponent:.2f}}}$)"
     return rf"$\{slope.quantity.partition('.')[0]} \propto a^{{{slope.exponent:.2f}{width}}}$" + law
+
+
+def _slope_label(slope: Slope) -> str:
+    return ": ".join(filter(None, (", ".join(filter(None, (slope.series, slope.front))), _formula(slope))))

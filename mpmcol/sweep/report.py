@@ -5,13 +5,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from mpmcol.experiments import Experiment, column_kind, find_experiment
 from mpmcol.io.atomic import atomic_write
+from mpmcol.setup.column_shape import column_shape
 from mpmcol.sweep.engine import Outcome
 from mpmcol.sweep.fits import SLOPES_FILE, Slope, fit_slopes, write_slopes
+from mpmcol.sweep.runs import PlannedRun
 from mpmcol.sweep.series import ASPECT_COLUMN, Series, choose_axis, group_rows
 from mpmcol.sweep.table import CSV_FILE, HDF5_FILE, Row, csv_text, make_rows, write_hdf5
+
+if TYPE_CHECKING:
+    from mpmcol.plotting.figures import Heading
 
 CHARTED = ("zeta", "beta")
 FRONT_OF_MANY = "zeta.front_connected"  # the only front with fitted lines in a chart of several series
@@ -32,7 +38,7 @@ class ChartGroup:
     """The runs on one kind of column, which share experiments and charts."""
 
     name: str
-    title: str
+    heading: Heading
     experiment: Experiment
     axis: str
     series: list[Series]
@@ -78,7 +84,13 @@ def _chart_group(name: str, group: list[tuple[Outcome, Row]]) -> ChartGroup:
     series = group_rows(rows, keys, axis)
     fitted = series if axis == ASPECT_COLUMN else []
     slopes = [slope for line in fitted for slope in fit_slopes(line.rows, experiment, line.label)]
-    return ChartGroup(name, run.case.title, experiment, axis, series, slopes)
+    return ChartGroup(name, _heading([outcome.run for outcome, _ in group]), experiment, axis, series, slopes)
+
+
+def _heading(runs: Sequence[PlannedRun]) -> Heading:
+    from mpmcol.plotting.captions import common_heading
+
+    return common_heading(runs[0].case.title, [(run.case, column_shape(run.case, run.discretization)) for run in runs])
 
 
 def _chart_file(quantity: str, group: ChartGroup, groups: Sequence[ChartGroup]) -> str:
@@ -91,4 +103,4 @@ def _draw(path: Path, quantity: str, group: ChartGroup) -> None:
     shown = [slope for slope in group.slopes if slope.quantity.startswith(quantity)]
     if len(group.series) > 1:
         shown = [slope for slope in shown if slope.quantity in ("beta", FRONT_OF_MANY)]
-    sweep_chart(path, quantity, group.axis, group.series, group.experiment, slopes=shown, title=group.title)
+    sweep_chart(path, quantity, group.axis, group.series, group.experiment, slopes=shown, heading=group.heading)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import io
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from PIL import Image
 
@@ -17,7 +17,7 @@ from mpmcol.errors import OutputError, UsageError
 from mpmcol.io.atomic import atomic_write
 from mpmcol.io.results import Results, measure_snapshot
 from mpmcol.io.snapshot import list_snapshots
-from mpmcol.plotting.render import cutaway, side
+from mpmcol.plotting.render import animation, cutaway, side
 from mpmcol.plotting.render.backends import draw_frames
 from mpmcol.plotting.render.coloring import COLORINGS, Coloring
 from mpmcol.plotting.render.frame import View, read_for_rendering
@@ -28,7 +28,6 @@ FitView = Callable[[Sequence[Path], tuple[int, int], Coloring], View]
 FIT_VIEW: dict[str, FitView] = {"side": side.fit_view, "3d": cutaway.fit_view}
 # The default of each model comes first.
 VIEWS = {"plane": ("side",), "axisymmetric": ("side", "top"), "quarter": ("3d", "top"), "full": ("3d", "top")}
-FRAME_MS, LAST_FRAME_MS = 120, 1500
 
 
 class Rendered(NamedTuple):
@@ -43,46 +42,64 @@ def render(
     results_folder: Path,
     *,
     gif: bool,
+    mp4: bool = False,
     view: str | None = None,
     color: str = "displacement",
     snapshot: int = -1,
     size: tuple[int, int] = (1280, 720),
     out: Path | None = None,
+    progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Rendered:
-    """Draw one snapshot as a PNG and, with `gif`, all snapshots as an animation.
+    """Draw one snapshot as a PNG and, with `gif` or `mp4`, all snapshots as an animation.
 
     Args:
         results_folder: of the run.
-        gif: also write the animation, beside the PNG.
+        gif, mp4: also write the animation, beside the PNG, in this format.
         view: "side", "3d" or "top", if the model of the run has it (default: "side" in 2D, "3d" in 3D).
         color: quantity by which the points are coloured: "displacement", "velocity", "pressure" or "shear".
         snapshot: index of the snapshot; negative indices count from the end.
         size: width and height, pixels.
         out: the PNG (default: `snapshot-<number>.png`, or `topview.png`, in the results folder). The animation takes
-            the same name with the suffix .gif (default: `collapse.gif`).
+            the same name with the suffix .gif or .mp4 (default: `collapse.gif`, `collapse.mp4`).
+        progress: receives the number of finished images and their total number.
 
     Raises:
-        UsageError: the model has no such view, the view no colours, the run no such snapshot, or `out` is not a PNG.
+        UsageError: the model has no such view, the view no colours, the run no such snapshot, or `out` is not a PNG,
+            or an MP4 is wanted without ffmpeg.
         OutputError: a file cannot be read or written.
     """
     paths = list_snapshots(results_folder)
     chosen = _choose_snapshot(paths, snapshot, results_folder)
-    view = _choose_view(view, gif, chosen)
+    view = _choose_view(view, gif or mp4, chosen)
     target = _target(out or results_folder / ("topview.png" if view == "top" else f"snapshot-{chosen.stem}.png"))
     if view == "top":
         if color != "displacement":
             raise UsageError("the top view shows which points have moved; omit --color or choose another view")
-        atomic_write(target, _encode([_top_view_of(results_folder, chosen, size)], "PNG"))
+        atomic_write(target, _encode(_top_view_of(results_folder, chosen, size)))
         return Rendered([target], "matplotlib", "")
-    coloring = COLORINGS[color]
-    images, note = draw_frames([chosen], FIT_VIEW[view]([chosen], size, coloring))
-    atomic_write(target, _encode(images, "PNG"))
+    encoders = {".gif": animation.gif} if gif else {}
+    if mp4:
+        animation.require_mp4()
+        encoders[".mp4"] = animation.mp4
+    frames = _frames(chosen, paths if encoders else [], FIT_VIEW[view], size, COLORINGS[color])
+    images, note = draw_frames(frames, lambda done: progress(done, len(frames)))
+    atomic_write(target, _encode(images[0]))
     written = [target]
-    if gif:
-        images, note = draw_frames(paths, FIT_VIEW[view](paths, size, coloring))
-        written.append(out.with_suffix(".gif") if out else results_folder / "collapse.gif")
-        atomic_write(written[-1], _animate(images))
+    for suffix, encode in encoders.items():
+        written.append(out.with_suffix(suffix) if out else results_folder / f"collapse{suffix}")
+        atomic_write(written[-1], encode(images[1:]))
     return Rendered(written, "matplotlib" if note else "pyvista", note)
+
+
+def _frames(
+    chosen: Path, paths: Sequence[Path], fit_view: FitView, size: tuple[int, int], coloring: Coloring
+) -> list[tuple[Path, View]]:
+    """The chosen snapshot in a view that fits it, then those of the animation in a view that fits all."""
+    frames = [(chosen, fit_view([chosen], size, coloring))]
+    if paths:
+        common = fit_view(paths, size, coloring)
+        frames += [(path, common) for path in paths]
+    return frames
 
 
 def _choose_snapshot(paths: Sequence[Path], snapshot: int, folder: Path) -> Path:
@@ -93,7 +110,7 @@ def _choose_snapshot(paths: Sequence[Path], snapshot: int, folder: Path) -> Path
     return paths[snapshot]
 
 
-def _choose_view(requested: str | None, gif: bool, path: Path) -> str:
+def _choose_view(requested: str | None, animated: bool, path: Path) -> str:
     model = str(read_for_rendering(path)[1]["model"])
     views = VIEWS.get(model)
     if views is None:
@@ -101,14 +118,17 @@ def _choose_view(requested: str | None, gif: bool, path: Path) -> str:
     view = requested or views[0]
     if view not in views:
         raise UsageError(f"no {view} view for the {model} model; choose {' or '.join(views)}")
-    if gif and view == "top":
-        raise UsageError("the top view is available as PNG only; omit --gif or choose another view")
+    if animated and view == "top":
+        raise UsageError("the top view is available as PNG only; omit --gif and --mp4, or choose another view")
     return view
 
 
 def _target(path: Path) -> Path:
     if path.suffix != ".png":
-        raise UsageError(f"{path}: images are written as PNG; give a file name that ends in .png")
+        raise UsageError(
+            f"{path}: images are written as PNG; give a file name that ends in .png; --gif and --mp4 "
+            "write an animation beside it"
+        )
     if not path.parent.exists():
         raise OutputError(f"{path}: the folder {path.parent} does not exist; create it or choose another one")
     return path
@@ -120,14 +140,7 @@ def _top_view_of(folder: Path, path: Path, size: tuple[int, int]) -> Image.Image
     return draw_top_view(snapshot, meta, size, undisturbed)
 
 
-def _animate(images: Sequence[Image.Image]) -> bytes:
-    # MAXCOVERAGE, because the colour bar has few pixels but needs all of its colours.
-    frames = [image.quantize(256, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE) for image in images]
-    durations = [FRAME_MS] * (len(frames) - 1) + [LAST_FRAME_MS]
-    return _encode(frames, "GIF", save_all=True, append_images=frames[1:], duration=durations, loop=0)
-
-
-def _encode(images: Sequence[Image.Image], kind: str, **options: Any) -> bytes:
+def _encode(image: Image.Image) -> bytes:
     buffer = io.BytesIO()
-    images[0].save(buffer, kind, **options)
+    image.save(buffer, "PNG")
     return buffer.getvalue()

@@ -1,71 +1,109 @@
 """Back ends that draw the material points: pyvista in a child process, or Matplotlib.
 
 VTK terminates the process if OpenGL does not work, hence the child process. Matplotlib draws the points if the child
-fails or libEGL is missing, and always adds the surroundings (scale bar, colour bar, heading).
+fails or libEGL is missing, and always adds the surroundings (axes or scale bar, colour bar, heading).
 """
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import json
 import os
 import subprocess
 import sys
 import tempfile
-from collections.abc import Sequence
+import threading
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import IO, cast
 
 import numpy as np
 from PIL import Image
 
-from mpmcol.plotting.render.frame import View, canvas_size, compose, read_for_rendering
+from mpmcol.plotting.render.frame import Page, View, canvas_size, read_for_rendering
 
 # By path: `-m` would import this package, which the child does not need.
 WORKER = (sys.executable, "-P", str(Path(__file__).with_name("worker.py")))
 INSTALL = "install libegl1 libgl1-mesa-dri (Debian, Ubuntu) or mesa-libEGL mesa-dri-drivers (RHEL)"
 
 
-def draw_frames(paths: Sequence[Path], view: View) -> tuple[list[Image.Image], str]:
-    """One finished image for each snapshot file; also why Matplotlib drew the points, or ""."""
+def draw_frames(
+    frames: Sequence[tuple[Path, View]], progress: Callable[[int], None] = lambda done: None
+) -> tuple[list[Image.Image], str]:
+    """One finished image for each snapshot file in its view; also why Matplotlib drew the points, or "".
+
+    `progress` receives the number of finished images.
+    """
+    pages: dict[int, Page] = {}  # by identity of the view
+    finished: list[Image.Image] = []
+
+    def finish(image: Path | None) -> None:
+        path, view = frames[len(finished)]
+        if id(view) not in pages:
+            pages[id(view)] = Page(view)
+        finished.append(pages[id(view)].draw(read_for_rendering(path)[0], image))
+        progress(len(finished))
+
     with tempfile.TemporaryDirectory() as folder:
-        images = [Path(folder) / f"{path.stem}.png" for path in paths]
-        note = draw_points(paths, images, view)
-        drawn = [None if note else image for image in images]
-        pairs = zip(paths, drawn, strict=True)
-        return [compose(read_for_rendering(path)[0], view, image) for path, image in pairs], note
+        note = draw_points(frames, Path(folder), finish)
+    while note and len(finished) < len(frames):
+        finish(None)
+    return finished, note
 
 
-def draw_points(paths: Sequence[Path], images: Sequence[Path], view: View) -> str:
-    """Draw the points with pyvista into the files `images`; returns "", or why that failed and how to fix it."""
+def draw_points(frames: Sequence[tuple[Path, View]], folder: Path, finish: Callable[[Path], None]) -> str:
+    """Draw the points with pyvista and pass each image on to `finish`, in order, while the next one is drawn.
+
+    Returns "", or why that failed and how to fix it.
+    """
     if not has_egl():
         return f"drawn with Matplotlib, because this machine has no libEGL; for rendering by pyvista {INSTALL}"
-    files = [_write_points(path, image.with_suffix(".npz"), view) for path, image in zip(paths, images, strict=True)]
-    job = {
-        "points": files,
-        "images": [str(path) for path in images],
-        "extent": view.extent,
-        "size": canvas_size(view.size),
-        "point_pixels": view.point_pixels,
-    }
     environment = os.environ | {"VTK_DEFAULT_OPENGL_WINDOW": "vtkEGLRenderWindow"}
-    try:
-        child = subprocess.run(
-            WORKER,
-            input=json.dumps(job),
-            env=environment,
-            capture_output=True,
-            check=False,
-            text=True,
-            timeout=120 + 20 * len(paths),
+    limit = 120 + 20 * len(frames)
+    errors = folder / "errors.txt"
+    with errors.open("w") as stderr, ThreadPoolExecutor(1) as feeder:
+        child = subprocess.Popen(
+            WORKER, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=stderr, env=environment, text=True
         )
-    except subprocess.TimeoutExpired as error:
-        return f"drawn with Matplotlib, because pyvista did not finish within {error.timeout} s; {INSTALL}"
-    if child.returncode == 0:
+        timer = threading.Timer(limit, child.kill)
+        timer.start()
+        try:
+            fed = feeder.submit(_feed, child, frames, folder)
+            for line in child.stdout or ():
+                finish(Path(line.rstrip("\n")))
+            code = child.wait()
+        finally:
+            expired = not timer.is_alive()
+            timer.cancel()
+            child.kill()
+    fed.result()
+    if code == 0:
         return ""
-    if child.returncode < 0:
-        return f"drawn with Matplotlib, because OpenGL failed (signal {-child.returncode}); {INSTALL}"
-    lines = child.stderr.strip().splitlines() or ["no message"]
+    if expired:
+        return f"drawn with Matplotlib, because pyvista did not finish within {limit} s; {INSTALL}"
+    if code < 0:
+        return f"drawn with Matplotlib, because OpenGL failed (signal {-code}); {INSTALL}"
+    lines = errors.read_text().strip().splitlines() or ["no message"]
     return f"drawn with Matplotlib, because pyvista failed ({lines[-1]}); reinstall it: pip install pyvista"
+
+
+def _feed(child: subprocess.Popen[str], frames: Sequence[tuple[Path, View]], folder: Path) -> None:
+    """Write the jobs of the worker, until it ends."""
+    with contextlib.suppress(BrokenPipeError), cast("IO[str]", child.stdin) as jobs:
+        for i, (path, view) in enumerate(frames):
+            points = folder / f"{i}.npz"
+            _write_points(path, points, view)
+            job = {
+                "points": str(points),
+                "image": str(points.with_suffix(".png")),
+                "extent": view.extent,
+                "size": canvas_size(view.size),
+                "point_pixels": view.point_pixels,
+            }
+            jobs.write(json.dumps(job) + "\n")
+            jobs.flush()
 
 
 def has_egl() -> bool:
@@ -77,8 +115,7 @@ def has_egl() -> bool:
     return True
 
 
-def _write_points(path: Path, target: Path, view: View) -> str:
-    """Write positions and colours of a snapshot's points for the worker; returns the file name."""
+def _write_points(path: Path, target: Path, view: View) -> None:
+    """Write positions and colours of a snapshot's points for the worker."""
     x, colors = view.points(read_for_rendering(path)[0])
     np.savez(target, x=x.astype(np.float32), colors=np.rint(255.0 * colors).astype(np.uint8))
-    return str(target)

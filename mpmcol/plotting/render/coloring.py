@@ -9,19 +9,20 @@ import numpy as np
 
 from mpmcol.errors import OutputError
 from mpmcol.io.snapshot import Meta, Snapshot
+from mpmcol.units import FACTORS
 
 
 @dataclass(frozen=True)
 class Coloring:
     """A quantity of the points.
 
-    label: of the colour bar, with the unit. factor: from SI units to that unit. values: (n,) of a snapshot, SI units.
+    name: for the colour bar. units: from the smallest, for the colour bar. values: (n,) of a snapshot, SI units.
     percentile: of the values of the column, at the upper end of the colour scale. least: smallest upper end, SI units,
     or the name of the datum of the run that it equals.
     """
 
-    label: str
-    factor: float
+    name: str
+    units: tuple[str, ...]
     values: Callable[[Snapshot], np.ndarray]
     percentile: float = 100.0
     least: float | str = 1e-9
@@ -31,6 +32,11 @@ class Coloring:
         values = self.values(snapshot)[snapshot.column]
         least = float(meta[self.least]) if isinstance(self.least, str) else self.least
         return max(float(np.percentile(values, self.percentile)), least)
+
+    def scale(self, limit: float) -> tuple[str, float]:
+        """Label of a colour bar up to `limit` (SI units), with the unit that suits it, and the factor to that unit."""
+        unit = next((unit for unit in reversed(self.units) if limit >= FACTORS[unit][1]), self.units[0])
+        return f"{self.name} ({unit})", 1.0 / FACTORS[unit][1]
 
 
 def _stored(name: str) -> Callable[[Snapshot], np.ndarray]:
@@ -53,9 +59,10 @@ def _displacement(snapshot: Snapshot) -> np.ndarray:
     return snapshot.displacement_magnitude
 
 
+STRESS = ("Pa", "kPa", "MPa")
 COLORINGS = {
-    "displacement": Coloring("displacement magnitude (mm)", 1e3, _displacement, least="point_size"),
-    "velocity": Coloring("speed (m/s)", 1.0, _speed),
-    "pressure": Coloring("pressure, mean of the cell (kPa)", 1e-3, _stored("pressure"), 99.5),
-    "shear": Coloring("shear stress, mean of the cell (kPa)", 1e-3, _stored("shear_stress"), 99.5),
+    "displacement": Coloring("displacement magnitude", ("mm", "m"), _displacement, least="point_size"),
+    "velocity": Coloring("speed", ("mm/s", "m/s"), _speed),
+    "pressure": Coloring("pressure, mean of the cell", STRESS, _stored("pressure"), 99.5),
+    "shear": Coloring("shear stress sqrt(J2), mean of the cell", STRESS, _stored("shear_stress"), 99.5),
 }

@@ -7,20 +7,23 @@ horizontal lengths across the image.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
+from matplotlib.patches import Polygon
 
 from mpmcol.io.snapshot import Snapshot
 from mpmcol.plotting.render.coloring import Coloring
 from mpmcol.plotting.render.frame import (
     BASE_COLOR,
     RELEASED,
+    SMALL_SIZE,
     View,
+    add_scale_bar,
     canvas_size,
     fit,
     read_for_rendering,
@@ -30,6 +33,7 @@ from mpmcol.plotting.render.projection import circle, complete_by_symmetry, view
 
 VIEWER = view_projection(azimuth=35.0, elevation=28.0)
 CUT_SHADES = (0.8, 0.65)  # brightness of the cut faces x = 0 and z = 0, relative to the surface
+SIDE_SHADE = 0.9  # of the rim of the base
 BASE_MARGIN = 1.12  # radius of the base shown over the radius of the heap
 
 
@@ -37,10 +41,12 @@ BASE_MARGIN = 1.12  # radius of the base shown over the radius of the heap
 class CutawayView(View):
     """View with the quarter x > 0, z > 0 removed.
 
-    base_radius: radius to which the base is shown, m. released: outline (m, 2) of the column at release.
+    base_radius, base: radius and depth to which the base is shown, m; no depth for a rigid floor. released: outline
+    (m, 2) of the column at release.
     """
 
     base_radius: float
+    base: float
     released: np.ndarray
 
     @property
@@ -49,24 +55,30 @@ class CutawayView(View):
         return " (quarter mirrored, cut open)" if self.meta["model"] == "quarter" else " (cut open)"
 
     def points(self, snapshot: Snapshot) -> tuple[np.ndarray, np.ndarray]:
-        """The visible points, projected."""
+        """The visible points of the column, projected."""
         size = float(self.meta["point_size"])
-        x, colors = snapshot.arrays["position"], self.colors(snapshot)
-        shown = snapshot.column | (np.hypot(x[:, 0], x[:, 2]) < self.base_radius)
-        x, index = complete_by_symmetry(x[shown], str(self.meta["model"]))
-        colors = colors[shown][index]
-        if snapshot.column.all():
-            floor = _floor_points(self.base_radius, size)
-            x, colors = np.vstack([x, floor]), np.vstack([colors, np.tile(to_rgb(BASE_COLOR), (len(floor), 1))])
+        x, index = complete_by_symmetry(snapshot.arrays["position"][snapshot.column], str(self.meta["model"]))
+        colors = self.colors(snapshot)[snapshot.column][index]
         behind = _behind_cut(x)
         x, colors = x[behind], colors[behind]
         projected = x @ VIEWER.T
         seen = visible(projected, size)
         return projected[seen], colors[seen] * _shade(x[seen], size)[:, None]
 
-    def draw_surroundings(self, axes: Axes, snapshot: Snapshot) -> None:
-        """Add the outline of the column at release."""
+    def draw_behind(self, axes: Axes) -> None:
+        """Draw the base."""
+        for corners, shade in _base_faces(self.base_radius, self.base):
+            color = np.array(to_rgb(BASE_COLOR)) * shade
+            axes.add_patch(Polygon(corners @ VIEWER[:2].T, facecolor=color, linewidth=0))
+
+    def draw_before(self, axes: Axes) -> None:
+        """Draw the outline of the column at release, where the gate is, and a scale bar."""
         axes.plot(*self.released.T, **RELEASED)
+        top = self.released[np.argmax(self.released[:, 1])]
+        axes.annotate(
+            "gate", top, (0, 3), textcoords="offset points", ha="center", va="bottom", size=SMALL_SIZE, color="0.35"
+        )
+        add_scale_bar(axes, self.extent)
 
 
 def fit_view(paths: Sequence[Path], size: tuple[int, int], coloring: Coloring) -> CutawayView:
@@ -80,33 +92,32 @@ def fit_view(paths: Sequence[Path], size: tuple[int, int], coloring: Coloring) -
         projected = x @ VIEWER[:2].T
         corners += [projected.min(axis=0), projected.max(axis=0)]
         radius = max(radius, BASE_MARGIN * float(np.hypot(x[:, 0], x[:, 2]).max()))
-        depth = max(depth, -float(position[:, 1].min()))
+        if not column.all():
+            depth = max(depth, 0.5 * float(meta["point_size"]) - float(position[~column, 1].min()))
         limit = max(limit, coloring.limit(snapshot, meta))
     released = released_outline(snapshot, meta, VIEWER)
-    corners += [*released, *_base_outline(radius, depth)]
-    (left, bottom), (right, top) = np.min(corners, axis=0), np.max(corners, axis=0)
-    return CutawayView(
-        fit((left, right, bottom, top), canvas_size(size)), coloring, limit, size, meta, radius, released
-    )
-
-
-def _base_outline(radius: float, depth: float) -> np.ndarray:
-    """Projected rims (m, 2) of the base, top and bottom, without the removed quarter."""
     rims = np.concatenate([circle(radius, 0.0), circle(radius, -depth)])
-    return rims[_behind_cut(rims)] @ VIEWER[:2].T
+    corners += [*released, *(rims[_behind_cut(rims)] @ VIEWER[:2].T)]
+    (left, bottom), (right, top) = np.min(corners, axis=0), np.max(corners, axis=0)
+    extent = fit((left, right, bottom, top), canvas_size(size))
+    return CutawayView(extent, coloring, limit, size, meta, radius, depth, released)
+
+
+def _base_faces(radius: float, depth: float) -> Iterator[tuple[np.ndarray, float]]:
+    """Corners (m, 3) and brightness of the faces of the base without the removed quarter, the rearmost first."""
+    angle = np.linspace(0.5 * np.pi, 2.0 * np.pi, 271)  # from the z axis over -x and -z to the x axis
+    rim = radius * np.column_stack([np.cos(angle), np.zeros_like(angle), np.sin(angle)])
+    down, axis = np.array([0.0, -depth, 0.0]), np.zeros(3)
+    if depth > 0.0:
+        yield np.concatenate([rim, rim[::-1] + down]), SIDE_SHADE
+        for i, shade in ((0, CUT_SHADES[0]), (-1, CUT_SHADES[1])):
+            yield np.array([axis, rim[i], rim[i] + down, axis + down]), shade
+    yield np.concatenate([rim, [axis]]), 1.0
 
 
 def _behind_cut(x: np.ndarray) -> np.ndarray:
     """Mask (n,) of the points outside the removed quarter."""
     return (x[:, 0] <= 0.0) | (x[:, 2] <= 0.0)
-
-
-def _floor_points(radius: float, point_size: float) -> np.ndarray:
-    """Points (m, 3) just below y = 0 that represent a rigid floor, which has no material points."""
-    line = point_size * (np.arange(-np.ceil(radius / point_size), np.ceil(radius / point_size)) + 0.5)
-    x, z = (values.ravel() for values in np.meshgrid(line, line))
-    inside = np.hypot(x, z) < radius
-    return np.column_stack([x, np.full_like(x, -0.5 * point_size), z])[inside]
 
 
 def _shade(x: np.ndarray, point_size: float) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Image of one snapshot: the material points in a view, with scale bar, colour bar, title and time."""
+"""Page with one snapshot: the material points in a view, with axes or scale bar, colour bar, title and time."""
 
 from __future__ import annotations
 
@@ -12,13 +12,15 @@ from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Normalize, to_rgb
+from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
+from matplotlib.font_manager import findfont
 from matplotlib.ticker import MaxNLocator
-from PIL import Image
+from PIL import Image, ImageDraw, ImageFont
 
 from mpmcol.errors import OutputError
 from mpmcol.io.snapshot import Meta, Snapshot, read_meta, read_snapshot
+from mpmcol.plotting.captions import heading_of_snapshot
 from mpmcol.plotting.render.coloring import Coloring
 from mpmcol.plotting.render.projection import circle, complete_by_symmetry, silhouette
 
@@ -26,14 +28,21 @@ COLORMAP = "viridis"
 BASE_COLOR = "#b5b5b5"
 EDGE: dict[str, Any] = {"color": "0.15", "linewidth": 1.2}
 RELEASED: dict[str, Any] = {"color": "0.35", "linewidth": 1, "linestyle": (0, (5, 4))}
-HEAD, FOOT = 0.1, 0.17  # shares of the height for the heading and for the scales
+HEAD, FOOT, SIDE = 0.12, 0.22, 0.08  # shares of the page for heading, scales below and the axis on the left
+TITLE_SIZE, TEXT_SIZE, SMALL_SIZE = 16, 14, 12  # points
 
 Extent = tuple[float, float, float, float]  # left, right, bottom, top, m
 
 
+def canvas_box(size: tuple[int, int]) -> tuple[int, int, int, int]:
+    """Left and upper edge, width and height of the part of a page that shows the material, pixels."""
+    left, top = int(SIDE * size[0]), int(HEAD * size[1])
+    return left, top, size[0] - left - int(0.3 * SIDE * size[0]), size[1] - top - int(FOOT * size[1])
+
+
 def canvas_size(size: tuple[int, int]) -> tuple[int, int]:
-    """Width and height, in pixels, of the part of the image that shows the material."""
-    return size[0], size[1] - int(HEAD * size[1]) - int(FOOT * size[1])
+    """Width and height of the part of a page that shows the material, pixels."""
+    return canvas_box(size)[2:]
 
 
 @dataclass(frozen=True)
@@ -41,8 +50,7 @@ class View(ABC):
     """A view of a run, the same for every frame of an animation.
 
     extent: part of the view plane that is shown, m. coloring: quantity by which points are coloured; limit: its value
-    at the upper end of the colour scale. size: width and height of the image, pixels. The material takes the full width
-    between the heading (HEAD) and the scales (FOOT).
+    at the upper end of the colour scale. size: width and height of the page, pixels.
     """
 
     extent: Extent
@@ -61,20 +69,69 @@ class View(ABC):
         """Positions (m, 3), m, to the right, upward and toward the viewer, and colours (m, 3) of the points shown."""
 
     @abstractmethod
-    def draw_surroundings(self, axes: Axes, snapshot: Snapshot) -> None:
-        """Add outlines and boundaries, in the coordinates of the first two columns of `points`."""
+    def draw_behind(self, axes: Axes) -> None:
+        """Draw what the points cover, in the coordinates of the first two columns of `points`."""
+
+    @abstractmethod
+    def draw_before(self, axes: Axes) -> None:
+        """Draw outlines, boundaries and scales of length over the points."""
 
     @property
     def point_pixels(self) -> float:
         """Diameter of a material point, pixels; larger than the point spacing, to close gaps in sheared material."""
         left, right, _, _ = self.extent
-        return max(1.3 * float(self.meta["point_size"]) / (right - left) * self.size[0], 1.0)
+        return max(1.3 * float(self.meta["point_size"]) / (right - left) * canvas_size(self.size)[0], 1.0)
 
     def colors(self, snapshot: Snapshot) -> np.ndarray:
-        """Red, green and blue (n, 3), 0 to 1, of all points; those of the base are grey."""
-        colors = colormaps[COLORMAP](self.coloring.values(snapshot) / self.limit)[:, :3]
-        colors[~snapshot.column] = to_rgb(BASE_COLOR)
-        return colors
+        """Red, green and blue (n, 3), 0 to 1, of all points."""
+        return colormaps[COLORMAP](self.coloring.values(snapshot) / self.limit)[:, :3]
+
+
+class Page:
+    """The page of a view: all but the points and the time is drawn once for all snapshots."""
+
+    def __init__(self, view: View) -> None:
+        self._view = view
+        behind, axes = self._layer()
+        view.draw_behind(axes)
+        self._behind = as_image(behind, view.size)
+        before, axes = self._layer()
+        view.draw_before(axes)
+        add_title(before, view.meta, view.note)
+        _add_color_bar(before, view)
+        before.patch.set_visible(False)
+        self._before = as_image(before, view.size, "RGBA")
+
+    def draw(self, snapshot: Snapshot, points_image: Path | None) -> Image.Image:
+        """The finished page; Matplotlib draws the points if there is no image of them."""
+        page = self._behind.copy()
+        if points_image is None:
+            points, corner = self._scatter(snapshot), (0, 0)
+        else:
+            points, corner = Image.open(points_image), canvas_box(self._view.size)[:2]
+        page.paste(points, corner, points)
+        page.paste(self._before, (0, 0), self._before)
+        add_time(page, snapshot)
+        return page
+
+    def _layer(self) -> tuple[Figure, Axes]:
+        """An empty figure with axes, not visible, for the part of the page that shows the material."""
+        figure = new_figure(self._view.size)
+        width, height = self._view.size
+        left, top, across, up = canvas_box(self._view.size)
+        axes = figure.add_axes((left / width, 1.0 - (top + up) / height, across / width, up / height))
+        axes.set(xlim=self._view.extent[:2], ylim=self._view.extent[2:], autoscale_on=False)
+        axes.set_axis_off()
+        return figure, axes
+
+    def _scatter(self, snapshot: Snapshot) -> Image.Image:
+        figure, axes = self._layer()
+        figure.patch.set_visible(False)
+        x, colors = self._view.points(snapshot)
+        order = np.argsort(x[:, 2], kind="stable")
+        area = (self._view.point_pixels * 72 / figure.dpi) ** 2
+        axes.scatter(x[order, 0], x[order, 1], s=area, c=colors[order], marker="s", linewidths=0)
+        return as_image(figure, self._view.size, "RGBA")
 
 
 def read_for_rendering(path: Path) -> tuple[Snapshot, Meta]:
@@ -111,65 +168,54 @@ def fit(extent: Extent, canvas: tuple[int, int]) -> Extent:
     return x - half_width, x + half_width, y - half_height, y + half_height
 
 
-def compose(snapshot: Snapshot, view: View, points_image: Path | None) -> Image.Image:
-    """The finished image; Matplotlib draws the points if there is no image of them."""
-    figure = new_figure(view.size)
-    axes = figure.add_axes((0, int(FOOT * view.size[1]) / view.size[1], 1, canvas_size(view.size)[1] / view.size[1]))
-    axes.set_axis_off()
-    if points_image is None:
-        _scatter(axes, snapshot, view, figure.dpi)
-    else:
-        axes.imshow(np.asarray(Image.open(points_image)), extent=view.extent, interpolation="auto")
-    axes.set(xlim=view.extent[:2], ylim=view.extent[2:], aspect="auto")
-    view.draw_surroundings(axes, snapshot)
-    add_heading(figure, f"{view.meta['title']}{view.note}", snapshot)
-    _add_scale_bar(figure, view)
-    _add_color_bar(figure, view)
-    return as_image(figure, view.size)
-
-
 def new_figure(size: tuple[int, int]) -> Figure:
     """An empty figure of `size` pixels, always 7.2 inches high, so that text and lines scale with the image."""
     width, height = size
     return Figure(figsize=(7.2 * width / height, 7.2), dpi=height / 7.2)
 
 
-def as_image(figure: Figure, size: tuple[int, int]) -> Image.Image:
+def as_image(figure: Figure, size: tuple[int, int], mode: str = "RGB") -> Image.Image:
     """The figure as an image of exactly `size` pixels."""
     canvas = FigureCanvasAgg(figure)
     canvas.draw()
-    return Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB").crop((0, 0, *size))
+    return Image.fromarray(np.asarray(canvas.buffer_rgba())).convert(mode).crop((0, 0, *size))
 
 
-def add_heading(figure: Figure, title: str, snapshot: Snapshot) -> None:
-    """Add the title at the upper left, stage and time at the upper right."""
-    y = 1 - HEAD / 2
+def add_title(figure: Figure, meta: Meta, note: str) -> None:
+    """Add the title at the upper left, and the parameters of the run below it."""
+    title, caption = heading_of_snapshot(meta)
+    figure.text(0.03, 1 - 0.35 * HEAD, f"{title}{note}", size=TITLE_SIZE, va="center", parse_math=False)
+    figure.text(0.03, 1 - 0.75 * HEAD, caption, size=SMALL_SIZE, va="center", color="0.3")
+
+
+def add_time(page: Image.Image, snapshot: Snapshot) -> None:
+    """Write the time at the upper right, and the stage, unless it is the collapse."""
+    width, height = page.size
     stage = "" if snapshot.stage == "collapse" else f"{snapshot.stage}, "
-    figure.text(0.03, y, title, size=16, va="center", parse_math=False)
-    figure.text(0.97, y, f"{stage}t = {snapshot.time:.3f} s", size=16, va="center", ha="right")
+    font = ImageFont.truetype(findfont("DejaVu Sans"), TITLE_SIZE / 72 * height / 7.2)
+    place = (0.97 * width, 0.35 * HEAD * height)
+    ImageDraw.Draw(page).text(place, f"{stage}t = {snapshot.time:.3f} s", fill="black", font=font, anchor="rm")
 
 
-def _scatter(axes: Axes, snapshot: Snapshot, view: View, dpi: float) -> None:
-    x, colors = view.points(snapshot)
-    order = np.argsort(x[:, 2], kind="stable")
-    area = (view.point_pixels * 72 / dpi) ** 2
-    axes.scatter(x[order, 0], x[order, 1], s=area, c=colors[order], marker="s", linewidths=0)
-
-
-def _add_scale_bar(figure: Figure, view: View) -> None:
+def add_scale_bar(axes: Axes, extent: Extent) -> None:
     """Add a bar of 1, 2 or 5 times a power of ten mm, at most a sixth of the width, in the lower left corner."""
-    width = 1000 * (view.extent[1] - view.extent[0])
+    left, right, bottom, top = extent
+    width = 1000 * (right - left)
     power = 10 ** np.floor(np.log10(width / 6))
     length = max(step * power for step in (1, 2, 5) if step * power <= width / 6)
-    left, middle = 0.03, FOOT / 2
-    bar = figure.add_axes((left, middle, length / width, 0.008))
-    bar.set(xticks=[], yticks=[], facecolor="black")
-    figure.text(left + length / width / 2, middle - 0.015, f"{length:g} mm", size=14, va="top", ha="center")
+    y = bottom + 0.02 * (top - bottom)
+    axes.plot([left, left + length / 1000], [y, y], color="black", linewidth=4, solid_capstyle="butt", clip_on=False)
+    text = f"{length:g} mm" if length < 1000 else f"{length / 1000:g} m"
+    axes.annotate(
+        text, (left + length / 2000, y), (0, -6), textcoords="offset points", ha="center", va="top", size=TEXT_SIZE
+    )
 
 
 def _add_color_bar(figure: Figure, view: View) -> None:
-    scale = ScalarMappable(Normalize(0, view.coloring.factor * view.limit), colormaps[COLORMAP])
-    axes = figure.add_axes((0.35, FOOT / 2, 0.6, 0.025))
-    bar = figure.colorbar(scale, cax=axes, orientation="horizontal", ticks=MaxNLocator(6))
-    bar.ax.tick_params(labelsize=14)
-    bar.set_label(view.coloring.label, size=14)
+    label, factor = view.coloring.scale(view.limit)
+    scale = ScalarMappable(Normalize(0, factor * view.limit), colormaps[COLORMAP])
+    axes = figure.add_axes((0.28, 0.09, 0.5, 0.022))
+    extend = "max" if view.coloring.percentile < 100.0 else "neither"  # larger values have the last colour
+    bar = figure.colorbar(scale, cax=axes, orientation="horizontal", ticks=MaxNLocator(6), extend=extend)
+    bar.ax.tick_params(labelsize=SMALL_SIZE)
+    bar.set_label(label, size=SMALL_SIZE)

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 MIRRORS = {"quarter": ((1, 1), (-1, 1), (-1, -1), (1, -1))}  # signs of x and z
-TOP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])  # projection of the view from above
+# projection of the view from above: z to the right, x upward, y toward the viewer, which is right-handed
+TOP = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 HIDDEN_DEPTH = 1.0  # point sizes behind the visible surface beyond which a point, drawn as a sphere, is hidden
 
 

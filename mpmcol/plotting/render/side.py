@@ -3,18 +3,38 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.patches import Rectangle
+from matplotlib.ticker import MaxNLocator
 
 from mpmcol.io.snapshot import Snapshot
 from mpmcol.plotting.render.coloring import Coloring
-from mpmcol.plotting.render.frame import EDGE, RELEASED, View, canvas_size, fit, read_for_rendering
+from mpmcol.plotting.render.frame import (
+    BASE_COLOR,
+    EDGE,
+    RELEASED,
+    SMALL_SIZE,
+    Extent,
+    View,
+    canvas_size,
+    read_for_rendering,
+)
+from mpmcol.plotting.styles import GATE_STYLE
+from mpmcol.units import length_scale
+
+MARGIN = 0.02  # of width and height, left of the wall, below the base, and beyond the front
+ABOVE = 0.08  # of the height, above the column
 
 
+@dataclass(frozen=True)
 class SideView(View):
-    """x to the right, y upward."""
+    """x to the right, y upward. base: depth of the elastic base, m; 0 for a rigid floor."""
+
+    base: float
 
     @property
     def note(self) -> str:
@@ -22,28 +42,48 @@ class SideView(View):
         return " (half model by symmetry)" if self._is_half else ""
 
     def points(self, snapshot: Snapshot) -> tuple[np.ndarray, np.ndarray]:
-        """All points, base points first, so that the column is drawn over the base."""
-        order = np.argsort(snapshot.column, kind="stable")
-        return snapshot.arrays["position"][order], self.colors(snapshot)[order]
+        """The points of the column."""
+        return snapshot.arrays["position"][snapshot.column], self.colors(snapshot)[snapshot.column]
 
-    def draw_surroundings(self, axes: Axes, snapshot: Snapshot) -> None:
-        """Add the column at release (dashed), the wall (solid) or axis of symmetry (dash-dot), and the floor."""
+    def draw_behind(self, axes: Axes) -> None:
+        """Draw the base or floor."""
+        right = self.extent[1]
+        axes.add_patch(Rectangle((0, -self.base), right, self.base, facecolor=BASE_COLOR, linewidth=0))
+        axes.plot([0, right], [0, 0], **EDGE)
+
+    def draw_before(self, axes: Axes) -> None:
+        """Draw the column at release (dashed), the gate, the wall (solid) or axis of symmetry (dash-dot), and axes."""
+        left, _, _, top = self.extent
         r_i, h_i = float(self.meta["r_i"]), float(self.meta["h_i"])
-        axes.plot([0, r_i, r_i], [h_i, h_i, 0], **RELEASED)
         symmetric = self.meta["model"] == "axisymmetric" or self._is_half
-        axes.plot([0, 0], [0, 2 * h_i], linestyle="dashdot" if symmetric else "solid", **EDGE)
-        self._add_floor(axes, has_base=not snapshot.column.all())
+        # halves of points beyond the wall or axis
+        axes.axvspan(left, 0, facecolor="white", linewidth=0)
+        axes.plot([0, r_i], [h_i, h_i], **RELEASED)
+        axes.plot([r_i, r_i], [0, top], **GATE_STYLE)
+        axes.plot([0, 0], [0, top], linestyle="dashdot" if symmetric else "solid", **EDGE)
+        axes.text(r_i, top, " gate", size=SMALL_SIZE, color=GATE_STYLE["color"], va="top")
+        self._add_ticks(axes)
 
-    def _add_floor(self, axes: Axes, has_base: bool) -> None:
-        """Add a line for a rigid floor; an elastic base, which extends beyond the image, gets a zigzag edge."""
-        left, right, bottom, _ = self.extent
-        end = right + left / 2  # half of the margin on the left of the wall
-        if not has_base:
-            axes.plot([0, end], [0, 0], **EDGE)
-            return
-        y = np.linspace(bottom, float(self.meta["point_size"]), 16)
-        zigzag = 0.003 * (right - left) * np.where(np.arange(16) % 2, 1, -1)
-        axes.fill_betweenx(y, end + zigzag, right, color="white", linewidth=0)
+    def _add_ticks(self, axes: Axes) -> None:
+        """Label the material's side of both axes in m or mm."""
+        _, right, _, top = self.extent
+        unit, factor = length_scale(max(float(self.meta["r_i"]), float(self.meta["h_i"])))
+        axes.set_axis_on()
+        axes.spines[["top", "right"]].set_visible(False)
+        axes.patch.set_visible(False)
+        for axis, end, steps in ((axes.xaxis, right, 10), (axes.yaxis, top, 6)):
+            values = MaxNLocator(steps).tick_values(0.0, factor * end)
+            shown = [value for value in values if 0.0 <= value <= factor * end]
+            axis.set_ticks([value / factor for value in shown], labels=[f"{value:g}" for value in shown])
+        axes.tick_params(labelsize=SMALL_SIZE)
+        axes.set_xlabel(f"{self._origin} ({unit})", size=SMALL_SIZE, labelpad=2)
+        axes.set_ylabel(f"height ({unit})", size=SMALL_SIZE)
+
+    @property
+    def _origin(self) -> str:
+        if self.meta["model"] == "axisymmetric":
+            return "radius"
+        return "distance from the plane of symmetry" if self._is_half else "distance from the wall"
 
     @property
     def _is_half(self) -> bool:
@@ -56,8 +96,16 @@ def fit_view(paths: Iterable[Path], size: tuple[int, int], coloring: Coloring) -
     for path in paths:
         snapshot, meta = read_for_rendering(path)
         column = snapshot.x[snapshot.column]
-        boxes.append([*column.max(axis=0), -snapshot.x[:, 1].min()])
+        base = -snapshot.x[~snapshot.column, 1].min(initial=0.0) + 0.5 * float(meta["point_size"])
+        boxes.append([*column.max(axis=0), 0.0 if snapshot.column.all() else base])
         limit = max(limit, coloring.limit(snapshot, meta))
         boxes.append([float(meta["r_i"]), float(meta["h_i"]), 0.0])
     right, top, depth = np.max(boxes, axis=0).astype(float)
-    return SideView(fit((0.0, right, -depth, top), canvas_size(size)), coloring, limit, size, meta)
+    return SideView(_fit(right, top, depth, canvas_size(size)), coloring, limit, size, meta, depth)
+
+
+def _fit(right: float, top: float, depth: float, canvas: tuple[int, int]) -> Extent:
+    """Extent with equal scales that begins left of the wall and below the base, and contains the material."""
+    scale = max(right / (1.0 - 2.0 * MARGIN) / canvas[0], (top + depth) / (1.0 - MARGIN - ABOVE) / canvas[1])
+    left, bottom = -MARGIN * scale * canvas[0], -depth - MARGIN * scale * canvas[1]
+    return left, left + scale * canvas[0], bottom, bottom + scale * canvas[1]

@@ -7,8 +7,10 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
+from mpmcol.experiments import find_experiment
 from mpmcol.measure import FRONTS
-from mpmcol.plotting.charts import EXPERIMENT_COLOUR, FRONT_STYLES, save_figure
+from mpmcol.plotting.figures import save_figure, use_plain_ticks
+from mpmcol.plotting.styles import FRONT_STYLES, experiment_style
 from mpmcol.studies.convergence import first_order_value
 from mpmcol.studies.paper.report import QUANTITIES, Comparison, FigureResult
 from mpmcol.studies.runs import CompletedRuns, StudyRun
@@ -69,10 +71,14 @@ def _draw(path: Path, rows: list[dict[str, Any]]) -> None:
     h = [row["h_mm"] for row in rows]
     for front in FRONTS:
         axes.plot(h, [row[f"zeta.{front}"] for row in rows], fillstyle="none", label=front, **FRONT_STYLES[front])
-    axes.axhline(rows[0]["law.zeta"], color=EXPERIMENT_COLOUR, label="Eq. 37")
+    experiment = find_experiment("paper", "plane")
+    style = experiment_style(experiment)
+    label = f"{experiment.citation} (Eq. 37)"
+    axes.axhline(rows[0]["law.zeta"], color=style.colour, linestyle=style.line, label=label)
     axes.set(xlabel="node spacing $h$ (mm)", ylabel=r"runout $\zeta$ (-)", xlim=(0.0, None), title="channel, a = 1")
     cost = axes.twinx()
     cost.plot(h, [row["cost"] for row in rows], color="#2166ac", marker="x", linestyle="none", label="cost (right)")
     cost.set(yscale="log", ylabel="points x steps relative to the coarsest grid")
-    figure.legend(loc="outside lower center", ncols=5, frameon=False, fontsize="small")
+    use_plain_ticks(cost.yaxis)
+    figure.legend(loc="outside lower center", ncols=3, frameon=False, fontsize="small")
     save_figure(figure, path, svg=False)

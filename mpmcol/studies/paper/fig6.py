@@ -6,6 +6,7 @@ from functools import partial
 
 from mpmcol.experiments import find_experiment
 from mpmcol.measure import FRONTS
+from mpmcol.plotting.figures import Heading
 from mpmcol.studies.paper.report import Comparison, FigureResult, error_summary, series_row
 from mpmcol.studies.runs import CompletedRun, CompletedRuns, StudyRun, study_run
 from mpmcol.sweep.charts import sweep_chart
@@ -49,7 +50,7 @@ def evaluate(completed: CompletedRuns, quick: bool) -> FigureResult:
         if finest and label == "Mohr-Coulomb":
             comparisons += _point_counts(finest)
     experiment = find_experiment("paper", "plane")
-    draw = partial(sweep_chart, axis=ASPECT_COLUMN, series=charted, experiment=experiment, title="channel")
+    draw = partial(sweep_chart, axis=ASPECT_COLUMN, series=charted, experiment=experiment, heading=Heading("channel"))
     charts = {"fig6.png": lambda path: draw(path, "zeta"), "fig6-beta.png": lambda path: draw(path, "beta")}
     return FigureResult(rows, comparisons, charts)
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from mpmcol.experiments import find_experiment
 from mpmcol.measure import Measurement
+from mpmcol.plotting.captions import heading_of
 from mpmcol.plotting.charts import profile_chart
 from mpmcol.studies.paper.fig6 import FIG7_ASPECT, MATERIALS, QUICK_SPACINGS, SPACINGS, channel_run
 from mpmcol.studies.paper.report import Comparison, FigureResult
@@ -84,4 +85,6 @@ def _end_comparisons(run: CompletedRun) -> list[Comparison]:
 
 
 def _draw(path: Path, run: CompletedRun, deposits: list[tuple[float, Measurement]]) -> None:
-    profile_chart(path, run.results.shape, deposits, find_experiment(SHAPE, "plane"), at_rest=run.row["at_rest"])
+    results, experiment = run.results, find_experiment(SHAPE, "plane")
+    heading = heading_of(results.case, results.shape)
+    profile_chart(path, results.shape, deposits, experiment, heading=heading, at_rest=run.row["at_rest"])

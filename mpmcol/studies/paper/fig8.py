@@ -6,6 +6,7 @@ from functools import partial
 
 from mpmcol.experiments import find_experiment
 from mpmcol.measure import FRONTS
+from mpmcol.plotting.figures import Heading
 from mpmcol.studies.paper.report import QUANTITIES, Comparison, FigureResult, error_summary, series_row
 from mpmcol.studies.runs import CompletedRuns, StudyRun
 from mpmcol.sweep.charts import sweep_chart
@@ -58,7 +59,7 @@ def evaluate(completed: CompletedRuns, quick: bool) -> FigureResult:
         comparisons += _comparisons(series, "quarter") + _model_comparisons(completed)
         charted.append(Series("quarter", [run.row for run in solid]))
     experiment = find_experiment("paper", "axisymmetric")
-    draw = partial(sweep_chart, axis=ASPECT_COLUMN, series=charted, experiment=experiment, title="cylinder")
+    draw = partial(sweep_chart, axis=ASPECT_COLUMN, series=charted, experiment=experiment, heading=Heading("cylinder"))
     charts = {"fig8-zeta.png": lambda path: draw(path, "zeta"), "fig8-beta.png": lambda path: draw(path, "beta")}
     return FigureResult(rows, comparisons, charts)
 

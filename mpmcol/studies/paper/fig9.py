@@ -7,6 +7,7 @@ from pathlib import Path
 
 from mpmcol.experiments import find_experiment
 from mpmcol.measure import FRONTS
+from mpmcol.plotting.captions import heading_of
 from mpmcol.plotting.charts import profile_chart
 from mpmcol.plotting.render import render
 from mpmcol.studies.paper.fig8 import SPACING, cylinder, quarter
@@ -55,7 +56,8 @@ def evaluate(completed: CompletedRuns, quick: bool) -> FigureResult:
 def _draw_profile(path: Path, run: CompletedRun) -> None:
     results = run.results
     deposits = [(results.snapshot(i).time, results.measure(i)) for i in (0, -1)]
-    profile_chart(path, results.shape, deposits, find_experiment("paper", "axisymmetric"), at_rest=run.row["at_rest"])
+    experiment, heading = find_experiment("paper", "axisymmetric"), heading_of(results.case, results.shape)
+    profile_chart(path, results.shape, deposits, experiment, heading=heading, at_rest=run.row["at_rest"])
 
 
 def _draw_top(path: Path, run: CompletedRun) -> None:

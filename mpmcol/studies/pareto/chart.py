@@ -12,7 +12,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from mpmcol.experiments import Experiment
-from mpmcol.plotting.charts import EXPERIMENT_COLOUR, save_figure
+from mpmcol.plotting.figures import save_figure, use_plain_ticks
+from mpmcol.plotting.styles import experiment_style
 from mpmcol.studies.pareto.reference import ConvergedReference
 from mpmcol.studies.pareto.score import ScoredConfiguration
 from mpmcol.studies.pareto.selection import CRITERIA, pareto_front
@@ -53,7 +54,9 @@ def case_chart(
         _draw_front(axes, scored, quantity)
         _draw_failures(axes, scored, baseline)
         _draw_floors(axes, quantity, reference, experiment)
-        axes.grid(color="0.92", which="both")
+        axes.grid(color="0.92")
+        use_plain_ticks(axes.xaxis)
+        use_plain_ticks(axes.yaxis)
     figure.axes[0].set_ylabel("relative error not exceeded by 90 % of runs")
     figure.suptitle(title)
     handles, labels = figure.axes[0].get_legend_handles_labels()
@@ -101,5 +104,5 @@ def _draw_floors(axes: Axes, quantity: str, reference: ConvergedReference, exper
     )
     law = experiment.law(quantity.partition(".")[0])
     if law and law.pieces:
-        dashed: dict[str, Any] = {"color": EXPERIMENT_COLOUR, "linestyle": "--", "linewidth": 1.2}
-        axes.axhline(law.scatter, label="scatter of experiments", **dashed)
+        label = f"scatter of {experiment.label(law.quantity)}"
+        axes.axhline(law.scatter, color=experiment_style(experiment).colour, linestyle="--", linewidth=1.2, label=label)

@@ -13,7 +13,8 @@ from mpmcol.studies.validation.check import Measure
 RODS = find_experiment("bui-2008", "plane")
 ROD = 1.6e-3  # m: assumed diameter of the thicker rods, not read in the publication
 SURFACE, FAILURE = RODS.profiles
-(SHAPE,) = find_experiment("lube-2005", "plane").profiles
+SHAPE_OF = find_experiment("lube-2005", "plane")
+(SHAPE,) = SHAPE_OF.profiles
 LINE_POINTS = 1001  # of a failure line, to which distances are measured
 
 

@@ -1,0 +1,90 @@
+"""Titles, captions and names of runs, from their resolved cases."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from mpmcol.case import Case
+from mpmcol.case.fields import number_of
+from mpmcol.case.reference import field_at
+from mpmcol.case.values import leaf_values
+from mpmcol.io.results import Results
+from mpmcol.io.snapshot import Meta
+from mpmcol.measure import ColumnShape
+from mpmcol.measure.shape import AZIMUTHS
+from mpmcol.plotting.figures import Heading
+from mpmcol.units import length_text
+
+MODELS = {"plane": "plane strain", "axisymmetric": "axisymmetric", "quarter": "3D quarter model", "full": "3D model"}
+LENGTHS = {"r_i": "r_i", "h_i": "h_i", "h": "spacing"}  # symbols
+FRICTION = ("friction_deg", "friction_peak_deg", "friction_residual_deg")
+MOST_KEYS = 2  # in the name of a run
+_ASPECT = re.compile(r",? *\ba = \d+(\.\d+)?")
+
+
+def heading_of(case: Case, shape: ColumnShape) -> Heading:
+    """The title of the case with the aspect ratio as resolved, and model, size, grid and material below it."""
+    return Heading(run_title(case.title, shape.model, shape.a), ", ".join(_parameters(vars(shape), _material(case))))
+
+
+def heading_of_snapshot(meta: Meta) -> Heading:
+    """As `heading_of`, from the metadata of a snapshot."""
+    case = tomllib.loads(str(meta.get("case", "")))
+    title = run_title(str(meta["title"]), str(meta["model"]), float(meta["h_i"]) / float(meta["r_i"]))
+    return Heading(title, ", ".join(_parameters(meta, case.get("material", {}))))
+
+
+def common_heading(title: str, runs: Sequence[tuple[Case, ColumnShape]]) -> Heading:
+    """A title without an aspect ratio, and the parameters that all runs have in common."""
+    parameters = [_parameters(vars(shape), _material(case)) for case, shape in runs]
+    return Heading(_ASPECT.sub("", title), ", ".join(p for p in parameters[0] if all(p in own for own in parameters)))
+
+
+def run_title(title: str, model: str, a: float) -> str:
+    """The title of a case with the aspect ratio of the column, which may differ from the one that the title had."""
+    return f"{_ASPECT.sub('', title) or MODELS[model]}, a = {a:.3g}"
+
+
+def _parameters(shape: Mapping[str, Any], material: Mapping[str, Any]) -> list[str]:
+    """Texts for the column, the grid and the material."""
+    dimension = 3 if shape["model"] in AZIMUTHS else 2
+    per_cell = round((float(shape["spacing"]) / float(shape["point_size"])) ** dimension)
+    lengths = [f"${name}$ = {length_text(float(shape[key]))}" for name, key in LENGTHS.items()]
+    return [MODELS[shape["model"]], *lengths, f"{per_cell} points per cell", *_material_text(material)]
+
+
+def _material(case: Case) -> dict[str, Any]:
+    return case.material.model_dump()
+
+
+def _material_text(material: Mapping[str, Any]) -> list[str]:
+    """Constitutive law and friction angle; of a softening law from peak to residual."""
+    if not material:
+        return []
+    name = str(material["law"]).replace("mohr-coulomb", "Mohr-Coulomb").replace("-softening", " with softening")
+    angles = [f"{material[key]:g}" for key in FRICTION if material.get(key) is not None]
+    return [rf"{name}, $\varphi$ = {' to '.join(angles)}$\degree$" if angles else name]
+
+
+def run_names(runs: Sequence[Results]) -> list[str]:
+    """Names by the one or two keys of the cases that differ, else by folders; paths where folders share a name."""
+    values = [leaf_values(run.case) for run in runs]
+    keys = dict.fromkeys(key for one in values for key in one if not key.startswith(("title", "output.", "score.")))
+    differing = [key for key in keys if len({str(one.get(key)) for one in values}) > 1]
+    if 1 <= len(differing) <= MOST_KEYS:
+        names = [", ".join(_value_text(key, one.get(key)) for key in differing) for one in values]
+        if len(set(names)) == len(names):
+            return names
+    folders = [run.folder.resolve().name for run in runs]
+    return folders if len(set(folders)) == len(folders) else [str(run.folder) for run in runs]
+
+
+def _value_text(key: str, value: Any) -> str:
+    number, name = number_of(field_at(tuple(key.split(".")), "")), key.rpartition(".")[2]
+    if isinstance(value, float) and number and number.unit == "m":
+        return f"{name} = {length_text(value)}"
+    unit = f" {number.unit}" if number and number.unit and value is not None else ""
+    return f"{name} = {value:.6g}{unit}" if isinstance(value, float) else f"{name} = {value}{unit}"

@@ -1,0 +1,127 @@
+"""Parts that charts share: headings, ticks, legends, labels beside lines, and files."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.legend_handler import HandlerTuple
+from matplotlib.patheffects import withStroke
+from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator, StrMethodFormatter
+
+from mpmcol.io.atomic import atomic_write
+
+MOST_ENTRIES = 7  # of a legend; more lines are labelled beside their ends or grouped
+LABEL_SIZE = 8.3  # points
+RIGHT_EDGE = 0.9  # of the width of the axes: lines that end farther to the right are labelled beside the axes
+# Steps of the ticks of a logarithmic axis that covers at most so many decades.
+_TICK_STEPS = ((1.3, (1.0, 2.0, 3.0, 5.0, 7.0)), (2.5, (1.0, 2.0, 5.0)), (np.inf, (1.0,)))
+
+_CONNECTOR: dict[str, Any] = {"arrowstyle": "-", "linewidth": 0.5, "shrinkA": 1.0, "shrinkB": 0.0, "relpos": (0.0, 0.5)}
+
+_HALO = withStroke(linewidth=2.5, foreground="white")
+
+
+class Heading(NamedTuple):
+    """Title of a chart, and the parameters of the run in one line below it."""
+
+    title: str
+    caption: str = ""
+
+
+class EndLabel(NamedTuple):
+    """Text beside the axes for a line that ends at x, y (data coordinates)."""
+
+    x: float
+    y: float
+    text: str
+    colour: Any
+
+
+def add_heading(axes: Axes, heading: Heading) -> None:
+    """Write title and caption above the axes."""
+    if heading.caption:
+        axes.annotate(
+            heading.caption, (0.5, 1.0), (0.0, 4.0), xycoords="axes fraction", textcoords="offset points",
+            ha="center", va="bottom", fontsize=LABEL_SIZE, color="0.3",
+        )  # fmt: skip
+    axes.set_title(heading.title, pad=18.0 if heading.caption else 6.0, parse_math=False)
+
+
+def use_plain_ticks(axis: Axis) -> None:
+    """Label a logarithmic axis with plain numbers (0.5, 1, 2, 5, 10); call it when the limits are final.
+
+    An axis of less than half a decade gets equally spaced ticks, others get the more steps per decade the shorter they
+    are, so that each axis has several labels.
+    """
+    low, high = axis.get_view_interval()
+    decades = float(np.log10(high / low))
+    if decades < 0.5:
+        axis.set_major_locator(MaxNLocator(6, steps=[1, 2, 2.5, 5, 10]))
+    else:
+        steps = next(steps for limit, steps in _TICK_STEPS if decades <= limit)
+        axis.set_major_locator(LogLocator(subs=steps, numticks=20))
+    axis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axis.set_minor_locator(NullLocator())
+
+
+def label_ends(axes: Axes, labels: Sequence[EndLabel]) -> None:
+    """Write the labels of lines that end at the right edge beside the axes, moved apart where they would overlap, and
+    others next to the end of their line."""
+    if not labels:
+        return
+    figure: Any = axes.figure
+    figure.draw_without_rendering()  # for the size of the axes
+    height = axes.get_window_extent().height * 72.0 / figure.dpi
+    points = axes.transData.transform([(label.x, label.y) for label in labels])
+    x, y = axes.transAxes.inverted().transform(points).T
+    text: dict[str, Any] = {"fontsize": LABEL_SIZE, "va": "center", "annotation_clip": False}
+    beside = x > RIGHT_EDGE
+    y[beside] = _apart(y[beside], 1.35 * LABEL_SIZE / height)
+    for label, is_beside, level in zip(labels, beside, y, strict=True):
+        place: dict[str, Any] = {"xytext": (6.0, 7.0), "textcoords": "offset points", "path_effects": [_HALO]}
+        if is_beside:
+            connector = _CONNECTOR | {"color": label.colour}
+            place = {"xytext": (1.025, level), "textcoords": "axes fraction", "arrowprops": connector}
+        axes.annotate(label.text, (label.x, label.y), color=label.colour, **text, **place)
+
+
+def _apart(positions: np.ndarray, gap: float) -> np.ndarray:
+    """Positions in the same order with at least `gap` between neighbours, near the given ones and, if they fit, in
+    0 to 1."""
+    order = np.argsort(positions, kind="stable")
+    placed = positions[order].copy()
+    for i in range(1, len(placed)):
+        placed[i] = max(placed[i], placed[i - 1] + gap)
+    top = max(1.0, float(positions.max(initial=0.0)))
+    for i in reversed(range(len(placed))):
+        placed[i] = min(placed[i], top - (len(placed) - 1 - i) * gap)
+    result = np.empty_like(placed)
+    result[order] = placed
+    return result
+
+
+def legend_below(figure: Figure, handles: Sequence[Any], labels: Sequence[str], columns: int = 2) -> None:
+    """Add a legend below all axes; a tuple of handles is drawn side by side."""
+    figure.legend(
+        list(handles), list(labels), loc="outside lower center", ncols=columns, frameon=False, fontsize=LABEL_SIZE,
+        handler_map={tuple: HandlerTuple(ndivide=None)},
+    )  # fmt: skip
+
+
+def save_figure(figure: Figure, path: Path, svg: bool) -> list[Path]:
+    """Write a PNG with 150 dpi and, if `svg`, an SVG beside it; raises OutputError."""
+    FigureCanvasAgg(figure)
+    paths = [path, path.with_suffix(".svg")] if svg else [path]
+    for target in paths:
+        data = io.BytesIO()
+        figure.savefig(data, format=target.suffix[1:], dpi=150, bbox_inches="tight")
+        atomic_write(target, data.getvalue())
+    return paths
