@@ -14,6 +14,7 @@ from PIL import Image
 from mpmcol.errors import OutputError
 from mpmcol.integrity.readable import read_error
 from mpmcol.io.results import Results
+from mpmcol.plotting.comparison import chart_comparison
 from mpmcol.plotting.render import VIEWS
 from mpmcol.plotting.run_charts import chart_run
 from mpmcol.report.model import Picture
@@ -42,6 +43,13 @@ def chart_pictures(results: Results) -> list[Picture]:
     """The charts that `mpmcol plot` draws."""
     with tempfile.TemporaryDirectory() as folder:
         paths = chart_run(results, out=Path(folder))
+        return [file_picture(path, *CHARTS[path.name]) for path in paths]
+
+
+def comparison_pictures(runs: Sequence[Results]) -> list[Picture]:
+    """The charts of several runs in common axes that `mpmcol plot` draws."""
+    with tempfile.TemporaryDirectory() as folder:
+        paths = chart_comparison(runs, out=Path(folder))
         return [file_picture(path, *CHARTS[path.name]) for path in paths]
 
 

@@ -7,7 +7,7 @@ once; each point is a square of pixels that NumPy adds.
 from __future__ import annotations
 
 import io
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from math import ceil
 from pathlib import Path
@@ -16,22 +16,20 @@ from typing import Any
 import numpy as np
 from matplotlib import font_manager
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, MaxNLocator
 from PIL import Image, ImageDraw, ImageFont
 
 from mpmcol.io.snapshot import Snapshot
 from mpmcol.plotting.render import FIT_VIEW
 from mpmcol.plotting.render.coloring import COLORINGS
-from mpmcol.plotting.render.frame import COLORMAP, FOOT, HEAD, View, read_for_rendering
+from mpmcol.plotting.render.frame import COLORMAP, FOOT, HEAD, SIDE, View, as_image, read_for_rendering
 
 WIDTH = 800  # pixels
-LEFT, RIGHT, TOP, BOTTOM = 84, 24, 40, 150  # margins around the material, pixels
+LEFT, RIGHT, TOP, BOTTOM = 90, 24, 48, 160  # margins around the material, pixels
 LOWEST, HIGHEST = 0.25, 1.0  # height of the image of the material over its width
-DPI = 130  # for text that is readable where the image is shown at half of its size
+DPI = 120  # for text that is readable where the image is shown at half of its size
 LEAST_SIDE = 2  # of a point, pixels: smaller ones leave gaps where the material has dilated
 LIGHTEST = 248  # level from which on a grey counts as white
 FRAME_MS, LAST_FRAME_MS = 120, 2000
@@ -44,10 +42,11 @@ class PointImages:
     """
 
     def __init__(self, paths: Sequence[Path], view: str, color: str, flatness: float) -> None:
-        height = (WIDTH - LEFT - RIGHT) * min(max(flatness, LOWEST), HIGHEST)
-        size = WIDTH - LEFT - RIGHT, round(height / (1.0 - HEAD - FOOT))
-        self._paths, self._coloring, self._is_oblique = paths, COLORINGS[color], view == "3d"
-        self._view: View = FIT_VIEW[view](paths, size, self._coloring)
+        width = WIDTH - LEFT - RIGHT
+        height = width * min(max(flatness, LOWEST), HIGHEST)
+        page = round(width / (1.0 - 1.3 * SIDE)), round(height / (1.0 - HEAD - FOOT))  # whose canvas has this size
+        self._paths = paths
+        self._view: View = FIT_VIEW[view](paths, page, COLORINGS[color])
 
     def image(self, index: int) -> Image.Image:
         """One snapshot."""
@@ -65,43 +64,40 @@ class PointImages:
         return width, round(width * (top - bottom) / (right - left))
 
     @cached_property
-    def _surroundings(self) -> np.ndarray:
-        """Axes, outlines and colour bar without any point, (rows, columns, 3)."""
+    def _behind(self) -> Image.Image:
+        """What the points cover."""
+        return self._layer(self._view.draw_behind, "RGB")
+
+    @cached_property
+    def _before(self) -> Image.Image:
+        """Outlines, axes and colour bar, on a transparent ground."""
+        return self._layer(self._view.draw_before, "RGBA")
+
+    def _layer(self, draw: Callable[[Axes], None], mode: str) -> Image.Image:
         width, height = self._canvas
         total = height + TOP + BOTTOM
         figure = Figure(figsize=(WIDTH / DPI, total / DPI), dpi=DPI)
         axes = figure.add_axes((LEFT / WIDTH, BOTTOM / total, width / WIDTH, height / total))
-        self._set_up(axes)
-        bar = figure.add_axes((LEFT / WIDTH, 58 / total, width / WIDTH, 14 / total))
-        scale = ScalarMappable(Normalize(0, self._coloring.factor * self._view.limit), COLORMAP)
-        figure.colorbar(scale, cax=bar, orientation="horizontal", label=self._coloring.label)
-        canvas = FigureCanvasAgg(figure)
-        canvas.draw()
-        return np.asarray(canvas.buffer_rgba())[..., :3].copy()
-
-    def _set_up(self, axes: Axes) -> None:
-        left, right, bottom, top = self._view.extent
-        axes.set(xlim=(left, right), ylim=(bottom, top))
-        for axis in (axes.xaxis, axes.yaxis):
-            axis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
-            axis.set_major_formatter(FuncFormatter(lambda metres, _: f"{1e3 * metres:g}"))
-        axes.set(xlabel="mm", ylabel="mm")
-        axes.spines[["top", "right"]].set_visible(False)
-        if self._is_oblique:  # heights are foreshortened
-            axes.yaxis.set_visible(False)
-            axes.spines["left"].set_visible(False)
-        self._view.draw_surroundings(axes, read_for_rendering(self._paths[0])[0])
+        axes.set(xlim=self._view.extent[:2], ylim=self._view.extent[2:], autoscale_on=False)
+        axes.set_axis_off()
+        draw(axes)
+        if mode == "RGBA":
+            figure.patch.set_visible(False)
+            bar = figure.add_axes((LEFT / WIDTH, 60 / total, width / WIDTH, 14 / total))
+            label, factor = self._view.coloring.scale(self._view.limit)
+            scale = ScalarMappable(Normalize(0, factor * self._view.limit), COLORMAP)
+            figure.colorbar(scale, cax=bar, orientation="horizontal", label=label)
+        return as_image(figure, (WIDTH, total), mode)
 
     def _draw(self, snapshot: Snapshot) -> Image.Image:
         width, height = self._canvas
-        image = self._surroundings.copy()
-        material = image[TOP : TOP + height, LEFT : LEFT + width]
-        outlines = np.asarray(self._surroundings[TOP : TOP + height, LEFT : LEFT + width])
+        pixels = np.array(self._behind)
+        material = pixels[TOP : TOP + height, LEFT : LEFT + width]
         paint_points(material, *self._view.points(snapshot), self._view.extent, self._view.point_pixels)
-        np.minimum(material, outlines, out=material)
-        drawn = Image.fromarray(image)
-        ImageDraw.Draw(drawn).text((LEFT, 9), f"t = {snapshot.time:.3f} s", fill="black", font=_font())
-        return drawn
+        image = Image.fromarray(pixels)
+        image.paste(self._before, (0, 0), self._before)
+        ImageDraw.Draw(image).text((LEFT, 9), f"t = {snapshot.time:.3f} s", fill="black", font=_font())
+        return image
 
 
 def paint_points(image: np.ndarray, x: np.ndarray, colors: np.ndarray, extent: tuple[float, ...], side: float) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from mpmcol.io.results import Results
-from mpmcol.plotting.charts import MODELS
+from mpmcol.plotting.captions import MODELS, run_names, run_title
 from mpmcol.report.measures import (
     comparison_table,
     cost_measures,
@@ -17,13 +17,11 @@ from mpmcol.report.measures import (
     value_table,
 )
 from mpmcol.report.model import Page, Section
-from mpmcol.report.overlay import overlay_pictures
-from mpmcol.report.pictures import animation, chart_pictures, deposit_picture
+from mpmcol.report.pictures import animation, chart_pictures, comparison_pictures, deposit_picture
 from mpmcol.report.provenance import case_differences, case_files, version_table
 from mpmcol.studies.judgement import judge
 from mpmcol.units import length_text
 
-UNTITLED = "Untitled run"
 MEASURES, COST, ENERGY = "Deposit", "Size and cost", "Energy and stresses"
 
 
@@ -33,7 +31,7 @@ def run_page(results: Results) -> Page:
     others = [value_table(energy_measures(results), ENERGY), value_table(cost_measures(results), COST)]
     profile, *charts = chart_pictures(results)
     return Page(
-        title=results.case.title or UNTITLED,
+        title=_title(results),
         kind="mpmcol: report of a run",
         facts=_facts(results),
         figures=key_figures(results),
@@ -53,25 +51,29 @@ def run_page(results: Results) -> Page:
 
 def comparison_page(runs: Sequence[Results]) -> Page:
     """The report of several finished runs, which are compared with the first."""
-    names = _names(runs)
+    names = run_names(runs)
     labelled = list(zip(names, runs, strict=True))
     parts = ((measures, MEASURES), (energy_measures, ENERGY), (cost_measures, COST))
     tables = [comparison_table(names, [make(one) for one in runs], caption) for make, caption in parts]
     return Page(
         title=f"{len(runs)} runs: {', '.join(names)}",
         kind="mpmcol: comparison of runs",
-        facts=[f"{name}: {one.case.title or UNTITLED}; {'; '.join(_facts(one))}" for name, one in labelled],
+        facts=[f"{name}: {_title(one)}; {'; '.join(_facts(one))}" for name, one in labelled],
         sections=[
             Section("Judgement", lines=[f"{name}: {line}" for name, one in labelled for line in judge(one)]),
             *_warnings(runs, names),
             Section("Differences of the cases", tables=[case_differences(runs, names)]),
             Section(f"Measurements (differences from {names[0]})", tables=tables),
-            Section("Profiles, front and height", pictures=overlay_pictures(runs, names), is_wide=True),
+            Section("Profiles, front, height and energy", pictures=comparison_pictures(runs), is_wide=True),
             *(Section(name, pictures=[animation(one), deposit_picture(one)]) for name, one in labelled),
             Section(f"Case {names[0]}", listings=case_files(runs[0])),
             Section("Versions", tables=[version_table(runs, names)]),
         ],
     )
+
+
+def _title(results: Results) -> str:
+    return run_title(results.case.title, results.shape.model, results.shape.a)
 
 
 def _facts(results: Results) -> list[str]:
@@ -81,12 +83,6 @@ def _facts(results: Results) -> list[str]:
         f"{MODELS[shape.model]}, a = {shape.a:.3g}, r_i = {length_text(shape.r_i)}, h_i = {length_text(shape.h_i)}, "
         f"{case.material.law}, h = {length_text(shape.spacing)}, {results.summary['points']:,} material points",
     ]
-
-
-def _names(runs: Sequence[Results]) -> list[str]:
-    """A short name for each run: its folder, or its path where two folders have the same name."""
-    names = [results.folder.resolve().name for results in runs]
-    return names if len(set(names)) == len(names) else [str(results.folder) for results in runs]
 
 
 def _warnings(runs: Sequence[Results], names: Sequence[str]) -> list[Section]:
