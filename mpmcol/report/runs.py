@@ -41,7 +41,7 @@ def run_page(results: Results) -> Page:
             Section("Collapse and deposit", pictures=[animation(results), deposit_picture(results)]),
             Section("Measurements", tables=[deposit, law_table(results.summary)]),
             Section("Profiles", pictures=[profile], is_wide=True),
-            Section("Front, height and energy in time", pictures=charts),
+            Section("Front, height and energy in time", pictures=charts, is_wide=True),
             Section("Energy, stresses and cost", tables=others),
             Section("Case", listings=case_files(results)),
             Section("Versions", tables=[version_table([results], ["Value"])]),
