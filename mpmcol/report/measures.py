@@ -53,7 +53,8 @@ def measures(results: Results) -> list[Measure]:
         _length("Undisturbed radius", undisturbed, "") if undisturbed else Measure("Undisturbed radius"),
         Measure("Area factor", "", f"{summary['area_factor']:.3f}", summary["area_factor"]),
         _time("Front stops after", stop, tau),
-        _time("End of the run", summary["time_over_tau"], tau, "at rest" if summary["at_rest"] else "still moving"),
+        _time("End of the run", summary["time_over_tau"], tau),
+        Measure("State at the end", "at rest" if summary["at_rest"] else "still moving"),
     ]
 
 
@@ -87,9 +88,9 @@ def energy_measures(results: Results) -> list[Measure]:
 def key_figures(results: Results) -> list[Figure]:
     """What a reader looks for first."""
     end = "At rest after" if results.summary["at_rest"] else "Still moving after"
-    shown = {"front_height": "Runout", "Height": "Height", "Angle": "Angle of repose", "End": end}
+    shown = {"front_height": "Runout", "Height": "Height", "Angle": "Angle of repose", "End of": end}
     found = [(label, one) for one in measures(results) for part, label in shown.items() if part in one.name]
-    return [Figure(label, one.value, one.normalised.partition(",")[0]) for label, one in found if one.value]
+    return [Figure(label, one.value, one.normalised) for label, one in found if one.value]
 
 
 def measure_table(rows: Sequence[Measure], caption: str) -> Table:
@@ -152,11 +153,10 @@ def _length(name: str, metres: float, normalised: str) -> Measure:
     return Measure(name, length_text(metres), normalised, metres)
 
 
-def _time(name: str, over_tau: float | None, tau: float, remark: str = "") -> Measure:
+def _time(name: str, over_tau: float | None, tau: float) -> Measure:
     if over_tau is None:
         return Measure(name)
-    normalised = ", ".join(filter(None, (f"{over_tau:.2f} {TIME_UNIT}", remark)))
-    return Measure(name, f"{over_tau * tau:.3g} s", normalised, over_tau * tau)
+    return Measure(name, f"{over_tau * tau:.3g} s", f"{over_tau:.2f} {TIME_UNIT}", over_tau * tau)
 
 
 def _percent(share: float | None) -> str:
