@@ -23,10 +23,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 from PIL import Image, ImageDraw, ImageFont
 
-from mpmcol.io.snapshot import Snapshot
+from mpmcol.io.snapshot import Snapshot, read_snapshot
 from mpmcol.plotting.render import FIT_VIEW
 from mpmcol.plotting.render.coloring import COLORINGS
-from mpmcol.plotting.render.frame import COLORMAP, FOOT, HEAD, View, read_for_rendering
+from mpmcol.plotting.render.frame import COLORMAP, FOOT, HEAD, View
 
 WIDTH = 800  # pixels
 LEFT, RIGHT, TOP, BOTTOM = 84, 24, 40, 150  # margins around the material, pixels
@@ -51,7 +51,7 @@ class PointImages:
 
     def image(self, index: int) -> Image.Image:
         """One snapshot."""
-        return self._draw(read_for_rendering(self._paths[index])[0])
+        return self._draw(read_snapshot(self._paths[index]))
 
     def images(self) -> list[Image.Image]:
         """All snapshots."""
@@ -90,7 +90,7 @@ class PointImages:
         if self._is_oblique:  # heights are foreshortened
             axes.yaxis.set_visible(False)
             axes.spines["left"].set_visible(False)
-        self._view.draw_surroundings(axes, read_for_rendering(self._paths[0])[0])
+        self._view.draw_surroundings(axes, read_snapshot(self._paths[0]))
 
     def _draw(self, snapshot: Snapshot) -> Image.Image:
         width, height = self._canvas
