@@ -21,10 +21,10 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from PIL import Image, ImageDraw, ImageFont
 
-from mpmcol.io.snapshot import Snapshot
+from mpmcol.io.snapshot import Snapshot, read_snapshot
 from mpmcol.plotting.render import FIT_VIEW
 from mpmcol.plotting.render.coloring import COLORINGS
-from mpmcol.plotting.render.frame import COLORMAP, FOOT, HEAD, SIDE, View, as_image, read_for_rendering
+from mpmcol.plotting.render.frame import COLORMAP, FOOT, HEAD, SIDE, View, as_image
 
 WIDTH = 800  # pixels
 LEFT, RIGHT, TOP, BOTTOM = 90, 24, 48, 160  # margins around the material, pixels
@@ -50,7 +50,7 @@ class PointImages:
 
     def image(self, index: int) -> Image.Image:
         """One snapshot."""
-        return self._draw(read_for_rendering(self._paths[index])[0])
+        return self._draw(read_snapshot(self._paths[index]))
 
     def images(self) -> list[Image.Image]:
         """All snapshots."""
