@@ -20,7 +20,7 @@ from mpmcol.io.atomic import atomic_write
 
 MOST_ENTRIES = 7  # of a legend; more lines are labelled beside their ends or grouped
 LABEL_SIZE = 8.3  # points
-RIGHT_EDGE = 0.9  # of the width of the axes: lines that end farther to the right are labelled beside the axes
+RIGHT_EDGE = 0.7  # of the width of the axes: lines that end farther to the right are labelled beside the axes
 # Steps of the ticks of a logarithmic axis that covers at most so many decades.
 _TICK_STEPS = ((1.3, (1.0, 2.0, 3.0, 5.0, 7.0)), (2.5, (1.0, 2.0, 5.0)), (np.inf, (1.0,)))
 

@@ -17,7 +17,7 @@ import threading
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import IO, cast
+from typing import Any
 
 import numpy as np
 from PIL import Image
@@ -63,15 +63,17 @@ def draw_points(frames: Sequence[tuple[Path, View]], folder: Path, finish: Calla
     environment = os.environ | {"VTK_DEFAULT_OPENGL_WINDOW": "vtkEGLRenderWindow"}
     limit = 120 + 20 * len(frames)
     errors = folder / "errors.txt"
-    with errors.open("w") as stderr, ThreadPoolExecutor(1) as feeder:
-        child = subprocess.Popen(
-            WORKER, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=stderr, env=environment, text=True
-        )
+    pipe: dict[str, Any] = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True, "env": environment}
+    with (
+        errors.open("w") as stderr,
+        subprocess.Popen(WORKER, stderr=stderr, **pipe) as child,
+        ThreadPoolExecutor(1) as feeder,
+    ):
         timer = threading.Timer(limit, child.kill)
         timer.start()
         try:
             fed = feeder.submit(_feed, child, frames, folder)
-            for line in child.stdout or ():
+            for line in child.stdout:
                 finish(Path(line.rstrip("\n")))
             code = child.wait()
         finally:
@@ -89,9 +91,9 @@ def draw_points(frames: Sequence[tuple[Path, View]], folder: Path, finish: Calla
     return f"drawn with Matplotlib, because pyvista failed ({lines[-1]}); reinstall it: pip install pyvista"
 
 
-def _feed(child: subprocess.Popen[str], frames: Sequence[tuple[Path, View]], folder: Path) -> None:
+def _feed(child: Any, frames: Sequence[tuple[Path, View]], folder: Path) -> None:
     """Write the jobs of the worker, until it ends."""
-    with contextlib.suppress(BrokenPipeError), cast("IO[str]", child.stdin) as jobs:
+    with contextlib.suppress(BrokenPipeError), child.stdin as jobs:
         for i, (path, view) in enumerate(frames):
             points = folder / f"{i}.npz"
             _write_points(path, points, view)

@@ -16,8 +16,6 @@ from mpmcol.io.snapshot import Meta, Snapshot
 from mpmcol.measure import UNDISTURBED
 from mpmcol.plotting.render.frame import (
     BASE_COLOR,
-    FOOT,
-    HEAD,
     SMALL_SIZE,
     TEXT_SIZE,
     add_time,
@@ -37,7 +35,10 @@ SURFACES = {
     "base": BASE_COLOR,
 }
 LINE: dict[str, Any] = {"color": "black", "linewidth": 1.6}
-PIXELS = 600  # across the picture of the surface
+PLACE = (0.1375, 0.1, 0.5, 0.75)  # of the axes: whole pixels, so that the picture is symmetric
+PIXELS = 500  # across the picture of the surface
+POINT_SPACINGS = 1.45  # diameter of a point over the spacing; above sqrt(2) discs on a square lattice overlap
+NEIGHBOURS = 8  # of which the topmost is seen
 
 
 def draw_top_view(snapshot: Snapshot, meta: Meta, size: tuple[int, int], undisturbed: float | None) -> Image.Image:
@@ -50,7 +51,7 @@ def draw_top_view(snapshot: Snapshot, meta: Meta, size: tuple[int, int], undistu
     scale = min(size[0] / PAGE[0], size[1] / PAGE[1])
     page_size = round(scale * PAGE[0]), round(scale * PAGE[1])
     figure = new_figure(page_size)
-    axes = figure.add_axes((0.14, 0.5 * FOOT, 0.5, 0.98 - HEAD - 0.5 * FOOT), aspect="equal", facecolor=BASE_COLOR)
+    axes = figure.add_axes(PLACE, aspect="equal", facecolor=BASE_COLOR)
     x, moved = _surface(snapshot, meta)
     reach = 1.08 * max(float(np.hypot(x[:, 0], x[:, 2]).max()), float(meta["r_i"]))
     unit, factor = length_scale(reach)
@@ -82,22 +83,24 @@ def _surface(snapshot: Snapshot, meta: Meta) -> tuple[np.ndarray, np.ndarray]:
 def _picture(x: np.ndarray, moved: np.ndarray, meta: Meta, reach: float) -> np.ndarray:
     """Colours (PIXELS, PIXELS, 4) of the surface, by rows of x and columns of z from -reach to reach.
 
-    A pixel has the colour of the nearest point. Gaps between points that are narrower than two grid cells are closed;
-    beyond the deposit the picture is transparent.
+    A pixel shows the topmost of the points that cover it, else the nearest one, so that gaps between points that are
+    narrower than two grid cells are closed. Beyond the deposit the picture is transparent.
     """
     line = reach * (2.0 * (np.arange(PIXELS) + 0.5) / PIXELS - 1.0)
     if meta["model"] == "axisymmetric":
         tree, places = KDTree(np.abs(x[:, :1])), np.hypot(line[:, None], line)[..., None]
     else:
         tree, places = KDTree(x[:, [0, 2]]), np.stack(np.meshgrid(line, line, indexing="ij"), axis=-1)
-    half, closed = 0.5 * float(meta["point_size"]), float(meta["spacing"])
-    distance, nearest = tree.query(places, distance_upper_bound=closed + half)
-    inside = np.isfinite(distance)
-    depth = distance_transform_edt(np.pad(inside, 1, constant_values=False))[1:-1, 1:-1] * 2.0 * reach / PIXELS
-    colors = np.array([to_rgba(UNDISTURBED_COLOR), to_rgba(MOVED_COLOR)])
-    picture = np.zeros((PIXELS, PIXELS, 4))
+    size, closed = float(meta["point_size"]), float(meta["spacing"])
+    distance, near = tree.query(places, NEIGHBOURS, distance_upper_bound=closed + 0.5 * size)
+    height = np.append(x[:, 1], -np.inf)[near]  # the last one stands for a missing neighbour
+    seen = np.argmax(np.where(distance <= 0.5 * POINT_SPACINGS * size, height, -np.inf), axis=-1)
+    point = np.take_along_axis(near, seen[..., None], axis=-1)[..., 0]
+    inside = np.isfinite(distance[..., 0])
+    depth = distance_transform_edt(np.pad(inside, 1))[1:-1, 1:-1] * 2.0 * reach / PIXELS
     shown = inside & (depth > closed)
-    picture[shown] = colors[moved[nearest[shown]].astype(int)]
+    picture = np.zeros((PIXELS, PIXELS, 4))
+    picture[shown] = np.array([to_rgba(UNDISTURBED_COLOR), to_rgba(MOVED_COLOR)])[moved[point[shown]].astype(int)]
     return picture
 
 

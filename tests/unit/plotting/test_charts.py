@@ -5,83 +5,25 @@ from __future__ import annotations
 import csv
 import io
 import json
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
-from mpmcol.case import Case, load_case
 from mpmcol.errors import OutputError, UsageError
 from mpmcol.experiments import EXPERIMENTS
 from mpmcol.io import results
-from mpmcol.io.results import Results
-from mpmcol.measure import ColumnShape, Measurement, measure
-from mpmcol.plotting import charts, run_charts
+from mpmcol.plotting import charts, profiles, run_charts
+from mpmcol.plotting.figures import MOST_ENTRIES
+from mpmcol.plotting.styles import EXPERIMENT_STYLES, POINTS_COLOUR, RUN_COLOURS
 from tests.support.cli import invoke
+from tests.support.synthetic_run import SHAPE, SyntheticRun, deposit
 
-SHAPE = ColumnShape("plane", "one-sided", r_i=0.09, h_i=0.09, spacing=0.002, density=2650.0, point_size=0.001)
 PNG = b"\x89PNG\r\n\x1a\n"
-
-
-def deposit(spread: float, shape: ColumnShape = SHAPE) -> Measurement:
-    """The column sheared into a wedge that is (1 + spread) r_i long."""
-    length = shape.r_i * (1.0 + spread)
-    size, height = shape.point_size, 2.0 * shape.r_i * shape.h_i / length
-    x, y = np.meshgrid(np.arange(size / 2, length, size), np.arange(size / 2, height, size), indexing="ij")
-    points = np.column_stack([x.ravel(), y.ravel()])
-    points = points[points[:, 1] < height * (1.0 - points[:, 0] / length)]
-    mass = np.full(len(points), shape.density * size**2)
-    return measure(points, mass, np.zeros_like(points), shape)
-
-
-@dataclass
-class SyntheticRun(Results):
-    """Results of a run at rest, without a simulation."""
-
-    folder: Path
-    shape: ColumnShape = SHAPE
-    experiment: str = "paper"
-
-    times = (0.0, 0.1, 0.2, 0.3)
-
-    @property
-    def case(self) -> Case:
-        return load_case("quickstart", [f"score.experiment={self.experiment}"])
-
-    @property
-    def snapshots(self) -> list[Path]:
-        return [self.folder / f"{i}.vtkhdf" for i in range(len(self.times))]
-
-    @property
-    def summary(self) -> dict[str, Any]:
-        return {"status": "done", "at_rest": True}
-
-    def snapshot(self, i: int) -> SimpleNamespace:
-        return SimpleNamespace(time=self.times[i], stage="collapse")
-
-    def measure(self, i: int = -1) -> Measurement:
-        return deposit(1.5 * self.times[i] / 0.3, self.shape)
-
-    @property
-    def history(self) -> dict[str, np.ndarray]:
-        time = np.append(np.linspace(-0.1, 0.0, 3), np.linspace(0.0, 0.4, 41))
-        risen = np.clip(time / 0.25, 0.0, 1.0)
-        total = self.shape.potential_energy(9.81)
-        front = self.shape.r_i * (1.0 + 1.5 * risen)
-        before = np.arange(44) < 3  # the last one ends at release, with a separate ledger
-        return {
-            "stage": np.where(before, "equilibrate", "collapse"),
-            "time": time,
-            "height": self.shape.h_i * (1.0 - 0.3 * risen),
-            "potential": total * (1.0 - 0.6 * risen) + 5.0,
-            "residual": 0.002 * total * risen,
-            **dict.fromkeys(charts.FRONT_STYLES, front),
-            **dict.fromkeys(charts.ENERGY_STYLES, np.where(before, 9.0 * total, 0.1 * total * risen)),
-        }
 
 
 @pytest.fixture
@@ -136,7 +78,25 @@ def test_profile_chart_has_equal_axes_and_the_fronts_at_their_positions(tmp_path
 def test_profile_falls_to_the_floor_on_both_sides_of_a_gap(tmp_path: Path, figures: list[Figure]) -> None:
     gap = replace(deposit(0.5), profile_x=np.arange(8.0), profile_y=np.array([2.0, 1.0, 0, 0, 0, 0, 1.0, 0]))
     charts.profile_chart(tmp_path / "p.png", SHAPE, [(0.3, gap)], EXPERIMENTS["paper-plane"])
-    assert line(figures[0], 0, "$t$")[1][1:] == pytest.approx([2e3, 1e3, 0, np.nan, np.nan, 0, 1e3, 0], nan_ok=True)
+    heights = line(figures[0], 0, "$t$")[1][:: profiles.SAMPLES]
+    assert heights[1:] == pytest.approx([2e3, 1e3, 0, np.nan, np.nan, 0, 1e3, 0], nan_ok=True)
+
+
+def test_the_surface_is_a_smooth_line_that_keeps_the_area() -> None:
+    """Bins that alternate, since few points are spread over them, give no staircase; straight surfaces stay."""
+    x = np.arange(0.5, 20.0)
+    straight = np.append(np.linspace(2.0, 0.1, 19), 0.0)
+    uneven = straight + np.append(0.05 * (-1.0) ** np.arange(19), 0.0)
+    drawn = {}
+    for name, heights in (("straight", straight), ("uneven", uneven)):
+        deposit_of = replace(deposit(0.5), profile_x=x, profile_y=heights)
+        drawn[name] = profiles.outline(deposit_of, 1.0)
+        shown = np.isfinite(drawn[name][1])
+        fine_x, fine_y = drawn[name][0][shown], drawn[name][1][shown]
+        assert np.trapezoid(fine_y, fine_x) == pytest.approx(np.trapezoid(heights, x) + 0.5 * heights[0], rel=0.01)
+    inside = (drawn["straight"][0] > 3.0) & (drawn["straight"][0] < 16.0)
+    assert drawn["straight"][1][inside] == pytest.approx(np.interp(drawn["straight"][0][inside], x, straight), abs=2e-3)
+    assert drawn["uneven"][1][inside] == pytest.approx(drawn["straight"][1][inside], abs=5e-3)
 
 
 @pytest.mark.parametrize(("at_rest", "name"), [(True, "deposit"), (False, "last state")])
@@ -156,8 +116,8 @@ def test_distances_of_a_two_sided_release_start_at_the_plane_of_symmetry(tmp_pat
 def test_experiment_is_drawn_by_front_height_and_surface(tmp_path: Path, figures: list[Figure]) -> None:
     rods = replace(SHAPE, r_i=0.2, h_i=0.1)
     charts.profile_chart(tmp_path / "p.png", rods, [(0.3, deposit(1.2, rods))], EXPERIMENTS["bui-2008"])
-    assert line(figures[0], 0, "free surface")[0][-1] == pytest.approx(442.3)
-    assert line(figures[0], 0, "failure line")[0][0] == pytest.approx(21.2)
+    assert line(figures[0], 0, "Bui et al. 2008: free surface")[0][-1] == pytest.approx(442.3)
+    assert line(figures[0], 0, "Bui et al. 2008: failure line")[0][0] == pytest.approx(21.2)
     containers: Any = figures[0].axes[0].containers
     bars = {bar.get_label(): bar.lines[0].get_xydata()[0] for bar in containers}
     assert bars["Bui et al. 2008: front, scatter"] == pytest.approx([442.3, 0.0])
@@ -173,7 +133,7 @@ def test_no_experimental_front_in_a_gap_and_no_profiles_for_another_column(
     labels = [[str(c.get_label()) for c in figure.axes[0].containers] for figure in figures]
     assert labels == [["Lube et al. 2007 (unverified): height, scatter"], []]
     names = [str(entry.get_label()) for figure in figures for entry in figure.axes[0].lines]
-    assert not {"free surface", "universal final surface"} & set(names)
+    assert not any("surface" in name for name in names)
 
 
 def test_front_chart_is_normalised(run: SyntheticRun, figures: list[Figure]) -> None:
@@ -196,6 +156,76 @@ def test_energy_chart_is_in_per_cent_since_release(run: SyntheticRun, figures: l
 def test_lines_differ_without_colour() -> None:
     for styles in (charts.FRONT_STYLES, charts.ENERGY_STYLES):
         assert len({str(style["linestyle"]) for style in styles.values()}) == len(styles)
+
+
+def test_every_published_law_has_a_style_of_its_own() -> None:
+    citations = {experiment.citation for experiment in EXPERIMENTS.values()}
+    assert citations <= EXPERIMENT_STYLES.keys()
+    shown = {(style.colour, str(style.line)) for style in EXPERIMENT_STYLES.values()}
+    assert len(shown) == len(EXPERIMENT_STYLES)
+    assert not {style.colour for style in EXPERIMENT_STYLES.values()} & {*RUN_COLOURS, POINTS_COLOUR}
+
+
+def test_an_experiment_has_the_same_colour_in_every_chart(run: SyntheticRun, figures: list[Figure]) -> None:
+    run_charts.chart_run(run)  # type: ignore[arg-type]
+    colour = EXPERIMENT_STYLES["Lube et al. 2007"].colour
+    bars: Any = figures[0].axes[0].containers
+    assert {bar.lines[0].get_color() for bar in bars} == {colour}
+    for panel in (0, 1):
+        (law,) = [entry for entry in figures[1].axes[panel].lines if "Lube" in str(entry.get_label())]
+        assert law.get_color() == colour
+
+
+def test_legends_are_short_and_name_experiments_by_author(run: SyntheticRun, figures: list[Figure]) -> None:
+    run_charts.chart_run(run)  # type: ignore[arg-type]
+    legends = [figures[0].legends[0], *(axes.get_legend() for axes in figures[1].axes)]
+    texts = [[text.get_text() for text in legend.get_texts()] for legend in legends if legend]
+    assert len(texts) == 3 and max(map(len, texts)) <= MOST_ENTRIES
+    assert not any("paper" in text for own in texts for text in own)
+    assert "Lube et al. 2007: front, height (unverified), scatter" in texts[0]
+    assert "Lube et al. 2005: universal final surface" in texts[0]
+
+
+def test_times_are_coloured_from_light_to_dark_with_a_scale(run: SyntheticRun, figures: list[Figure]) -> None:
+    run_charts.chart_run(run)  # type: ignore[arg-type]
+    axes = figures[0].axes[0]
+    lines = [entry for entry in axes.lines if str(entry.get_label()).startswith("$t$")]
+    lightness = [float(np.dot(to_rgb(entry.get_color()), (0.299, 0.587, 0.114))) for entry in lines]
+    assert lightness == sorted(lightness, reverse=True) and len(lines) == 3  # without the column itself
+    assert lines[-1].get_linewidth() > lines[0].get_linewidth()
+    (scale,) = axes.child_axes
+    assert scale.get_ylabel() == "time since release (s)"
+    assert [tick.get_text() for tick in scale.get_yticklabels()] == ["0.1", "0.2", "0.3"]
+
+
+def test_title_and_caption_are_those_of_the_resolved_case(run: SyntheticRun, figures: list[Figure]) -> None:
+    run.shape = replace(SHAPE, h_i=0.27)  # the title of the case says a = 1
+    run_charts.chart_run(run)  # type: ignore[arg-type]
+    for figure in figures:
+        assert figure.axes[0].get_title().endswith(", a = 3") and "a = 1" not in figure.axes[0].get_title()
+        caption = next(text for text in figure.axes[0].texts if "plane strain" in text.get_text())
+        parts = ("$r_i$ = 90 mm", "$h_i$ = 270 mm", "$h$ = 2 mm", "4 points per cell", "Mohr-Coulomb", r"= 33$\degree$")
+        assert all(part in caption.get_text() for part in parts)
+
+
+def test_the_gate_is_drawn_in_the_profile_chart(run: SyntheticRun, figures: list[Figure]) -> None:
+    run_charts.chart_run(run)  # type: ignore[arg-type]
+    assert set(line(figures[0], 0, "gate")[0]) == {90.0}
+    assert "gate" in [text.get_text() for text in figures[0].axes[0].texts]
+
+
+def test_large_columns_have_axes_in_m(tmp_path: Path, figures: list[Figure]) -> None:
+    large = replace(SHAPE, r_i=9.0, h_i=9.0, spacing=0.2, point_size=0.1)
+    charts.profile_chart(tmp_path / "p.png", large, [(3.0, deposit(1.5, large))], EXPERIMENTS["paper-plane"])
+    axes = figures[0].axes[0]
+    assert axes.get_xlabel() == "distance from the wall (m)" and axes.get_ylabel() == "height (m)"
+    assert line(figures[0], 0, "front_max")[0] == pytest.approx(22.5, rel=0.02)
+
+
+def test_the_height_panel_uses_its_range(run: SyntheticRun, figures: list[Figure]) -> None:
+    run_charts.chart_run(run)  # type: ignore[arg-type]
+    low, high = figures[1].axes[1].get_ylim()
+    assert 0.6 < low < 0.7 and 1.05 < high < 1.15  # from the deposit to the scatter of the experiment
 
 
 def test_a_run_without_release_is_rejected(run: SyntheticRun, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -40,7 +40,15 @@ def test_values_and_limits_are_in_si_units() -> None:
     displacement, velocity = COLORINGS["displacement"], COLORINGS["velocity"]
     assert displacement.values(snapshot()) == pytest.approx(0.05) and velocity.values(snapshot()) == pytest.approx(1.0)
     assert displacement.limit(snapshot(), META) == pytest.approx(0.05)
-    assert displacement.factor * 0.05 == 50.0 and "(mm)" in displacement.label
+    assert displacement.scale(0.05) == ("displacement magnitude (mm)", 1000.0)
+
+
+def test_the_unit_of_the_colour_bar_suits_the_largest_value() -> None:
+    pressure = COLORINGS["pressure"]
+    labels = [pressure.scale(limit)[0].rpartition(" ")[2] for limit in (0.5, 20.0, 3e3, 2e6)]
+    assert labels == ["(Pa)", "(Pa)", "(kPa)", "(MPa)"]
+    assert COLORINGS["displacement"].scale(2.0)[0].endswith("(m)")
+    assert all(coloring.scale(1.0)[0].endswith(")") for coloring in COLORINGS.values())
 
 
 def test_single_large_stresses_do_not_set_the_scale() -> None:

@@ -40,8 +40,14 @@ def test_projection_is_a_rotation(azimuth: float, elevation: float):
 def test_viewing_direction_has_the_given_angles():
     assert view_projection(0, 0) == pytest.approx(np.eye(3))
     assert view_projection(90, 0)[2] == pytest.approx([1, 0, 0])
-    assert view_projection(0, 90) == pytest.approx(TOP)
+    assert view_projection(-90, 90) == pytest.approx(TOP)
     assert view_projection(45, 30)[2] == pytest.approx(np.array([np.sqrt(1.5), 1, np.sqrt(1.5)]) / 2)
+
+
+def test_the_view_from_above_is_not_mirrored():
+    right, up, toward = TOP
+    assert np.cross(right, up) == pytest.approx(toward) and toward == pytest.approx([0, 1, 0])
+    assert right == pytest.approx([0, 0, 1]) and up == pytest.approx([1, 0, 0])  # z to the right, x upward
 
 
 def test_quarter_is_mirrored_at_both_symmetry_planes():

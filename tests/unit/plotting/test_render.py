@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -16,10 +17,10 @@ from PIL.ImageSequence import Iterator
 
 from mpmcol.errors import OutputError, UsageError
 from mpmcol.io.snapshot import Meta, Snapshot, list_snapshots, read_snapshot, write_snapshot
-from mpmcol.plotting.render import backends, render
+from mpmcol.plotting.render import animation, backends, render
 from mpmcol.plotting.render import frame as frame_module
 from mpmcol.plotting.render.coloring import COLORINGS
-from mpmcol.plotting.render.frame import View, canvas_size
+from mpmcol.plotting.render.frame import View, canvas_box
 from mpmcol.plotting.render.side import fit_view
 from tests.support.cli import invoke
 
@@ -28,7 +29,7 @@ SIZE = (480, 270)
 STEPS = 4
 POINT = 0.005
 META: Meta = {
-    "title": "Column, a = 2 $x",
+    "title": "Column, a = 3 $x",
     "model": "plane",
     "spacing": 0.01,
     "point_size": POINT,
@@ -74,10 +75,17 @@ def pixels(path: Path) -> np.ndarray:
 
 
 def coloured(image: np.ndarray) -> np.ndarray:
-    """Mask of the pixels above the scales that are neither white nor grey."""
-    saturation = np.ptp(image, axis=2) > 40
-    saturation[canvas_size(SIZE)[1] + int(0.1 * SIZE[1]) :] = False
-    return saturation
+    """Mask of the pixels of the material's part of the page that are neither white nor grey."""
+    left, top, width, height = canvas_box(SIZE)
+    mask = np.zeros(image.shape[:2], bool)
+    mask[top : top + height, left : left + width] = True
+    return mask & (np.ptp(image, axis=2) > 40)
+
+
+def column_of(x: float, view: View) -> float:
+    """Column of the pixel at x (m)."""
+    left, _, width, _ = canvas_box(SIZE)
+    return left + (x - view.extent[0]) / (view.extent[1] - view.extent[0]) * width
 
 
 def assert_correct_image(path: Path, folder: Path) -> None:
@@ -86,14 +94,13 @@ def assert_correct_image(path: Path, folder: Path) -> None:
     assert image.shape == (SIZE[1], SIZE[0], 3)
     assert image.std() > 20
     rows, columns = np.nonzero(coloured(image))
-    last = list_snapshots(folder)[-1]
-    left, right, _, _ = fit_view([last], SIZE, DISPLACEMENT).extent
+    view = fit_view(list_snapshots(folder)[-1:], SIZE, DISPLACEMENT)
     spread = 1 + (STEPS - 1) / STEPS
-    scale = SIZE[0] / (right - left)
-    assert columns.min() == pytest.approx(-left * scale, abs=4)
-    assert np.ptp(columns) == pytest.approx((0.045 * spread + 1.3 * POINT) * scale, abs=4)
+    scale = column_of(1.0, view) - column_of(0.0, view)
+    assert columns.min() == pytest.approx(column_of(0.0, view), abs=3)  # points end at the wall
+    assert columns.max() == pytest.approx(column_of(0.0475 * spread + 0.65 * POINT, view), abs=4)
     assert np.ptp(rows) == pytest.approx((0.095 / spread + 1.3 * POINT) * scale, abs=4)
-    below = image[rows.max() + 10, columns.min() + 5 : columns.max()]
+    below = image[rows.max() + 6, columns.min() + 5 : columns.max()]
     assert np.ptp(below, axis=1).max() < 12 and 120 < below.mean() < 220
 
 
@@ -190,9 +197,10 @@ def drawn_lines(snapshots: Path, release: str = "one-sided") -> tuple[View, list
     view = replace(view, meta=view.meta | {"release": release})
     figures: list[Figure] = []
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(frame_module, "Figure", lambda **options: figures.append(Figure(**options)) or figures[0])
-        frame_module.compose(read_snapshot(path), view, None)
-    return view, list(figures[0].axes[0].lines), figures[0]
+        patch.setattr(frame_module, "Figure", lambda **options: figures.append(Figure(**options)) or figures[-1])
+        frame_module.Page(view)
+    behind, before = figures
+    return view, [*behind.axes[0].lines, *before.axes[0].lines], before
 
 
 def test_the_view_contains_the_column_at_release(folder: Path):
@@ -211,23 +219,50 @@ def test_a_half_model_has_an_axis_of_symmetry_and_a_note(folder: Path):
     assert styles == {"one-sided": "-", "two-sided": "-."}
 
 
-def test_rigid_floor_is_a_line(folder: Path, tmp_path: Path):
+def test_a_rigid_floor_is_a_line_without_a_base(folder: Path, tmp_path: Path):
     last = read_snapshot(list_snapshots(folder)[-1])
     column = {name: values[last.column] for name, values in last.arrays.items()}
     write_snapshot(tmp_path, 0, Snapshot(0.3, 3, "rest", column), META)
-    floors = [[line for line in drawn_lines(run)[1] if not np.any(line.get_ydata())] for run in (folder, tmp_path)]
-    assert [len(found) for found in floors] == [0, 1]
-    assert max(floors[1][0].get_xdata()) > last.x[last.column, 0].max()
+    views = [fit_view(list_snapshots(run)[-1:], SIZE, DISPLACEMENT) for run in (folder, tmp_path)]
+    assert [view.base for view in views] == [pytest.approx(0.02), 0.0]
+    (floor,) = [line for line in drawn_lines(tmp_path)[1] if not np.any(line.get_ydata())]
+    assert max(floor.get_xdata()) > last.x[last.column, 0].max()
 
 
-def test_base_ends_before_the_border_of_the_image(folder: Path, tmp_path: Path, without_egl: None):
+def test_the_base_has_straight_ends(folder: Path, tmp_path: Path, without_egl: None):
     render(folder, gif=False, size=SIZE, out=tmp_path / "a.png")
-    image = pixels(tmp_path / "a.png")
-    below = image[np.nonzero(coloured(image))[0].max() + 10]
-    left, right, _, _ = fit_view(list_snapshots(folder)[-1:], SIZE, DISPLACEMENT).extent
-    end = SIZE[0] * (1 + left / 2 / (right - left))  # half of the left margin is free
-    assert end < SIZE[0] - 5
-    assert np.flatnonzero(below.mean(axis=1) < 220).max() == pytest.approx(end, abs=4)
+    view, (left, top, width, height) = fit_view(list_snapshots(folder)[-1:], SIZE, DISPLACEMENT), canvas_box(SIZE)
+    bottom = view.extent[2]
+    rows = [top + height - round((y - bottom) / (view.extent[3] - bottom) * height) for y in (-0.003, -0.018)]
+    base = np.abs(pixels(tmp_path / "a.png")[rows[0] : rows[1]] - 181).max(axis=2) < 20
+    for line in base:
+        inside = np.flatnonzero(line)
+        assert inside.min() == pytest.approx(column_of(0.0, view), abs=2) and inside.max() >= left + width - 2
+        assert len(inside) > 0.98 * np.ptp(inside)
+
+
+def test_axes_have_ticks_in_a_unit_that_suits_the_column(folder: Path):
+    view, _, page = drawn_lines(folder)
+    assert [page.axes[0].get_xlabel(), page.axes[0].get_ylabel()] == ["distance from the wall (mm)", "height (mm)"]
+    ticks = [float(tick.get_text()) for tick in page.axes[0].get_xticklabels()]
+    assert ticks == pytest.approx([1000 * x for x in page.axes[0].get_xticks()]) and len(ticks) > 3 and min(ticks) == 0
+    large = replace(view, meta=view.meta | {"r_i": 2.0, "h_i": 1.0})
+    axes = Figure().add_subplot()
+    large.draw_before(axes)
+    assert axes.get_xlabel() == "distance from the wall (m)"
+
+
+def test_the_gate_is_a_vertical_line(folder: Path):
+    _, lines, page = drawn_lines(folder)
+    (gate,) = [line for line in lines if set(line.get_xdata()) == {META["r_i"]}]
+    assert max(gate.get_ydata()) > META["h_i"] > min(gate.get_ydata()) == 0
+    assert " gate" in [text.get_text() for text in page.axes[0].texts]
+
+
+def test_the_heading_has_the_aspect_ratio_of_the_column(folder: Path):
+    texts = [text.get_text() for text in drawn_lines(folder)[2].texts]
+    assert texts[0] == "Column $x, a = 2"  # the title of the case says a = 3
+    assert texts[1] == "plane strain, $r_i$ = 50 mm, $h_i$ = 100 mm, $h$ = 10 mm, 4 points per cell"
 
 
 def test_snapshot_without_the_required_metadata(tmp_path: Path, without_egl: None):
@@ -252,6 +287,53 @@ def test_points_at_non_finite_positions_are_omitted(folder: Path, tmp_path: Path
     assert fit_view(list_snapshots(tmp_path), SIZE, DISPLACEMENT).limit == fit_view([last], SIZE, DISPLACEMENT).limit
     render(tmp_path, gif=False, size=SIZE)
     assert coloured(pixels(tmp_path / "snapshot-000000.png")).any()
+
+
+def test_an_mp4_shows_every_snapshot_and_holds_the_last(folder: Path, tmp_path: Path, without_egl: None):
+    imageio_ffmpeg = pytest.importorskip("imageio_ffmpeg")
+    size = (401, 301)  # H.264 needs even sizes
+    rendered = render(folder, gif=True, mp4=True, size=size, out=tmp_path / "a.png")
+    assert [path.name for path in rendered.paths] == ["a.png", "a.gif", "a.mp4"]
+    decode = [imageio_ffmpeg.get_ffmpeg_exe(), "-i", tmp_path / "a.mp4", "-f", "rawvideo", "-pix_fmt", "rgb24", "-"]
+    decoded = subprocess.run(decode, capture_output=True, check=True)
+    assert b"402x302" in decoded.stderr and b"25 fps" in decoded.stderr and b"h264" in decoded.stderr
+    pictures = np.frombuffer(decoded.stdout, np.uint8).reshape(-1, 302 * 402 * 3)
+    seconds = (animation.FRAME_MS * (STEPS - 1) + animation.LAST_FRAME_MS) / 1000
+    assert len(pictures) == pytest.approx(25 * seconds, abs=2)
+    changes = [np.abs(one.astype(int) - two).mean() > 1.0 for one, two in pairwise(pictures)]
+    assert sum(changes) == STEPS - 1 and not any(changes[-30:])
+
+
+def test_an_mp4_without_ffmpeg_is_refused_before_anything_is_drawn(
+    folder: Path, tmp_path: Path, without_egl: None, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+    with pytest.raises(UsageError, match=r"pip install imageio-ffmpeg.*--gif needs nothing more"):
+        render(folder, gif=False, mp4=True, out=tmp_path / "a.png")
+    assert not list(tmp_path.iterdir())
+
+
+def test_progress_counts_all_images(folder: Path, tmp_path: Path, without_egl: None):
+    counted: list[tuple[int, int]] = []
+    render(folder, gif=True, size=SIZE, out=tmp_path / "a.png", progress=lambda *count: counted.append(count))
+    assert counted == [(i, STEPS + 1) for i in range(1, STEPS + 2)]
+
+
+@needs_egl
+def test_images_are_finished_while_later_ones_are_drawn(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """The worker draws one image at a time, so that the rest of the page costs no time of its own."""
+    program = (
+        "import sys, json, time\n"
+        "for line in sys.stdin:\n"
+        "    print(json.loads(line)['image'], flush=True)\n"
+        "    time.sleep(0.05)\n"
+    )
+    monkeypatch.setattr(backends, "WORKER", (sys.executable, "-c", program))
+    view = fit_view(list_snapshots(folder), SIZE, DISPLACEMENT)
+    frames = [(path, view) for path in list_snapshots(folder)]
+    seen: list[str] = []
+    assert backends.draw_points(frames, tmp_path, lambda image: seen.append(image.name)) == ""
+    assert seen == [f"{i}.png" for i in range(STEPS)]
 
 
 def test_command(folder: Path, tmp_path: Path, without_egl: None):

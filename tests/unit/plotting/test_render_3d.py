@@ -25,7 +25,7 @@ from mpmcol.measure import Measurement
 from mpmcol.plotting import render as module
 from mpmcol.plotting.render import backends, cutaway, frame, projection, render
 from mpmcol.plotting.render.coloring import COLORINGS
-from mpmcol.plotting.render.frame import canvas_size, read_for_rendering
+from mpmcol.plotting.render.frame import canvas_box, read_for_rendering
 from mpmcol.plotting.render.projection import TOP
 from mpmcol.plotting.render.top import MOVED_COLOR, UNDISTURBED_COLOR, draw_top_view
 from tests.support.cli import invoke
@@ -108,18 +108,19 @@ def drawn(folder: Path, out: Path, snapshot: int = -1) -> np.ndarray:
 
 
 def coloured(image: np.ndarray) -> np.ndarray:
-    """Mask of the pixels above the scales that are neither white nor grey."""
-    mask = np.ptp(image, axis=2) > 25
-    mask[canvas_size(SIZE)[1] + int(0.1 * SIZE[1]) :] = False
-    return mask
+    """Mask of the pixels of the material's part of the page that are neither white nor grey."""
+    left, top, width, height = canvas_box(SIZE)
+    mask = np.zeros(image.shape[:2], bool)
+    mask[top : top + height, left : left + width] = True
+    return mask & (np.ptp(image, axis=2) > 25)
 
 
 def pixel(point: tuple[float, float, float], view: cutaway.CutawayView) -> tuple[int, int]:
     """Row and column in the image of a position in space."""
     left, right, bottom, top = view.extent
-    width, height = canvas_size(SIZE)
+    first, upper, width, height = canvas_box(SIZE)
     x, y, _ = cutaway.VIEWER @ point
-    return int(0.1 * SIZE[1]) + round((top - y) / (top - bottom) * height), round((x - left) / (right - left) * width)
+    return upper + round((top - y) / (top - bottom) * height), first + round((x - left) / (right - left) * width)
 
 
 @both_backends
@@ -127,7 +128,7 @@ def test_column_has_the_expected_size(quarter: Path, tmp_path: Path, backend: st
     """At the elevation e the width is 2 R; the height combines H cos e and the depth of the top times sin e."""
     rows, columns = np.nonzero(coloured(drawn(quarter, tmp_path / "a.png", 0)))
     view = cutaway.fit_view(list_snapshots(quarter)[:1], SIZE, DISPLACEMENT)
-    scale = SIZE[0] / (view.extent[1] - view.extent[0])
+    scale = canvas_box(SIZE)[2] / (view.extent[1] - view.extent[0])
     azimuth, elevation = np.radians((35, 28))
     front = R * np.sin(elevation) * np.cos(azimuth)  # the lower corner of the nearer cut
     height = H * np.cos(elevation) + R * np.sin(elevation) + front
@@ -187,7 +188,7 @@ def test_omitting_hidden_points_does_not_change_the_image(
 
 def test_a_quarter_is_drawn_like_the_full_model(quarter: Path, tmp_path: Path, backend: str):
     full = drawn(fabricate(tmp_path / "run", "full"), tmp_path / "a.png")
-    heading = int(0.1 * SIZE[1])
+    heading = canvas_box(SIZE)[1]
     assert np.array_equal(full[heading:], drawn(quarter, tmp_path / "b.png")[heading:])
 
 
@@ -209,7 +210,7 @@ def test_outline_of_the_released_column(tmp_path: Path, square: bool):
 def test_rigid_floor_is_drawn(tmp_path: Path, backend: str):
     image = drawn(fabricate(tmp_path, has_base=False), tmp_path / "a.png")
     view = cutaway.fit_view(list_snapshots(tmp_path)[-1:], SIZE, DISPLACEMENT)
-    beside = image[pixel((-0.04, 0, FRONT), view)]
+    beside = image[pixel((-0.04, 0, 0.92 * FRONT), view)]  # the floor is a disc with 1.12 times the radius of the heap
     assert np.ptp(beside) < 12 and 120 < beside.mean() < 220
     assert (image[pixel((0.04, 0, FRONT), view)] == 255).all()  # cut away
 
@@ -266,7 +267,7 @@ def test_circles_of_the_top_view(quarter: Path):
         for line, radius in zip(lines, radii, strict=True):
             assert np.hypot(*line.get_data()) == pytest.approx(1000 * radius)
     labels = [text.get_text() for text in top_axes(quarter, 0.0213)[1].legends[0].get_texts()]
-    assert labels[-2:] == ["column at release, $r_i$ = 50 mm", "undisturbed radius, 21 mm"]
+    assert labels[-2:] == ["column at release, $r_i$ = 50 mm", "undisturbed radius, 21.3 mm"]
     assert labels[0] == "moved by 1 mm or more"
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -10,10 +11,13 @@ import h5py
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 
 from mpmcol.case import load_case
 from mpmcol.experiments import score
 from mpmcol.io.run_folder import write_result
+from mpmcol.plotting.figures import MOST_ENTRIES
+from mpmcol.plotting.styles import EXPERIMENT_STYLES
 from mpmcol.sweep import charts
 from mpmcol.sweep.axes import parse_axes
 from mpmcol.sweep.engine import Outcome
@@ -155,10 +159,13 @@ def test_charts_have_laws_scatter_transition_and_fits(tmp_path: Path, figures: d
     runs = plan(tmp_path, aspect="0.5,1,2,3,5")
     write_report([*map(finish, runs[:-1]), finish(runs[-1], at_rest=False)], tmp_path)
     zeta, beta = labels(figures["zeta.png"]), labels(figures["beta.png"])
-    assert "Lube et al. 2004, scatter 10%" in zeta and "Lajeunesse et al. 2004 (unverified)" in zeta
-    assert [name for name in FRONTS if name in zeta] == list(FRONTS)
-    assert "front_max (not at rest)" in zeta
-    assert r"front_height: $\zeta \propto a^{0.50}$ (law $a^{0.50}$)" in zeta  # a fit of two runs has no uncertainty
+    assert "Lube et al. 2004, scatter 10%" in zeta and "not at rest" in zeta
+    beside = [text.get_text() for text in figures["zeta.png"].axes[0].texts]
+    assert "Lajeunesse et al. 2004 (unverified)" in beside and len(zeta) <= MOST_ENTRIES
+    fit = r"$\zeta \propto a^{0.50}$ (law $a^{0.50}$)"  # a fit of two runs has no uncertainty
+    fronts = [label for label in zeta if label.startswith("front_")]
+    assert [label.partition(":")[0] for label in fronts] == list(FRONTS)
+    assert all(label.endswith(fit) and label.count("propto") == 2 for label in fronts)
     assert "Lube et al. 2004: transition, no law" in beta
     (span,) = [patch for patch in figures["beta.png"].axes[0].patches if patch.get_zorder() == -2]
     assert [span.get_x(), span.get_x() + span.get_width()] == [1.0, 1.7]
@@ -166,7 +173,11 @@ def test_charts_have_laws_scatter_transition_and_fits(tmp_path: Path, figures: d
 
 def test_the_law_is_drawn_in_its_range(tmp_path: Path, figures: dict[str, Figure]) -> None:
     write_report([finish(run) for run in plan(tmp_path, aspect="0.5,1,5")], tmp_path)
-    curves = [line for line in figures["beta.png"].axes[0].lines if line.get_color() == charts.EXPERIMENT_COLOUR]
+    curves = [
+        line
+        for line in figures["beta.png"].axes[0].lines
+        if line.get_color() == EXPERIMENT_STYLES["Lube et al. 2004"].colour
+    ]
     assert [line.get_xdata()[[0, -1]].tolist() for line in curves] == [
         pytest.approx([0.5 / charts.MARGIN, 1.0]), pytest.approx([1.7, 5 * charts.MARGIN]),
     ]  # fmt: skip
@@ -178,8 +189,38 @@ def test_several_series_in_one_chart(tmp_path: Path, figures: dict[str, Figure])
     runs = plan(tmp_path, "material.friction_deg=30,36", aspect="2,3,5")
     report = write_report([finish(run) for run in runs], tmp_path)
     shown = labels(figures["zeta.png"])
-    assert "friction_deg = 30" in shown and "friction_deg = 36" in shown
-    assert sum("propto" in label for label in shown) == 2 and len(report.slopes) == 8
+    for name in ("friction_deg = 30", "friction_deg = 36"):
+        (label,) = [text for text in shown if text.startswith(name)]
+        assert label.count("propto") == 1
+    assert len(report.slopes) == 8
+
+
+def test_many_series_are_named_beside_their_last_marker(tmp_path: Path, figures: dict[str, Figure]) -> None:
+    runs = plan(tmp_path, "material.friction_deg=28,30,32,34,36,38", aspect="2,5")
+    write_report([finish(run) for run in runs], tmp_path)
+    chart = figures["zeta.png"]
+    assert len(labels(chart)) <= MOST_ENTRIES and not any("friction" in label for label in labels(chart))
+    beside = [text for text in chart.axes[0].texts if text.get_text().startswith("friction_deg")]
+    assert len(beside) == 6
+    chart.draw_without_rendering()
+    boxes = [Text.get_window_extent(text) for text in chart.axes[0].texts]  # without the lines of the annotations
+    edges = sorted((box.y0, box.y1) for box in boxes if box.x0 > chart.axes[0].bbox.x1)
+    assert len(edges) == 7 and all(lower[1] <= upper[0] + 1.0 for lower, upper in pairwise(edges))
+
+
+def test_logarithmic_axes_have_plain_labels(tmp_path: Path, figures: dict[str, Figure]) -> None:
+    write_report([finish(run) for run in plan(tmp_path, aspect="0.5,1,7")], tmp_path)
+    axes = figures["zeta.png"].axes[0]
+    ticks = [tick.get_text() for tick in axes.get_xticklabels()]
+    assert {"0.5", "1", "2", "5"} <= set(ticks) and not any("$" in tick for tick in ticks)
+    assert axes.get_xscale() == axes.get_yscale() == "log"
+
+
+def test_charts_have_the_parameters_that_all_runs_share(tmp_path: Path, figures: dict[str, Figure]) -> None:
+    write_report([finish(run) for run in plan(tmp_path, "material.friction_deg=33,36", aspect="2,3")], tmp_path)
+    axes = figures["zeta.png"].axes[0]
+    assert axes.get_title() == "Cylinder collapse, Mohr-Coulomb"
+    assert axes.texts[0].get_text() == "axisymmetric, $r_i$ = 97 mm, $h$ = 5.105 mm, 4 points per cell"
 
 
 def test_an_axis_other_than_the_aspect_ratio(tmp_path: Path, figures: dict[str, Figure]) -> None:
