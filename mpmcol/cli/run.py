@@ -134,13 +134,15 @@ def run(
         click.echo(summary_table(results))
         click.echo(f"results in {folder}; next: mpmcol plot {folder}, mpmcol render {folder}")
     if report:
-        _write_report(folder, fresh)
+        _write_report(folder, fresh, quiet)
 
 
-def _write_report(folder: Path, fresh: bool) -> None:
+def _write_report(folder: Path, fresh: bool, quiet: bool) -> None:
     from mpmcol.report import write_report
 
-    click.echo(f"report in {write_report([folder], fresh=fresh)}", err=True)
+    path = write_report([folder], fresh=fresh)
+    if not quiet:
+        click.echo(f"report in {path}", err=True)
 
 
 def _check_certify(accuracy: float | None) -> None:

@@ -86,7 +86,7 @@ def sweep(
     else:
         code = _execute(runs, folder, jobs=jobs, threads=threads, scheduler=scheduler, to_json=to_json, quiet=quiet)
         if report:
-            _write_report(folder)
+            _write_report(folder, quiet)
         click.get_current_context().exit(code)
 
 
@@ -141,10 +141,12 @@ def _execute(
     return exit_code(outcomes)
 
 
-def _write_report(folder: Path) -> None:
+def _write_report(folder: Path, quiet: bool) -> None:
     from mpmcol.report import write_report
 
-    click.echo(f"report in {write_report([folder])}", err=True)
+    path = write_report([folder])
+    if not quiet:
+        click.echo(f"report in {path}", err=True)
 
 
 def _print_forecast(runs: list[PlannedRun], jobs: int | None, threads: int | None, to_json: bool) -> None:

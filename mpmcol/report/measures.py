@@ -18,6 +18,7 @@ FRONT_NAMES = {
     "front_max": "Runout, farthest point (front_max)",
 }
 SHARES = ("friction", "damping", "walls", "transfer", "filter")
+HEIGHT, ANGLE, END = "Height at the wall or axis", "Angle of repose", "End of the run"
 TIME_UNIT = "sqrt(h_i/g)"
 
 
@@ -48,12 +49,12 @@ def measures(results: Results) -> list[Measure]:
     return [
         *(_runout(name, summary, shape.r_i, shape.range_label) for name in FRONT_NAMES),
         Measure("Spread of the three runouts", "", f"{summary['spread']:.3f}"),
-        _length("Height at the wall or axis", summary["height"], f"beta = {summary['beta']:.3f}"),
-        Measure("Angle of repose", "" if angle is None else f"{angle:.1f}°", "", angle),
+        _length(HEIGHT, summary["height"], f"beta = {summary['beta']:.3f}"),
+        Measure(ANGLE, "" if angle is None else f"{angle:.1f}°", "", angle),
         _length("Undisturbed radius", undisturbed, "") if undisturbed else Measure("Undisturbed radius"),
         Measure("Area factor", "", f"{summary['area_factor']:.3f}", summary["area_factor"]),
         _time("Front stops after", stop, tau),
-        _time("End of the run", summary["time_over_tau"], tau),
+        _time(END, summary["time_over_tau"], tau),
         Measure("State at the end", "at rest" if summary["at_rest"] else "still moving"),
     ]
 
@@ -88,9 +89,9 @@ def energy_measures(results: Results) -> list[Measure]:
 def key_figures(results: Results) -> list[Figure]:
     """What a reader looks for first."""
     end = "At rest after" if results.summary["at_rest"] else "Still moving after"
-    shown = {"front_height": "Runout", "Height": "Height", "Angle": "Angle of repose", "End of": end}
-    found = [(label, one) for one in measures(results) for part, label in shown.items() if part in one.name]
-    return [Figure(label, one.value, one.normalised) for label, one in found if one.value]
+    labels = {FRONT_NAMES["front_height"]: "Runout", HEIGHT: "Height", ANGLE: ANGLE, END: end}
+    shown = [one for one in measures(results) if one.name in labels and one.value]
+    return [Figure(labels[one.name], one.value, one.normalised) for one in shown]
 
 
 def measure_table(rows: Sequence[Measure], caption: str) -> Table:
@@ -114,14 +115,8 @@ def law_table(summary: Mapping[str, Any]) -> Table:
     """Runout (front_height) and height beside every published law that applies."""
     scores = [one for one in summary["errors"] if one["front_definition"] in ("front_height", "")]
     columns = (
-        "Published by",
-        "Material",
-        "Quantity",
-        "Published",
-        "Computed",
-        "Difference",
-        "Scatter of the experiment",
-    )
+        "Published by", "Material", "Quantity", "Published", "Computed", "Difference", "Scatter of the experiment",
+    )  # fmt: skip
     return Table(columns, list(_law_rows(scores)), "Published experiments and simulations", texts=3)
 
 

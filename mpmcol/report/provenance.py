@@ -24,7 +24,7 @@ def case_differences(runs: Sequence[Results], names: Sequence[str]) -> Table:
     """The keys whose values differ between the runs."""
     values = [leaf_values(results.case) for results in runs]
     rows = [
-        (_with_unit(key), *(_shown(one[key]) for one in values))
+        (with_unit(key), *(_shown(one[key]) for one in values))
         for key in values[0]
         if key != "title" and any(one[key] != values[0][key] for one in values[1:])
     ]
@@ -35,7 +35,8 @@ def _without_comments(text: str) -> str:
     return "\n".join(line for line in text.splitlines() if line and not line.startswith("#"))
 
 
-def _with_unit(key: str) -> str:
+def with_unit(key: str) -> str:
+    """A key of the case, with the unit of its values."""
     unit = unit_of(key)
     return key if unit == "1" else f"{key} ({unit})"
 

@@ -21,13 +21,12 @@ SCROLLED = {"table_open": '<div class="scroll" tabindex="0"><table>', "table_clo
 
 def is_study(folder: Path) -> bool:
     """Whether a study has written its report into a folder."""
-    return (folder / ENVIRONMENT_FILE).is_file() and any(folder.glob("*.md"))
+    return (folder / ENVIRONMENT_FILE).is_file() and bool(_documents(folder))
 
 
 def study_page(folder: Path) -> Page:
     """The report of a study: one section for each of its Markdown files."""
-    documents = [(path.stem, _read(path)) for path in sorted(folder.glob("*.md")) if path.stem != "README"]
-    sections = [_section(folder, name, text) for name, text in documents]
+    sections = [_section(folder, path.stem, _read(path)) for path in _documents(folder)]
     title = f"Study: {folder.resolve().name}"
     if len(sections) == 1:
         title, sections = sections[0].title, [replace(sections[0], title="Tables and charts")]
@@ -36,6 +35,11 @@ def study_page(folder: Path) -> Page:
         kind="mpmcol: report of a study",
         sections=[*sections, Section("Versions and machine", tables=[_environment(folder / ENVIRONMENT_FILE)])],
     )
+
+
+def _documents(folder: Path) -> list[Path]:
+    """The texts of a study."""
+    return [path for path in sorted(folder.glob("*.md")) if path.stem != "README"]
 
 
 def _section(folder: Path, name: str, text: str) -> Section:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +13,7 @@ from mpmcol.errors import OutputError
 from mpmcol.experiments import EXPERIMENTS
 from mpmcol.report.model import Page, Section, Table
 from mpmcol.report.pictures import file_picture
+from mpmcol.report.provenance import with_unit
 from mpmcol.sweep.axes import ASPECT
 from mpmcol.sweep.fits import SLOPES_FILE
 from mpmcol.sweep.plan import read_plan
@@ -30,7 +31,9 @@ SLOPE_COLUMNS = {
     "series": "Runs", "quantity": "Quantity", "lo": "from a", "hi": "to a", "count": "runs", "exponent": "exponent",
     "half_width": "+- (95 %)", "law_exponent": "published exponent", "law": "published by",
 }  # fmt: skip
+REQUIRED = ("folder", "status", "message", "a", *LAWS.values())
 CAPTIONS = {"zeta": "Runout of all runs", "beta": "Final height of all runs"}
+AGAIN = "delete it and repeat the `mpmcol sweep` command"
 DIGITS = 4
 
 Row = Mapping[str, str]
@@ -38,12 +41,12 @@ Row = Mapping[str, str]
 
 def sweep_page(folder: Path) -> Page:
     """The report of a sweep of which the table and the charts exist."""
-    plan, rows = read_plan(folder), read_table(folder / CSV_FILE)
+    plan, rows = read_plan(folder), read_table(folder / CSV_FILE, REQUIRED)
     keys = [key for key in plan.runs[0].inputs if key in rows[0]]
     constant = {key: rows[0][key] for key in keys if len({row[key] for row in rows}) == 1}
     tables = [_run_table([key for key in keys if key not in constant], rows)]
     if (folder / SLOPES_FILE).exists():
-        tables.append(_slope_table(read_table(folder / SLOPES_FILE)))
+        tables.append(_slope_table(read_table(folder / SLOPES_FILE, SLOPE_COLUMNS)))
     charts = [path for quantity in CHARTED for path in sorted(folder.glob(f"{quantity}*.png"))]
     pictures = [file_picture(path, f"Chart: {_caption(path)}", _caption(path)) for path in charts]
     failures = [f"{_name(row)} {row['status']}: {row['message']}" for row in rows if row["status"] != "done"]
@@ -61,8 +64,8 @@ def sweep_page(folder: Path) -> Page:
     )
 
 
-def read_table(path: Path) -> list[Row]:
-    """Rows of a table of a sweep. Raises OutputError if it is missing or damaged."""
+def read_table(path: Path, required: Collection[str]) -> list[Row]:
+    """Rows of a table of a sweep. Raises OutputError if it is missing, or damaged, or lacks a required column."""
     if not path.exists():
         raise OutputError(
             f"{path} is missing: the sweep has not ended; repeat the `mpmcol sweep` command to complete it"
@@ -73,8 +76,10 @@ def read_table(path: Path) -> list[Row]:
             rows: list[Row] = list(reader)
         if not rows or any(None in row or None in row.values() for row in rows):
             raise ValueError("rows are missing or truncated")
+        if missing := set(required) - rows[0].keys():
+            raise ValueError(f"it lacks the columns {', '.join(sorted(missing))}")
     except (OSError, ValueError, csv.Error) as error:
-        raise OutputError(f"{path} is damaged ({error}); delete it and repeat the `mpmcol sweep` command") from None
+        raise OutputError(f"{path} is damaged ({error}); {AGAIN}") from None
     return rows
 
 
@@ -87,7 +92,7 @@ def _judgement(rows: Sequence[Row]) -> Iterator[str]:
     )
     for column, name in QUANTITIES.items():
         law = LAWS[column]
-        errors = [float(row[column]) / float(row[law]) - 1.0 for row in at_rest if row[law]]
+        errors = [_difference(row[column], row[law]) for row in at_rest if row[law]]
         if errors:
             yield (
                 f"{name}: mean difference from the published law {np.mean(errors):+.1%}, mean absolute difference "
@@ -97,8 +102,18 @@ def _judgement(rows: Sequence[Row]) -> Iterator[str]:
             yield f"{name}: no published law applies"
 
 
+def _difference(value: str, published: str) -> float:
+    try:
+        return float(value) / float(published) - 1.0
+    except (ValueError, ZeroDivisionError):
+        raise OutputError(
+            f"{CSV_FILE} of the sweep is damaged: {value!r} and {published!r} are not both numbers; {AGAIN}"
+        ) from None
+
+
 def _run_table(keys: Sequence[str], rows: Sequence[Row]) -> Table:
-    columns = {key: _with_unit(key) for key in keys if key != ASPECT} | COLUMNS
+    columns = {key: with_unit(key) for key in keys if key != ASPECT}
+    columns |= {name: text for name, text in COLUMNS.items() if name in rows[0]}  # without measurements if all failed
     body = [(_name(row), row["status"], *(_short(row[name]) for name in columns)) for row in rows]
     return Table(("Run", "Status", *columns.values()), body, texts=2)
 
@@ -122,17 +137,14 @@ def _caption(chart: Path) -> str:
 
 def _counts(rows: Sequence[Row]) -> str:
     counts = Counter(row["status"] for row in rows)
-    return f"{len(rows)} runs: " + ", ".join(f"{count} {status}" for status, count in counts.items())
+    return f"{len(rows)} {'run' if len(rows) == 1 else 'runs'}: " + ", ".join(
+        f"{count} {status}" for status, count in counts.items()
+    )
 
 
 def _name(row: Row) -> str:
     """Name of a run: its folder without the hash."""
     return row["folder"].rpartition("-")[0]
-
-
-def _with_unit(key: str) -> str:
-    unit = unit_of(key)
-    return key if unit == "1" else f"{key} ({unit})"
 
 
 def _fixed(key: str, value: str) -> str:

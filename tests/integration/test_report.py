@@ -148,6 +148,14 @@ def test_a_sweep_with_its_runs_and_charts(sweep: Path) -> None:
     assert len(re.findall(r'<th scope="row">friction_deg\d+</th><td>done</td>', page)) == 2
 
 
+def test_a_sweep_whose_runs_all_failed(sweep: Path, tmp_path: Path) -> None:
+    (tmp_path / "sweep.json").write_bytes((sweep / "sweep.json").read_bytes())
+    header, row = "folder,status,a,law.zeta,law.beta,message", f"one-ab12,failed,1.0,1.6,1.0,{HOSTILE}"
+    (tmp_path / "table.csv").write_text(f"{header}\n{row}\n")
+    page = report_of(tmp_path)
+    assert "1 run: 1 failed" in page and f"<li>one failed: {HOSTILE}</li>" in page and "<figure" not in page
+
+
 def test_a_study_with_its_tables_and_pictures(study: Path) -> None:
     page = html.unescape((study / "report.html").read_text())
     assert "<h1>A study</h1>" in page and "<h3>Values</h3>" in page
@@ -227,6 +235,7 @@ def test_a_run_that_cannot_be_reported(
     [
         (remove("table.csv"), "the sweep has not ended"),
         (damage("table.csv", b"folder,status\na"), "is damaged"),
+        (damage("table.csv", b"folder,status\na,done\n"), "lacks the columns a, law.beta, law.zeta, message"),
         (damage("zeta.png"), "zeta.png is damaged"),
         (damage("sweep.json"), "sweep.json cannot be read"),
     ],
