@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -33,7 +34,9 @@ def heading_of(case: Case, shape: ColumnShape) -> Heading:
 
 def heading_of_snapshot(meta: Meta) -> Heading:
     """As `heading_of`, from the metadata of a snapshot."""
-    case = tomllib.loads(str(meta.get("case", "")))
+    case: dict[str, Any] = {}
+    with contextlib.suppress(tomllib.TOMLDecodeError):  # of another program; the caption is then shorter
+        case = tomllib.loads(str(meta.get("case", "")))
     title = run_title(str(meta["title"]), str(meta["model"]), float(meta["h_i"]) / float(meta["r_i"]))
     return Heading(title, ", ".join(_parameters(meta, case.get("material", {}))))
 
@@ -63,7 +66,7 @@ def _material(case: Case) -> dict[str, Any]:
 
 def _material_text(material: Mapping[str, Any]) -> list[str]:
     """Constitutive law and friction angle; of a softening law from peak to residual."""
-    if not material:
+    if "law" not in material:
         return []
     name = str(material["law"]).replace("mohr-coulomb", "Mohr-Coulomb").replace("-softening", " with softening")
     angles = [f"{material[key]:g}" for key in FRICTION if material.get(key) is not None]

@@ -16,7 +16,7 @@ from mpmcol.errors import UsageError
 from mpmcol.experiments import Experiment, column_kind, find_experiment
 from mpmcol.io.atomic import make_folder
 from mpmcol.io.results import Results
-from mpmcol.measure import Array, ColumnShape
+from mpmcol.measure import Array, ColumnShape, Measurement
 from mpmcol.plotting.captions import common_heading, run_names
 from mpmcol.plotting.charts import TIME_LABEL, draw_band, history_panels
 from mpmcol.plotting.figures import MOST_ENTRIES, Heading, add_heading, legend_below, save_figure
@@ -150,7 +150,7 @@ def _profiles(
         tallest = max((run.shape for run in runs), key=lambda one: one.h_i)
         flatness = set_up_axes(target, tallest, deposits, reach)
     else:
-        flatness = _set_up_relative(axes, runs)
+        flatness = _set_up_relative(axes, runs, deposits)
     lines: list[Any] = []
     for run, deposit in zip(runs, deposits, strict=True):
         scale = factor if same_size else 1.0 / run.shape.r_i
@@ -163,12 +163,13 @@ def _profiles(
     return save_figure(figure, path, svg)
 
 
-def _set_up_relative(axes: Axes, runs: Sequence[ComparedRun]) -> float:
+def _set_up_relative(axes: Axes, runs: Sequence[ComparedRun], deposits: Sequence[Measurement]) -> float:
     """Axes for columns of different sizes, relative to r_i; returns height over length."""
     axes.set(xlabel=f"{distance_label(runs[0].shape)} over $r_i$ (-)", ylabel="height over $r_i$ (-)")
     draw_gate(axes, 1.0)
     axes.axhline(0.0, color="black", linewidth=0.8, zorder=0)
-    return max(run.shape.a for run in runs) / max(run.results.measure().max_distance / run.shape.r_i for run in runs)
+    ends = (deposit.max_distance / run.shape.r_i for run, deposit in zip(runs, deposits, strict=True))
+    return max(run.shape.a for run in runs) / max(ends)
 
 
 def _histories(

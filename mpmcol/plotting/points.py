@@ -74,7 +74,7 @@ def read_points(path: Path) -> list[MeasuredSeries]:
     if not series:
         raise UsageError(f"{path}: no points below the header; expected one line for each point")
     if len(series) > MOST_SERIES:
-        raise UsageError(f"{path}: {len(series)} series; at most {MOST_SERIES} can be told apart in one chart")
+        raise UsageError(f"{path}: {len(series)} series; one chart can show {MOST_SERIES}")
     return [MeasuredSeries(path.name, name, *np.array(points).T) for name, points in series.items()]
 
 

@@ -73,7 +73,7 @@ def draw_points(frames: Sequence[tuple[Path, View]], folder: Path, finish: Calla
         timer.start()
         try:
             fed = feeder.submit(_feed, child, frames, folder)
-            for line in child.stdout:
+            for line in child.stdout or ():
                 finish(Path(line.rstrip("\n")))
             code = child.wait()
         finally:

@@ -140,7 +140,7 @@ def read_for_rendering(path: Path) -> tuple[Snapshot, Meta]:
     Raises OutputError if the file cannot be read or lacks metadata.
     """
     snapshot, meta = read_snapshot(path), read_meta(path)
-    missing = sorted({"title", "model", "point_size", "r_i", "h_i"} - meta.keys())
+    missing = sorted({"title", "model", "point_size", "spacing", "r_i", "h_i"} - meta.keys())
     if missing:
         raise OutputError(
             f"{path}: cannot be rendered; metadata {', '.join(missing)} missing. Use a snapshot of `mpmcol run`."

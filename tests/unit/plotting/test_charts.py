@@ -199,7 +199,7 @@ def test_times_are_coloured_from_light_to_dark_with_a_scale(run: SyntheticRun, f
 
 
 def test_title_and_caption_are_those_of_the_resolved_case(run: SyntheticRun, figures: list[Figure]) -> None:
-    run.shape = replace(SHAPE, h_i=0.27)  # the title of the case says a = 1
+    run.shape = replace(SHAPE, h_i=0.27)  # a = 1 in the title of the case
     run_charts.chart_run(run)  # type: ignore[arg-type]
     for figure in figures:
         assert figure.axes[0].get_title().endswith(", a = 3") and "a = 1" not in figure.axes[0].get_title()

@@ -261,7 +261,7 @@ def test_the_gate_is_a_vertical_line(folder: Path):
 
 def test_the_heading_has_the_aspect_ratio_of_the_column(folder: Path):
     texts = [text.get_text() for text in drawn_lines(folder)[2].texts]
-    assert texts[0] == "Column $x, a = 2"  # the title of the case says a = 3
+    assert texts[0] == "Column $x, a = 2"  # a = 3 in the title of the case
     assert texts[1] == "plane strain, $r_i$ = 50 mm, $h_i$ = 100 mm, $h$ = 10 mm, 4 points per cell"
 
 
@@ -273,7 +273,7 @@ def test_snapshot_without_the_required_metadata(tmp_path: Path, without_egl: Non
         "id": np.arange(3),
     }
     write_snapshot(tmp_path, 0, Snapshot(0.0, 0, "collapse", arrays), {"title": "a", "model": "plane"})
-    with pytest.raises(OutputError, match="metadata h_i, point_size, r_i missing"):
+    with pytest.raises(OutputError, match="metadata h_i, point_size, r_i, spacing missing"):
         render(tmp_path, gif=False)
 
 
