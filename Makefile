@@ -43,10 +43,13 @@ check: $(READY)  ## check style, format, types and import layers
 	$(BIN)/mypy --platform win32 --cache-dir .mypy_cache/windows
 	$(BIN)/lint-imports
 
+browser:         ## install Chromium (Debian, as root), in which the tests show reports
+	command -v chromium || (apt-get update --quiet && apt-get install --quiet --yes chromium)
+
 bench: $(READY)  ## measure the time per point and step of every kernel
 	$(BIN)/mpmcol bench
 
 clean:           ## remove .venv, caches and built files
 	rm -rf $(VENV) runs/demo build dist .pytest_cache .mypy_cache .ruff_cache .import_linter_cache
 
-.PHONY: help install demo kernels test test-all soak check bench clean
+.PHONY: help install demo kernels test test-all soak check browser bench clean

@@ -31,6 +31,7 @@ GROUPS = {  # heading in the help -> command -> where it is defined
         "measure": "mpmcol.cli.measure:measure",
         "plot": "mpmcol.cli.plot:plot",
         "render": "mpmcol.cli.render:render",
+        "report": "mpmcol.cli.report:report",
         "verify": "mpmcol.cli.verify:verify",
     },
     "Case files": {

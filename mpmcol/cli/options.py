@@ -87,4 +87,5 @@ jobs_option = click.option(
 threads_option = click.option(
     "--threads", metavar="N", type=THREADS, help="Threads per run  [default: chosen from their sizes]"
 )
+report_option = click.option("--report", is_flag=True, help="Also write report.html in the folder of the results.")
 quiet_option = click.option("--quiet", is_flag=True, help="Print errors only.")

@@ -13,11 +13,20 @@ from click.core import ParameterSource
 
 from mpmcol.cli.accuracy import certify as run_certified
 from mpmcol.cli.accuracy import recommend
-from mpmcol.cli.options import ACCURACY, DURATION, THREADS, json_option, out_option, overrides_option, quiet_option
+from mpmcol.cli.options import (
+    ACCURACY,
+    DURATION,
+    THREADS,
+    json_option,
+    out_option,
+    overrides_option,
+    quiet_option,
+    report_option,
+)
 from mpmcol.errors import Interrupted, NumericalFailure
 
 SINGLE_RUN_OPTIONS = (
-    "fresh", "force_resume", "checkpoint", "max_wall", "on_instability", "requeue_code", "dry_run",
+    "fresh", "force_resume", "checkpoint", "max_wall", "on_instability", "requeue_code", "dry_run", "report",
 )  # fmt: skip
 
 
@@ -43,6 +52,7 @@ SINGLE_RUN_OPTIONS = (
     "--requeue-code", metavar="N", type=click.IntRange(0, 255), help="Exit code of a stopped run  [default: 75]"
 )
 @click.option("--dry-run", is_flag=True, help="Check the case and estimate its cost; run and write nothing.")
+@report_option
 @json_option("result.json")
 @quiet_option
 def run(
@@ -59,6 +69,7 @@ def run(
     on_instability: Literal["stop", "retry"],
     requeue_code: int | None,
     dry_run: bool,
+    report: bool,
     to_json: bool,
     quiet: bool,
 ) -> None:
@@ -122,6 +133,16 @@ def run(
 
         click.echo(summary_table(results))
         click.echo(f"results in {folder}; next: mpmcol plot {folder}, mpmcol render {folder}")
+    if report:
+        _write_report(folder, fresh, quiet)
+
+
+def _write_report(folder: Path, fresh: bool, quiet: bool) -> None:
+    from mpmcol.report import write_report
+
+    path = write_report([folder], fresh=fresh)
+    if not quiet:
+        click.echo(f"report in {path}", err=True)
 
 
 def _check_certify(accuracy: float | None) -> None:

@@ -15,6 +15,7 @@ from mpmcol.cli.options import (
     json_option,
     out_option,
     quiet_option,
+    report_option,
     threads_option,
 )
 
@@ -41,6 +42,7 @@ FORECAST_SCHEMA = 1
 )  # fmt: skip
 @click.option("--scheduler", metavar="ADDRESS", help="Scheduler of the dask cluster, for example tcp://10.0.0.1:8786.")
 @click.option("--dry-run", is_flag=True, help="Check all runs and estimate their cost; run and write nothing.")
+@report_option
 @json_option("table, fits and names of files")
 @quiet_option
 def sweep(
@@ -54,6 +56,7 @@ def sweep(
     engine: str,
     scheduler: str | None,
     dry_run: bool,
+    report: bool,
     to_json: bool,
     quiet: bool,
 ) -> None:
@@ -69,7 +72,7 @@ def sweep(
     Each run has its own results folder. Repeating the command completes missing runs. Ctrl-C and SIGTERM stop the runs
     with a checkpoint (exit code 75).
     """
-    _check_engine(engine, scheduler, jobs, to_json)
+    _check_engine(engine, scheduler, jobs, to_json, report)
     from mpmcol.sweep.axes import parse_axes
     from mpmcol.sweep.runs import plan_runs
 
@@ -81,10 +84,13 @@ def sweep(
     elif engine == "commands":
         _print_commands(runs, folder, threads, quiet)
     else:
-        _execute(runs, folder, jobs=jobs, threads=threads, scheduler=scheduler, to_json=to_json, quiet=quiet)
+        code = _execute(runs, folder, jobs=jobs, threads=threads, scheduler=scheduler, to_json=to_json, quiet=quiet)
+        if report:
+            _write_report(folder, quiet)
+        click.get_current_context().exit(code)
 
 
-def _check_engine(engine: str, scheduler: str | None, jobs: int | None, to_json: bool) -> None:
+def _check_engine(engine: str, scheduler: str | None, jobs: int | None, to_json: bool, report: bool) -> None:
     """Refuse options that contradict the engine."""
     if (engine == "dask") != (scheduler is not None):
         raise click.UsageError("--engine dask requires --scheduler ADDRESS, and --scheduler requires --engine dask")
@@ -92,6 +98,8 @@ def _check_engine(engine: str, scheduler: str | None, jobs: int | None, to_json:
         raise click.UsageError("--jobs requires --engine local; a cluster schedules its runs itself")
     if engine == "commands" and to_json:
         raise click.UsageError("--json prints results, and --engine commands runs nothing; omit one of them")
+    if engine == "commands" and report:
+        raise click.UsageError("--report reports results, and --engine commands runs nothing; omit one of them")
 
 
 def _default_folder(case: str, settings: tuple[str, ...], zipped: bool) -> Path:
@@ -109,7 +117,8 @@ def _execute(
     scheduler: str | None,
     to_json: bool,
     quiet: bool,
-) -> None:
+) -> int:
+    """Execute the runs, and print what came of them; returns the exit code."""
     from mpmcol.cli.sweep_display import SweepDisplay, as_record, failures, summary_lines
     from mpmcol.sweep.engine import exit_code
     from mpmcol.sweep.plan import as_json
@@ -129,7 +138,15 @@ def _execute(
             click.echo(line, err=True)
     else:
         click.echo("\n".join(summary_lines(report)))
-    click.get_current_context().exit(exit_code(outcomes))
+    return exit_code(outcomes)
+
+
+def _write_report(folder: Path, quiet: bool) -> None:
+    from mpmcol.report import write_report
+
+    path = write_report([folder])
+    if not quiet:
+        click.echo(f"report in {path}", err=True)
 
 
 def _print_forecast(runs: list[PlannedRun], jobs: int | None, threads: int | None, to_json: bool) -> None:

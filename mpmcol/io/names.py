@@ -11,12 +11,13 @@ LOCK_FILE = ".lock"
 # Files that may be in the folder before the run starts: its input case and its log.
 GIVEN_CASE_FILE, LOG_FILE = "case.toml", "run.log"
 ERROR_BARS_FILE, REPEATS_FOLDER = "error_bars.json", "repeats"  # of `mpmcol run --certify`
+REPORT_FILE = "report.html"  # of `mpmcol report`
 CHART_FILES = (
     "profile.png", "front.png", "energy.png", "profile.svg", "front.svg", "energy.svg", "collapse.gif", "collapse.mp4",
     "topview.png", "snapshot-*.png",
 )  # fmt: skip
 # All files of a run, as patterns. The case is last, so that a partly emptied folder is still recognised as a run's.
 OWN_FILES = (
-    ERROR_BARS_FILE, RESULT_FILE, CHECKSUM_FILE, HISTORY_FILE, *INDEX_FILES, SNAPSHOT_FOLDER, *CHART_FILES,
+    ERROR_BARS_FILE, REPORT_FILE, RESULT_FILE, CHECKSUM_FILE, HISTORY_FILE, *INDEX_FILES, SNAPSHOT_FOLDER, *CHART_FILES,
     *CHECKPOINT_FILES, CASE_FILE,
 )  # fmt: skip

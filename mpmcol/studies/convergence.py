@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import astuple, dataclass
 
 import numpy as np
-from scipy.stats import linregress
 
 ORDERS = np.linspace(0.5, 2.0, 31)  # candidate orders of convergence
 MIN_SPACINGS = 3
@@ -34,6 +33,8 @@ def first_order_value(spacings: Sequence[float], values: Sequence[float]) -> Con
     near = h <= MAX_RATIO * h.min(initial=np.inf)
     if len(np.unique(h[near])) < MIN_SPACINGS:
         return None
+    from scipy.stats import linregress  # takes longer to import than all that a run needs to be judged
+
     line = linregress(h[near], q[near])
     return ConvergedValue(float(line.intercept), float(line.intercept_stderr), 1.0)
 

@@ -1,0 +1,164 @@
+"""Measured quantities of finished runs as tables: of one run, and of several beside each other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from math import sqrt
+from typing import Any
+
+from mpmcol.experiments import EXPERIMENTS, mark
+from mpmcol.io.results import Results
+from mpmcol.report.model import Figure, Table
+from mpmcol.units import length_text
+
+FRONT_NAMES = {
+    "front_height": "Runout, end of the deposit (front_height)",
+    "front_connected": "Runout, without a gap (front_connected)",
+    "front_max": "Runout, farthest point (front_max)",
+}
+SHARES = ("friction", "damping", "walls", "transfer", "filter")
+HEIGHT, ANGLE, END = "Height at the wall or axis", "Angle of repose", "End of the run"
+TIME_UNIT = "sqrt(h_i/g)"
+
+
+@dataclass(frozen=True)
+class Measure:
+    """A quantity of a run.
+
+    value: with its unit. normalised: without dimension. number: for differences between runs; None if they have no
+    meaning.
+    """
+
+    name: str
+    value: str = ""
+    normalised: str = ""
+    number: float | None = None
+
+    @property
+    def text(self) -> str:
+        """Value and normalised value in one cell."""
+        return ", ".join(filter(None, (self.value, self.normalised))) or "none"
+
+
+def measures(results: Results) -> list[Measure]:
+    """Runout, height and shape of the deposit, and the end of the run."""
+    summary, shape = results.summary, results.shape
+    tau = sqrt(shape.h_i / results.case.geometry.gravity)
+    angle, undisturbed, stop = (summary.get(name) for name in ("repose_angle_deg", "undisturbed_radius", "stop_time"))
+    return [
+        *(_runout(name, summary, shape.r_i, shape.range_label) for name in FRONT_NAMES),
+        Measure("Spread of the three runouts", "", f"{summary['spread']:.3f}"),
+        _length(HEIGHT, summary["height"], f"beta = {summary['beta']:.3f}"),
+        Measure(ANGLE, "" if angle is None else f"{angle:.1f}°", "", angle),
+        _length("Undisturbed radius", undisturbed, "") if undisturbed else Measure("Undisturbed radius"),
+        Measure("Area factor", "", f"{summary['area_factor']:.3f}", summary["area_factor"]),
+        _time("Front stops after", stop, tau),
+        _time(END, summary["time_over_tau"], tau),
+        Measure("State at the end", "at rest" if summary["at_rest"] else "still moving"),
+    ]
+
+
+def cost_measures(results: Results) -> list[Measure]:
+    """Size and cost of a run."""
+    summary = results.summary
+    h, threads = summary["spacing_used"], summary["threads"]
+    return [
+        Measure("Node spacing h", length_text(h), f"r_i/h = {summary['r_i'] / h:.3g}"),
+        Measure("Material points", f"{summary['points']:,}", f"{summary['column_points']:,} in the column"),
+        Measure("Time steps", f"{summary['steps']:,}", f"the last of {summary['dt']:.3g} s"),
+        Measure("Computing time, without compilation", f"{run_seconds(summary):.1f} s", f"threads: {threads}"),
+        Measure("Peak memory", f"{summary['peak_memory_bytes'] / 2**20:.0f} MiB"),
+    ]  # fmt: skip
+
+
+def energy_measures(results: Results) -> list[Measure]:
+    """Where the potential energy released went, and the quality of the stresses."""
+    shares, stress = (results.summary.get(name) or {} for name in ("dissipation", "stress"))
+    foot = stress.get("weight_at_foot")
+    return [
+        *(Measure(f"Dissipated by {name}", _percent(shares.get(name))) for name in SHARES),
+        Measure("Weight of the deposit at its foot", "" if foot is None else f"{1e-3 * foot:.3g} kPa"),
+        Measure(
+            "Pressure that 99 % of the points do not exceed, over this weight", _percent(stress.get("pressure_p99"))
+        ),
+        Measure("Points inside the deposit without stress", _percent(stress.get("stress_free"))),
+    ]
+
+
+def key_figures(results: Results) -> list[Figure]:
+    """What a reader looks for first."""
+    end = "At rest after" if results.summary["at_rest"] else "Still moving after"
+    labels = {FRONT_NAMES["front_height"]: "Runout", HEIGHT: "Height", ANGLE: ANGLE, END: end}
+    shown = [one for one in measures(results) if one.name in labels and one.value]
+    return [Figure(labels[one.name], one.value, one.normalised) for one in shown]
+
+
+def measure_table(rows: Sequence[Measure], caption: str) -> Table:
+    """Measured quantities of one run."""
+    cells = [(one.name, one.value or ("" if one.normalised else one.text), one.normalised) for one in rows]
+    return Table(("Quantity", "Value", "Normalised"), cells, caption)
+
+
+def value_table(rows: Sequence[Measure], caption: str) -> Table:
+    """Other quantities of one run."""
+    return Table(("Quantity", "Value"), [(one.name, one.text) for one in rows], caption)
+
+
+def comparison_table(names: Sequence[str], runs: Sequence[Sequence[Measure]], caption: str) -> Table:
+    """The quantities of several runs, with their relative differences from the first."""
+    rows = [[same[0].name, *(_compared(one, same[0]) for one in same)] for same in zip(*runs, strict=True)]
+    return Table(("Quantity", *names), rows, caption)
+
+
+def law_table(summary: Mapping[str, Any]) -> Table:
+    """Runout (front_height) and height beside every published law that applies."""
+    scores = [one for one in summary["errors"] if one["front_definition"] in ("front_height", "")]
+    columns = (
+        "Published by", "Material", "Quantity", "Published", "Computed", "Difference", "Scatter of the experiment",
+    )  # fmt: skip
+    return Table(columns, list(_law_rows(scores)), "Published experiments and simulations", texts=3)
+
+
+def _law_rows(scores: Sequence[Mapping[str, Any]]) -> Iterator[Sequence[str]]:
+    for one in scores:
+        if one["expected"] is not None and one["error"] is not None:
+            experiment = EXPERIMENTS[one["experiment"]]
+            difference = f"{one['error']:+.1%}" + ("" if one["within_scatter"] else ", beyond the scatter")
+            yield (
+                f"{experiment.citation}{mark(one['verified'])}", experiment.material, one["quantity"],
+                f"{one['expected']:.3f}", f"{one['value']:.3f}", difference, f"{one['scatter']:.0%}",
+            )  # fmt: skip
+
+
+def run_seconds(summary: Mapping[str, Any]) -> float:
+    """Wall-clock time of a run without compilation, s."""
+    return float(sum(seconds for part, seconds in summary["wall_s"].items() if part != "compile"))
+
+
+def _runout(name: str, summary: Mapping[str, Any], r_i: float, range_label: str) -> Measure:
+    front, zeta = summary["front"][name], summary["zeta"][name]
+    if not isinstance(zeta, Mapping):
+        return _length(FRONT_NAMES[name], front - r_i, f"zeta = {zeta:.3f}")
+    text = f"zeta = {zeta['mean']:.3f} ({zeta['min']:.3f} to {zeta['max']:.3f} {range_label})"
+    return _length(FRONT_NAMES[name], front["mean"] - r_i, text)
+
+
+def _length(name: str, metres: float, normalised: str) -> Measure:
+    return Measure(name, length_text(metres), normalised, metres)
+
+
+def _time(name: str, over_tau: float | None, tau: float) -> Measure:
+    if over_tau is None:
+        return Measure(name)
+    return Measure(name, f"{over_tau * tau:.3g} s", f"{over_tau:.2f} {TIME_UNIT}", over_tau * tau)
+
+
+def _percent(share: float | None) -> str:
+    return "" if share is None else f"{100.0 * share:.1f} %"
+
+
+def _compared(one: Measure, first: Measure) -> str:
+    if one is first or not one.number or not first.number:
+        return one.text
+    return f"{one.text} ({one.number / first.number - 1.0:+.1%})"

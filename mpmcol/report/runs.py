@@ -1,0 +1,95 @@
+"""Content of the report of one run, and of several runs side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from mpmcol.io.results import Results
+from mpmcol.plotting.captions import MODELS, run_names, run_title
+from mpmcol.report.measures import (
+    comparison_table,
+    cost_measures,
+    energy_measures,
+    key_figures,
+    law_table,
+    measure_table,
+    measures,
+    value_table,
+)
+from mpmcol.report.model import Page, Section
+from mpmcol.report.pictures import animation, chart_pictures, comparison_pictures, deposit_picture
+from mpmcol.report.provenance import case_differences, case_files, version_table
+from mpmcol.studies.judgement import judge
+from mpmcol.units import length_text
+
+MEASURES, COST, ENERGY = "Deposit", "Size and cost", "Energy and stresses"
+
+
+def run_page(results: Results) -> Page:
+    """The report of a finished run."""
+    deposit = measure_table(measures(results), MEASURES)
+    others = [value_table(energy_measures(results), ENERGY), value_table(cost_measures(results), COST)]
+    profile, *charts = chart_pictures(results)
+    return Page(
+        title=_title(results),
+        kind="mpmcol: report of a run",
+        facts=_facts(results),
+        figures=key_figures(results),
+        sections=[
+            Section("Judgement", lines=[line[:1].upper() + line[1:] for line in judge(results)]),
+            *_warnings([results], [""]),
+            Section("Collapse and deposit", pictures=[animation(results), deposit_picture(results)]),
+            Section("Measurements", tables=[deposit, law_table(results.summary)]),
+            Section("Profiles", pictures=[profile], is_wide=True),
+            Section("Front, height and energy in time", pictures=charts, is_wide=True),
+            Section("Energy, stresses and cost", tables=others),
+            Section("Case", listings=case_files(results)),
+            Section("Versions", tables=[version_table([results], ["Value"])]),
+        ],
+    )
+
+
+def comparison_page(runs: Sequence[Results]) -> Page:
+    """The report of several finished runs, which are compared with the first."""
+    names = run_names(runs)
+    labelled = list(zip(names, runs, strict=True))
+    parts = ((measures, MEASURES), (energy_measures, ENERGY), (cost_measures, COST))
+    tables = [comparison_table(names, [make(one) for one in runs], caption) for make, caption in parts]
+    return Page(
+        title=f"{len(runs)} runs: {', '.join(names)}",
+        kind="mpmcol: comparison of runs",
+        facts=[f"{name}: {_title(one)}; {'; '.join(_facts(one))}" for name, one in labelled],
+        sections=[
+            Section("Judgement", lines=[f"{name}: {line}" for name, one in labelled for line in judge(one)]),
+            *_warnings(runs, names),
+            Section("Differences of the cases", tables=[case_differences(runs, names)]),
+            Section(f"Measurements (differences from {names[0]})", tables=tables),
+            Section("Profiles, front, height and energy", pictures=comparison_pictures(runs), is_wide=True),
+            *(Section(name, pictures=[animation(one), deposit_picture(one)]) for name, one in labelled),
+            Section(f"Case {names[0]}", listings=case_files(runs[0])),
+            Section("Versions", tables=[version_table(runs, names)]),
+        ],
+    )
+
+
+def _title(results: Results) -> str:
+    return run_title(results.case.title, results.shape.model, results.shape.a)
+
+
+def _facts(results: Results) -> list[str]:
+    """The column, its material and its grid."""
+    shape, case = results.shape, results.case
+    return [
+        f"{MODELS[shape.model]}, a = {shape.a:.3g}, r_i = {length_text(shape.r_i)}, h_i = {length_text(shape.h_i)}, "
+        f"{case.material.law}, h = {length_text(shape.spacing)}, {results.summary['points']:,} material points",
+    ]
+
+
+def _warnings(runs: Sequence[Results], names: Sequence[str]) -> list[Section]:
+    """A section with the warnings of the runs, if there are any."""
+    found = [
+        f"{name}: {warning}" if name else warning
+        for results, name in zip(runs, names, strict=True)
+        for warning in results.summary.get("warnings", ())
+    ]
+    return [Section("Warnings", lines=found)] if found else []

@@ -1,0 +1,47 @@
+"""Folders of which reports can be made, changed in ways that a simulation would take long to produce."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from PIL import Image
+
+STUDY_TEXT = """\
+# A study
+
+Some text with <script>alert(1)</script>.
+
+![chart](a%20chart.png)
+
+## Values
+
+| case | zeta |
+|---|---|
+| channel | 1.5 |
+"""
+
+
+def copy_run(source: Path, target: Path, change: Callable[[dict[str, Any]], object], *edits: tuple[str, str]) -> Path:
+    """Copy a run, change its result, and replace texts in its case."""
+    shutil.copytree(source, target)
+    result = json.loads((target / "result.json").read_text())
+    change(result)
+    (target / "result.json").write_text(json.dumps(result))
+    case = target / "case.resolved.toml"
+    for old, new in edits:
+        assert old in case.read_text()
+        case.write_text(case.read_text().replace(old, new))
+    return target
+
+
+def write_study(folder: Path) -> Path:
+    """A folder as `mpmcol pareto` leaves it."""
+    folder.mkdir()
+    (folder / "study.md").write_text(STUDY_TEXT)
+    Image.new("RGB", (900, 300), "white").save(folder / "a chart.png")
+    (folder / "environment.json").write_text(json.dumps({"mpmcol": "0.1.0+abc", "cores": 2}))
+    return folder
