@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
@@ -22,7 +22,10 @@ MEASURING_SPEED = "measuring the speed of this machine (half a second, more if k
 
 
 class RunDisplay:
-    """Messages and progress on stderr: a bar with the remaining time if it is a terminal, otherwise lines of text."""
+    """Messages and progress on stderr: a bar with the remaining time if it is a terminal, otherwise lines of text.
+
+    A run continues without them if the reader of a pipe or the terminal is gone, or the disk of a log is full.
+    """
 
     RESOLUTION = 1000  # of the bar
 
@@ -37,25 +40,31 @@ class RunDisplay:
         return self
 
     def __exit__(self, *error: object) -> None:
-        self._stack.close()
+        self._close_bar()
 
     def notify(self, line: str) -> None:
         """Print one line, and end the bar of the present stage."""
-        self._stack.close()
+        self._close_bar()
         self._stage = ""
         if not self.quiet:
-            click.echo(line, err=True)
+            with suppress(OSError):
+                click.echo(line, err=True)
 
     def progress(self, stage: str, fraction: float) -> None:
         """Show the fraction of a stage that is done."""
         if self._lines:
             self._lines(stage, fraction)
         elif not self.quiet:
-            self._update_bar(stage, fraction)
+            with suppress(OSError):
+                self._update_bar(stage, fraction)
+
+    def _close_bar(self) -> None:
+        with suppress(OSError):
+            self._stack.close()
 
     def _update_bar(self, stage: str, fraction: float) -> None:
         if stage != self._stage:
-            self._stack.close()
+            self._close_bar()
             self._stage, self._done = stage, 0
             bar: Any = click.progressbar(length=self.RESOLUTION, label=stage, file=sys.stderr, show_eta=True)
             self._bar = self._stack.enter_context(bar)
