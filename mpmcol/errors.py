@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from difflib import get_close_matches
 from typing import Any, Protocol, TypeVar
 
 
@@ -63,6 +62,8 @@ Item = TypeVar("Item", bound=Named)
 
 def suggestion(name: str, known: Iterable[str]) -> str:
     """Hint for an unknown name: the most similar known name, or all known names."""
+    from difflib import get_close_matches  # imported here, because every command imports this module
+
     known = list(known)
     near = get_close_matches(name, known, n=1)
     return f"did you mean {near[0]!r}?" if near else f"known: {', '.join(known)}"

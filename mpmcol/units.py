@@ -145,6 +145,13 @@ def to_unit(text: str, unit: str) -> float:
     return number if written == unit else float(f"{number * factor / divisor:.15g}")
 
 
+def duration_text(seconds: float) -> str:
+    """A time in the unit that gives a readable number."""
+    if seconds < 120.0:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60.0:.0f} min" if seconds < 7200.0 else f"{seconds / 3600.0:.1f} h"
+
+
 def length_text(metres: float) -> str:
     """A length with four digits, in mm below one metre and in m above."""
     return f"{1e3 * metres:.4g} mm" if abs(metres) < 1.0 else f"{metres:.4g} m"

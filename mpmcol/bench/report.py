@@ -102,7 +102,7 @@ def load_report(path: Path) -> Report:
             raise ValueError(f"schema {data['schema']}, expected {SCHEMA}")
         return Report(data["date"], data["machine"], tuple(_read_case(case) for case in data["cases"]))
     except (OSError, ValueError, KeyError, TypeError) as error:
-        raise UsageError(f"{path}: expected a report that `mpmcol bench --json` wrote: {error!r}") from error
+        raise UsageError(f"{path}: expected a report that `mpmcol bench --out` wrote: {error!r}") from error
 
 
 def _read_case(data: dict[str, Any]) -> BenchmarkCase:

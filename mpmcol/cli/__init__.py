@@ -5,11 +5,7 @@ from __future__ import annotations
 import difflib
 import importlib
 import os
-import platform
 import sys
-import tempfile
-import traceback
-from importlib import metadata
 from pathlib import Path
 from typing import Any
 
@@ -56,6 +52,8 @@ COMMANDS = {name: place for group in GROUPS.values() for name, place in group.it
 
 
 def _version(package: str) -> str:
+    from importlib import metadata
+
     try:
         return metadata.version(package)
     except metadata.PackageNotFoundError:
@@ -93,6 +91,7 @@ class Commands(click.Group):
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
         """Suggest the nearest command for an unknown name; click knows only those already imported."""
+
         near = difflib.get_close_matches(args[0], COMMANDS, 1)
         if near and args[0] not in COMMANDS and not ctx.resilient_parsing:
             ctx.fail(f'No such command "{args[0]}". Did you mean "{near[0]}"?')
@@ -146,6 +145,9 @@ def _file_error(failure: OSError) -> str:
 
 
 def _report_bug(bug: Exception) -> None:
+    import platform
+    import traceback
+
     packages = ("numba", "llvmlite", "numpy", "pydantic", "h5py", "pyvista", "click")
     versions = "\n".join(f"{package} {_version(package)}" for package in packages)
     system = f"Python {platform.python_version()} on {platform.platform()}"
@@ -156,6 +158,8 @@ def _report_bug(bug: Exception) -> None:
 
 
 def _write_report(report: str) -> str:
+    import tempfile
+
     for folder in (Path.cwd(), Path(tempfile.gettempdir())):
         path = folder / "crash-report.txt"
         try:

@@ -17,12 +17,12 @@ if TYPE_CHECKING:
 
 
 def recommend(case: str, overrides: Sequence[str], accuracy: float, silent: bool) -> Recommendation:
-    """The cheapest configuration for a case within an accuracy; prints which one and why unless `silent`."""
+    """The cheapest configuration for a case within an accuracy; prints which one and why on stderr unless `silent`."""
     from mpmcol.studies.pareto.recommend import recommend as find_cheapest
 
     advice = find_cheapest(case, overrides, accuracy)
     if not silent:
-        click.echo(f"cheapest within {100.0 * accuracy:.3g}%: {advice}")
+        click.echo(f"cheapest within {100.0 * accuracy:.3g}%: {advice}", err=True)
     return advice
 
 
@@ -33,7 +33,9 @@ def certify(
     accuracy: float,
     out: Path,
     *,
+    jobs: int | None,
     threads: int | None,
+    fresh: bool,
     to_json: bool,
     quiet: bool,
 ) -> None:
@@ -46,8 +48,10 @@ def certify(
     from mpmcol.studies.pareto.certify import certify as run_and_estimate
     from mpmcol.sweep.engine import exit_code
 
-    with SweepDisplay(out / REPEATS_FOLDER, quiet or to_json) as display:
-        outcomes, bars = run_and_estimate(case, overrides, advice, accuracy, out, threads=threads, observer=display)
+    with SweepDisplay(out / REPEATS_FOLDER, quiet) as display:
+        outcomes, bars = run_and_estimate(
+            case, overrides, advice, accuracy, out, jobs=jobs, threads=threads, fresh=fresh, observer=display
+        )
     results = Results(out)
     records = {bar.quantity: _record(bar, results) for bar in bars}
     atomic_write(out / ERROR_BARS_FILE, (json.dumps(records, indent=1) + "\n").encode())

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from mpmcol.cli.options import PATH, positive_integer
+from mpmcol.cli.options import PATH, json_option, positive_integer
 
 if TYPE_CHECKING:
     from mpmcol.bench.report import Report
 
 SIZES = (20_000, 100_000, 500_000, 2_000_000)
 QUICK_SIZES = (2_000,)
+REPORT_FILE = "bench.json"
 
 
 def parse_counts(context: click.Context, parameter: click.Parameter, text: str | None) -> tuple[int, ...] | None:
@@ -36,15 +38,17 @@ def parse_counts(context: click.Context, parameter: click.Parameter, text: str |
 )
 @click.option("--model", type=click.Choice(["plane", "axisymmetric", "quarter"]), help="Model  [default: all three]")
 @click.option("--quick", is_flag=True, help="Few points and steps: a test of the command, not of the speed.")
-@click.option("--json", "json_file", metavar="FILE", type=PATH, help="Also write the report to a JSON file.")
-@click.option("--against", metavar="FILE", type=PATH, help="Compare with an earlier report written by --json.")
+@click.option("--out", metavar="DIR", type=PATH, help=f"Folder for the report, {REPORT_FILE}  [default: none]")
+@click.option("--against", metavar="FILE", type=PATH, help="Compare with an earlier report, written by --out.")
+@json_option("the report")
 def bench(
     points: tuple[int, ...] | None,
     threads: tuple[int, ...] | None,
     model: str | None,
     quick: bool,
-    json_file: Path | None,
+    out: Path | None,
     against: Path | None,
+    to_json: bool,
 ) -> None:
     """Measure the speed of the kernels on this machine.
 
@@ -54,7 +58,7 @@ def bench(
     from mpmcol.bench.cases import MODELS
     from mpmcol.bench.measure import FULL, QUICK, measure_case
     from mpmcol.bench.report import load_report, make_report, table_lines
-    from mpmcol.io.atomic import atomic_write
+    from mpmcol.io.atomic import atomic_write, make_folder
     from mpmcol.mpm.jit import set_threads
     from mpmcol.setup.memory import BYTES_PER_POINT, require_memory
 
@@ -66,16 +70,18 @@ def bench(
         for size in points or (QUICK_SIZES if quick else SIZES):
             for count in threads or sorted({1, set_threads(None)}):
                 cases.append(measure_case(chosen, size, count, QUICK if quick else FULL))
-                click.echo("\n".join(table_lines(cases[-1])))
+                click.echo("\n".join(table_lines(cases[-1])), err=to_json)
     report = make_report(cases)
-    click.echo(", ".join(f"{name} {value}" for name, value in report.machine.items()))
-    if json_file:
-        atomic_write(json_file, report.to_json().encode())
+    click.echo(", ".join(f"{name} {value}" for name, value in report.machine.items()), err=to_json)
+    if out:
+        atomic_write(make_folder(out) / REPORT_FILE, report.to_json().encode())
+    if to_json:
+        click.echo(json.dumps(json.loads(report.to_json())))
     if old:
-        _compare(old, report)
+        _compare(old, report, to_json)
 
 
-def _compare(old: Report, new: Report) -> None:
+def _compare(old: Report, new: Report, to_json: bool) -> None:
     from mpmcol.bench.report import SLOWDOWN, compare
     from mpmcol.errors import MpmcolError
 
@@ -84,4 +90,4 @@ def _compare(old: Report, new: Report) -> None:
     slower = compare(old, new)
     if slower:
         raise MpmcolError("\n".join(map(str, slower)))
-    click.echo(f"No kernel is {SLOWDOWN} times slower than on {old.date}.")
+    click.echo(f"No kernel is {SLOWDOWN} times slower than on {old.date}.", err=to_json)

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import click
 
-from mpmcol.cli.options import overrides_option
+from mpmcol.cli.options import aspect_option, overrides_option, with_aspect
 
 
 @click.command()
 @click.argument("case")
+@aspect_option
 @overrides_option
 @click.option("--resolved", is_flag=True, help="Print the case with all defaults filled in.")
-def check(case: str, overrides: tuple[str, ...], resolved: bool) -> None:
+def check(case: str, aspect: str | None, overrides: tuple[str, ...], resolved: bool) -> None:
     """Check a case without running it.
 
     CASE is a TOML file or the name of a shipped case (mpmcol cases). Prints a summary of the case, and a note for each
@@ -23,7 +24,7 @@ def check(case: str, overrides: tuple[str, ...], resolved: bool) -> None:
     from mpmcol.setup.memory import require_memory_for
     from mpmcol.setup.unfit_settings import require_stiff_column
 
-    loaded = load_case(case, overrides)
+    loaded = load_case(case, with_aspect(overrides, aspect))
     discretization = discretize(loaded)
     require_memory_for(discretization)
     require_stiff_column(loaded)

@@ -3,35 +3,37 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from mpmcol.cli.options import PATH
+from mpmcol.cli.options import PATH, json_option
 
 if TYPE_CHECKING:
-    from mpmcol.cli.measured import Measured
+    from mpmcol.api.measured import Measured
 
 
 @click.command()
 @click.argument("folder", metavar="DIR", type=PATH)
 @click.option("--snapshot", metavar="N", default=-1, show_default=True, help="Snapshot index (-1: last).")
-@click.option("--json", "form", flag_value="json", help="Print one line of JSON, with the profile and all errors.")
-@click.option("--csv", "form", flag_value="csv", help="Print CSV: a header and one row.")
-def measure(folder: Path, snapshot: int, form: str | None) -> None:
+@json_option("measurements, profile and all errors")
+@click.option("--csv", "to_csv", is_flag=True, help="Print CSV: a header and one row.")
+def measure(folder: Path, snapshot: int, to_json: bool, to_csv: bool) -> None:
     """Measure a deposit and compare it with published laws.
 
     DIR is a results folder. Prints the fronts by three definitions, height, spread, and relative errors of runout
     (zeta) and height (beta) to all laws for this kind of column.
     """
+    if to_json and to_csv:
+        raise click.UsageError("--json and --csv are two forms of the same result; give one of them")
+    from mpmcol.api.measured import measure as measure_run
     from mpmcol.cli.measure_text import text_of
-    from mpmcol.cli.measured import measure_results
-    from mpmcol.io.results import Results
 
-    measured = measure_results(Results(folder), snapshot)
-    formats = {"json": _json, "csv": _csv, None: text_of}
-    click.echo(formats[form](measured))
+    measured = measure_run(folder, snapshot, notify=partial(click.echo, err=True))
+    form = _json if to_json else _csv if to_csv else text_of
+    click.echo(form(measured))
 
 
 def _state(measured: Measured) -> dict[str, Any]:

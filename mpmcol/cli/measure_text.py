@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from mpmcol.experiments import EXPERIMENTS
 
 if TYPE_CHECKING:
-    from mpmcol.cli.measured import Measured
+    from mpmcol.api.measured import Measured
     from mpmcol.experiments import ProfileScore, Score
 
 WIDTH = max(len(experiment.citation) for experiment in EXPERIMENTS.values())

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +12,7 @@ import click
 PATH = click.Path(path_type=Path)
 JOBS = THREADS = click.IntRange(1, 1024)  # far more than the cores of a machine; the system could not start them
 CHECK_FAILED = 4  # exit code if a check or a scenario has an unexpected outcome
+ASPECT_KEY = "geometry.aspect"
 SECONDS = {"s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
 
 Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
@@ -60,13 +61,6 @@ def positive_integer(text: str) -> int:
     return int(text) if text.isdecimal() and len(text) <= 12 else 0
 
 
-def format_duration(seconds: float) -> str:
-    """A time in the unit that gives a readable number."""
-    if seconds < 120.0:
-        return f"{seconds:.0f} s"
-    return f"{seconds / 60.0:.0f} min" if seconds < 7200.0 else f"{seconds / 3600.0:.1f} h"
-
-
 def out_option(default: str) -> Decorator:
     """`--out`: the folder of the results."""
     return click.option("--out", metavar="DIR", type=PATH, help=f"Folder of the results  [default: {default}]")
@@ -77,15 +71,46 @@ def json_option(content: str) -> Decorator:
     return click.option("--json", "to_json", is_flag=True, help=f"Print {content} as one line of JSON on stdout.")
 
 
+def accuracy_option(default: str | None = None) -> Decorator:
+    """`--accuracy`: the error for which the cheapest configuration of the shipped study is chosen."""
+    return click.option(
+        "--accuracy", type=ACCURACY, default=default, show_default=True,
+        help="Choose model and grid for this error of runout and height, for example 5%.",
+    )  # fmt: skip
+
+
+def with_aspect(overrides: Sequence[str], aspect: str | None) -> tuple[str, ...]:
+    """The overrides of a single case with that of `--aspect`.
+
+    Raises click.UsageError for several values, and for a second value of the same key.
+    """
+    if aspect is None:
+        return tuple(overrides)
+    if "," in aspect or ":" in aspect:
+        raise click.UsageError(f"--aspect {aspect}: one case has one aspect ratio; mpmcol sweep runs several")
+    if any(text.partition("=")[0].strip() == ASPECT_KEY for text in overrides):
+        raise click.UsageError(f"--aspect and --set {ASPECT_KEY} are the same value; give one of them")
+    return (f"{ASPECT_KEY}={aspect}", *overrides)
+
+
 overrides_option = click.option(
     "--set", "overrides", multiple=True, metavar="KEY=VALUE",
-    help="Replace a value of the case, for example geometry.aspect=5. May be repeated.",
+    help="Replace a value of the case, for example grid.spacing=0.005. May be repeated. In a sweep: VALUES.",
 )  # fmt: skip
+aspect_option = click.option(
+    "--aspect", metavar="VALUE", help=f"Aspect ratio h_i/r_i, the same as --set {ASPECT_KEY}=VALUE. In a sweep: VALUES."
+)
+fresh_option = click.option(
+    "--fresh", is_flag=True, help="Run again from scratch: discard finished and unfinished runs."
+)
 jobs_option = click.option(
-    "--jobs", metavar="N", type=JOBS, help="Number of concurrent runs  [default: chosen from their sizes]"
+    "--jobs", metavar="N", type=JOBS, help="Concurrent runs  [default: chosen from cores, memory and sizes]"
 )
 threads_option = click.option(
-    "--threads", metavar="N", type=THREADS, help="Threads per run  [default: chosen from their sizes]"
+    "--threads", metavar="N", type=THREADS, help="Threads per run  [default: chosen from cores and sizes]"
+)
+dry_run_option = click.option(
+    "--dry-run", is_flag=True, help="Check everything and estimate the cost; run and write nothing."
 )
 report_option = click.option("--report", is_flag=True, help="Also write report.html in the folder of the results.")
 quiet_option = click.option("--quiet", is_flag=True, help="Print errors only.")

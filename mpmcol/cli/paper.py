@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import asdict
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from mpmcol.cli.options import jobs_option, out_option, threads_option
+from mpmcol.cli.options import fresh_option, jobs_option, json_option, out_option, threads_option
+
+if TYPE_CHECKING:
+    from mpmcol.studies.frame import StudyResult
+    from mpmcol.studies.paper.report import FigureResult
+
+RECORD_SCHEMA = 1
 
 
 @click.command()
@@ -14,16 +23,20 @@ from mpmcol.cli.options import jobs_option, out_option, threads_option
 @click.option("--quick", is_flag=True, help="Coarse grids and fewer columns: minutes instead of hours.")
 @click.option("--filtered", is_flag=True, help="With the stress filter, which the paper does not have.")
 @out_option("paper; paper-quick, paper-filtered with these options")
+@fresh_option
 @jobs_option
 @threads_option
+@json_option("comparisons and names of files")
 @click.option("--quiet", is_flag=True, help="Print the comparisons only.")
 def paper(
     figures: tuple[str, ...],
     quick: bool,
     filtered: bool,
     out: Path | None,
+    fresh: bool,
     jobs: int | None,
     threads: int | None,
+    to_json: bool,
     quiet: bool,
 ) -> None:
     """Reproduce the figures of the paper and compare their numbers.
@@ -37,6 +50,7 @@ def paper(
     from mpmcol.studies.frame import RUNS, carry_out_study
     from mpmcol.studies.paper import FIGURES, PaperStudy
     from mpmcol.sweep.engine import exit_code
+    from mpmcol.sweep.plan import as_json
 
     unknown = [name for name in figures if name not in (*FIGURES, "all")]
     if unknown:
@@ -45,13 +59,25 @@ def paper(
     folder = out or Path("paper" + "-quick" * quick + "-filtered" * filtered)
     with SweepDisplay(folder / RUNS, quiet) as display:
         study = PaperStudy(names, quick, filtered)
-        result = carry_out_study(study, folder, jobs=jobs, threads=threads, observer=display)
-    for name, figure in result.evaluation.items():
-        click.echo(FIGURES[name].TITLE)
-        for comparison in figure.comparisons:
-            click.echo(f"  {comparison}")
-    if not quiet:
-        click.echo(f"in {folder}: {', '.join(path.name for path in result.files)}")
+        result = carry_out_study(study, folder, jobs=jobs, threads=threads, fresh=fresh, observer=display)
+    if to_json:
+        click.echo(as_json(_record(result)))
+    else:
+        for name, figure in result.evaluation.items():
+            click.echo(FIGURES[name].TITLE)
+            for comparison in figure.comparisons:
+                click.echo(f"  {comparison}")
+        if not quiet:
+            click.echo(f"in {folder}: {', '.join(path.name for path in result.files)}")
     # runs without opening strain may diverge, which `factors` reports
     counted = [one for one in result.outcomes if one.status != "failed" or one.run.case.method.opening_strain]
     click.get_current_context().exit(exit_code(counted))
+
+
+def _record(result: StudyResult[Mapping[str, FigureResult]]) -> dict[str, Any]:
+    comparisons = [
+        {"figure": name, **asdict(comparison), "is_met": comparison.is_met}
+        for name, figure in result.evaluation.items()
+        for comparison in figure.comparisons
+    ]
+    return {"schema": RECORD_SCHEMA, "comparisons": comparisons, "files": [str(path) for path in result.files]}

@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import asdict
 from pathlib import Path
 from shlex import quote
 
 import click
 
-from mpmcol.cli.options import ACCURACY, PATH, overrides_option
+from mpmcol.cli.options import PATH, accuracy_option, aspect_option, json_option, overrides_option, with_aspect
+
+RECORD_SCHEMA = 1
 
 
 @click.command()
 @click.argument("case")
+@aspect_option
 @overrides_option
-@click.option(
-    "--accuracy", type=ACCURACY, default="5%", show_default=True, help="Allowed relative error of runout and height."
-)
+@accuracy_option("5%")
 @click.option("--apply", "target", metavar="FILE", type=PATH, help="Write the case as recommended to this TOML file.")
-def plan(case: str, overrides: tuple[str, ...], accuracy: float, target: Path | None) -> None:
+@json_option("changes and recommendation")
+def plan(
+    case: str, aspect: str | None, overrides: tuple[str, ...], accuracy: float, target: Path | None, to_json: bool
+) -> None:
     """List changes that make a case cheaper at a given accuracy.
 
     CASE is a TOML file or the name of a shipped case (mpmcol cases). Each change is listed with its saving and with its
@@ -30,18 +35,25 @@ def plan(case: str, overrides: tuple[str, ...], accuracy: float, target: Path | 
     from mpmcol.io.atomic import atomic_write
     from mpmcol.studies.pareto.recommend import recommend
     from mpmcol.studies.pareto.savings import propose
+    from mpmcol.sweep.plan import as_json
 
     if target and target.exists():
         raise UsageError(f"{target} exists and is not replaced; choose another name for --apply")
+    overrides = with_aspect(overrides, aspect)
     proposals = list(propose(case, overrides, accuracy))
+    advice = recommend(case, overrides, accuracy)
+    if target:
+        atomic_write(target, resolved_toml(load_case(case, [*overrides, *advice.overrides])).encode())
+    if to_json:
+        changes = [asdict(proposal) for proposal in proposals]
+        click.echo(as_json({"schema": RECORD_SCHEMA, "changes": changes, "recommended": asdict(advice)}))
+        return
     click.echo(f"{'single change':44s}{'time':>8s}{'zeta':>8s}{'beta':>8s}")
     for proposal in proposals:
         click.echo(f"{proposal.name:44s}{f'x {proposal.cost_ratio:.2g}':>8s}{_effects(proposal.effect)}")
-    advice = recommend(case, overrides, accuracy)
     click.echo(f"\ncheapest within {100.0 * accuracy:.3g}%: {advice}")
     if target:
-        atomic_write(target, resolved_toml(load_case(case, [*overrides, *advice.overrides])).encode())
-        click.echo(f"written to {target}; next: mpmcol run {target}")
+        click.echo(f"written to {target}; next: mpmcol run {quote(str(target))}")
     else:
         values = "".join(f" --set {quote(text)}" for text in overrides)
         click.echo(f"next: mpmcol run {quote(case)}{values} --accuracy {100.0 * accuracy:.3g}%, or --apply NEW.toml")

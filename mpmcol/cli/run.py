@@ -6,6 +6,7 @@ import json
 import os
 from math import inf
 from pathlib import Path
+from shlex import quote
 from typing import Literal
 
 import click
@@ -14,30 +15,37 @@ from click.core import ParameterSource
 from mpmcol.cli.accuracy import certify as run_certified
 from mpmcol.cli.accuracy import recommend
 from mpmcol.cli.options import (
-    ACCURACY,
     DURATION,
-    THREADS,
+    accuracy_option,
+    aspect_option,
+    dry_run_option,
+    fresh_option,
+    jobs_option,
     json_option,
     out_option,
     overrides_option,
     quiet_option,
     report_option,
+    threads_option,
+    with_aspect,
 )
 from mpmcol.errors import Interrupted, NumericalFailure
 
 SINGLE_RUN_OPTIONS = (
-    "fresh", "force_resume", "checkpoint", "max_wall", "on_instability", "requeue_code", "dry_run", "report",
+    "force_resume", "checkpoint", "max_wall", "on_instability", "requeue_code", "dry_run", "report",
 )  # fmt: skip
 
 
 @click.command()
 @click.argument("case")
+@aspect_option
 @overrides_option
-@out_option("runs/NAME")
-@click.option("--accuracy", type=ACCURACY, help="Choose model and grid for this error of runout and height, e.g. 5%.")
-@click.option("--certify", is_flag=True, help="With --accuracy: error bars of zeta and beta.")
-@click.option("--threads", metavar="N", type=THREADS, help="Number of threads  [default: all cores]")
-@click.option("--fresh", is_flag=True, help="Restart from scratch: discard a finished or an unfinished run.")
+@accuracy_option()
+@click.option("--certify", is_flag=True, help="With --accuracy: error bars of zeta and beta, from several runs.")
+@out_option("runs/CASE-VALUES")
+@fresh_option
+@jobs_option
+@threads_option
 @click.option("--force-resume", is_flag=True, help="Resume an unfinished run even if the case or the code has changed.")
 @click.option("--checkpoint", type=DURATION, default="5min", show_default=True, help="Time between two checkpoints.")
 @click.option("--max-wall", type=DURATION, help="Stop with a checkpoint after this wall-clock time, for example 2h.")
@@ -51,18 +59,20 @@ SINGLE_RUN_OPTIONS = (
 @click.option(
     "--requeue-code", metavar="N", type=click.IntRange(0, 255), help="Exit code of a stopped run  [default: 75]"
 )
-@click.option("--dry-run", is_flag=True, help="Check the case and estimate its cost; run and write nothing.")
+@dry_run_option
 @report_option
 @json_option("result.json")
 @quiet_option
 def run(
     case: str,
+    aspect: str | None,
     overrides: tuple[str, ...],
-    out: Path | None,
     accuracy: float | None,
     certify: bool,
-    threads: int | None,
+    out: Path | None,
     fresh: bool,
+    jobs: int | None,
+    threads: int | None,
     force_resume: bool,
     checkpoint: float,
     max_wall: float | None,
@@ -84,35 +94,40 @@ def run(
 
     Ctrl-C, the signals of schedulers and --max-wall stop the run with a checkpoint (exit code 75); a second Ctrl-C
     aborts it. Repeating the command resumes a stopped or killed run, with results that are identical to those of an
-    uninterrupted run.
+    uninterrupted run. A finished run is not repeated; its result is printed again.
 
     A numerical failure stops the run with its cause, location and remedy (exit code 3); the last valid state is kept as
     a snapshot. With --on-instability retry, time.cfl is halved instead, at most four times.
     """
     if certify:
         _check_certify(accuracy)
+    elif jobs is not None:
+        raise click.UsageError("--jobs applies to several runs: give --accuracy and --certify, or mpmcol sweep")
     if threads is not None:
         os.environ.setdefault("NUMBA_NUM_THREADS", str(max(threads, os.cpu_count() or 1)))
-    from mpmcol.case import case_hash, load_case
+    from mpmcol.case import load_case
     from mpmcol.cli.run_display import RunDisplay, print_estimate
+    from mpmcol.sweep.names import run_name
 
-    stem = Path(case).stem
+    given = with_aspect(overrides, aspect)
+    loaded = load_case(case, given)
+    folder = out or Path("runs") / f"{run_name(case, loaded, given, accuracy)}{'-certified' * certify}"
     if accuracy is not None:
-        advice = recommend(case, overrides, accuracy, silent=quiet or to_json)
+        advice = recommend(case, given, accuracy, silent=quiet)
         if certify:
-            folder = out or Path("runs") / f"{stem}-certified"
-            run_certified(case, overrides, advice, accuracy, folder, threads=threads, to_json=to_json, quiet=quiet)
-        overrides = (*overrides, *advice.overrides)
-    loaded = load_case(case, overrides)
+            run_certified(
+                case, given, advice, accuracy, folder,
+                jobs=jobs, threads=threads, fresh=fresh, to_json=to_json, quiet=quiet,
+            )  # fmt: skip
+        loaded = load_case(case, [*given, *advice.overrides])
     if dry_run:
-        print_estimate(loaded, threads, to_json)
+        print_estimate(loaded, threads, to_json=to_json, quiet=quiet)
         return
-    folder = out or Path("runs") / (f"{stem}-{case_hash(loaded)[:6]}" if overrides else stem)
     from mpmcol.io.results import Results
     from mpmcol.simulation.run import run as simulate
 
     try:
-        with RunDisplay(quiet or to_json) as display:
+        with RunDisplay(quiet) as display:
             results = simulate(
                 loaded, folder, threads=threads, fresh=fresh, force_resume=force_resume, checkpoint_seconds=checkpoint,
                 max_wall=inf if max_wall is None else max_wall, on_instability=on_instability,
@@ -131,8 +146,9 @@ def run(
     elif not quiet:
         from mpmcol.cli.run_summary import summary_table
 
+        shown = quote(str(folder))
         click.echo(summary_table(results))
-        click.echo(f"results in {folder}; next: mpmcol plot {folder}, mpmcol render {folder}")
+        click.echo(f"results in {shown}; next: mpmcol plot {shown}, mpmcol render {shown}")
     if report:
         _write_report(folder, fresh, quiet)
 

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mpmcol.cli.options import format_duration
+from mpmcol.io.run_log import ProgressLines
+from mpmcol.units import duration_text
 
 if TYPE_CHECKING:
     from mpmcol.case import Case
@@ -21,18 +22,19 @@ MEASURING_SPEED = "measuring the speed of this machine (half a second, more if k
 
 
 class RunDisplay:
-    """One line per stage on stdout, and a progress bar with the remaining time on stderr.
+    """Messages and progress on stderr: a bar with the remaining time if it is a terminal, otherwise lines of text.
 
     A run continues without them if the reader of a pipe or the terminal is gone, or the disk of a log is full.
     """
 
     RESOLUTION = 1000  # of the bar
 
-    def __init__(self, silent: bool) -> None:
-        self.silent = silent
+    def __init__(self, quiet: bool) -> None:
+        self.quiet = quiet
         self._stack = ExitStack()
         self._stage, self._done = "", 0
         self._bar: Any = None
+        self._lines = None if sys.stderr.isatty() else ProgressLines(self.notify)
 
     def __enter__(self) -> RunDisplay:
         return self
@@ -44,39 +46,41 @@ class RunDisplay:
         """Print one line, and end the bar of the present stage."""
         self._close_bar()
         self._stage = ""
-        if not self.silent:
+        if not self.quiet:
             with suppress(OSError):
-                click.echo(line)
+                click.echo(line, err=True)
 
     def progress(self, stage: str, fraction: float) -> None:
         """Show the fraction of a stage that is done."""
-        if self.silent:
-            return
-        with suppress(OSError):
-            if stage != self._stage:
-                self._start(stage)
-            done = min(int(fraction * self.RESOLUTION), self.RESOLUTION)
-            if done > self._done and self._bar is not None:
-                self._bar.update(done - self._done)
-                self._done = done
+        if self._lines:
+            self._lines(stage, fraction)
+        elif not self.quiet:
+            with suppress(OSError):
+                self._update_bar(stage, fraction)
 
     def _close_bar(self) -> None:
         with suppress(OSError):
             self._stack.close()
         self._bar = None
 
-    def _start(self, stage: str) -> None:
-        self._close_bar()
-        self._stage, self._done = stage, 0
-        bar: Any = click.progressbar(length=self.RESOLUTION, label=stage, file=sys.stderr, show_eta=True)
-        self._bar = self._stack.enter_context(bar)
+    def _update_bar(self, stage: str, fraction: float) -> None:
+        if stage != self._stage:
+            self._close_bar()
+            self._stage, self._done = stage, 0
+            bar: Any = click.progressbar(length=self.RESOLUTION, label=stage, file=sys.stderr, show_eta=True)
+            self._bar = self._stack.enter_context(bar)
+        done = min(int(fraction * self.RESOLUTION), self.RESOLUTION)
+        if done > self._done:
+            self._bar.update(done - self._done)
+            self._done = done
 
 
-def print_estimate(case: Case, threads: int | None, to_json: bool) -> None:
+def print_estimate(case: Case, threads: int | None, *, to_json: bool, quiet: bool) -> None:
     """Print what a run of the case would cost."""
     from mpmcol.setup.cost import estimate
 
-    click.echo(MEASURING_SPEED, err=True)
+    if not quiet:
+        click.echo(MEASURING_SPEED, err=True)
     cost = estimate(case, threads)
     if to_json:
         click.echo(json.dumps(asdict(cost)))
@@ -98,4 +102,4 @@ def _estimate_rows(cost: Estimate) -> Iterator[tuple[str, str]]:
     yield "memory", f"{cost.memory_bytes / 1e6:,.0f} MB"
     yield "disk", f"{cost.disk_bytes / 1e6:,.0f} MB"
     yield "speed, measured now", f"{cost.ns_per_point_step:.0f} ns per point and step"
-    yield "time", f"about {format_duration(cost.seconds)}, at most {format_duration(cost.most_seconds)}"
+    yield "time", f"about {duration_text(cost.seconds)}, at most {duration_text(cost.most_seconds)}"

@@ -8,7 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mpmcol.cli.options import CHECK_FAILED, jobs_option, json_option, out_option
+from mpmcol.cli.options import (
+    CHECK_FAILED,
+    fresh_option,
+    jobs_option,
+    json_option,
+    out_option,
+)
 
 if TYPE_CHECKING:
     from mpmcol.failure_modes import CatalogueOutcome, Observer
@@ -24,6 +30,7 @@ RECORD_SCHEMA = 2
 @click.option("--list", "to_list", is_flag=True, help="List the scenarios and their mechanisms; run nothing.")
 @click.option("--map", "to_map", is_flag=True, help="Compute a map of method options instead of the scenarios.")
 @out_option("stability, with --map stability/map-NAME")
+@fresh_option
 @jobs_option
 @click.option(
     "--report-only", is_flag=True, help="With --map: run nothing; write tables and chart from the finished runs."
@@ -31,8 +38,8 @@ RECORD_SCHEMA = 2
 @click.option("--quiet", is_flag=True, help="Print the verdicts only; with --map, errors only.")
 @json_option("outcomes and names of files")
 def stability(
-    names: tuple[str, ...], to_list: bool, to_map: bool, out: Path | None, jobs: int | None, report_only: bool,
-    quiet: bool, to_json: bool,
+    names: tuple[str, ...], to_list: bool, to_map: bool, out: Path | None, fresh: bool, jobs: int | None,
+    report_only: bool, quiet: bool, to_json: bool,
 ) -> None:  # fmt: skip
     """Run benchmarks of failure modes, or map where methods fail.
 
@@ -48,11 +55,12 @@ def stability(
         if to_list or len(names) > 1:
             raise click.UsageError("--map requires at most one MAP and excludes --list")
         code = _run_map(
-            names[0] if names else "default", out, jobs=jobs, report_only=report_only, quiet=quiet, to_json=to_json
-        )
+            names[0] if names else "default", out,
+            fresh=fresh, jobs=jobs, report_only=report_only, quiet=quiet, to_json=to_json,
+        )  # fmt: skip
         click.get_current_context().exit(code)
-    if jobs is not None or report_only:
-        raise click.UsageError("--jobs and --report-only require --map")
+    if fresh or jobs is not None or report_only:
+        raise click.UsageError("--fresh, --jobs and --report-only require --map")
     out = out or Path("stability")
     from mpmcol.failure_modes import run_catalogue
     from mpmcol.failure_modes.scenarios import select_scenarios
@@ -72,7 +80,9 @@ def stability(
     click.get_current_context().exit(0 if found.passed else CHECK_FAILED)
 
 
-def _run_map(name: str, out: Path | None, *, jobs: int | None, report_only: bool, quiet: bool, to_json: bool) -> int:
+def _run_map(
+    name: str, out: Path | None, *, fresh: bool, jobs: int | None, report_only: bool, quiet: bool, to_json: bool
+) -> int:
     """Run a map and return the exit code; a diverging run is a result of the map, other failures are not."""
     from mpmcol.cli.sweep_display import SweepDisplay
     from mpmcol.studies.frame import RUNS, carry_out_study
@@ -84,8 +94,10 @@ def _run_map(name: str, out: Path | None, *, jobs: int | None, report_only: bool
 
     folder = out or Path("stability") / f"map-{Path(name).stem}"
     study = MapStudy(load_map(name))
-    with SweepDisplay(folder / RUNS, quiet or to_json) as display:
-        result = carry_out_study(study, folder, jobs=jobs, threads=1, observer=display, report_only=report_only)
+    with SweepDisplay(folder / RUNS, quiet) as display:
+        result = carry_out_study(
+            study, folder, jobs=jobs, threads=1, fresh=fresh, observer=display, report_only=report_only
+        )
     if to_json:
         click.echo(as_json(_map_record(result)))
     elif not quiet:
@@ -102,10 +114,8 @@ def _map_record(result: StudyResult[MethodMap]) -> dict[str, Any]:
 
 
 def _observer(quiet: bool, to_json: bool) -> Observer:
-    """Print each outcome, unless JSON is printed at the end."""
-    if to_json:
-        return lambda outcome: None
-    return lambda outcome: click.echo("\n".join(_lines(outcome, quiet)))
+    """Print each outcome; on stderr if JSON is printed at the end."""
+    return lambda outcome: click.echo("\n".join(_lines(outcome, quiet)), err=to_json)
 
 
 def _lines(outcome: ScenarioOutcome, quiet: bool) -> Iterator[str]:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from datetime import datetime, timedelta
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from mpmcol.cli.options import PATH, format_duration, json_option
+from mpmcol.cli.options import PATH, json_option
 
 if TYPE_CHECKING:
     from mpmcol.sweep.plan import Plan
@@ -25,22 +26,32 @@ STATUS_TEXTS = {
 
 @click.command()
 @click.argument("folder", metavar="DIR", type=PATH)
+@click.option(
+    "--follow", is_flag=True, help="Show progress until all runs have ended; exit with the code of their state."
+)
 @json_option("the status")
-def status(folder: Path, to_json: bool) -> None:
+def status(folder: Path, follow: bool, to_json: bool) -> None:
     """Show progress and remaining time of a sweep, study or run.
 
     DIR is the folder of a sweep or of a single run; the runs of a study are in the folder "runs" inside the study's
-    folder.
+    folder. With --follow, progress goes to stderr; the exit code is 0 if all runs are done, otherwise as that of
+    mpmcol sweep.
     """
+    from mpmcol.cli.follow import follow_runs, state_code
     from mpmcol.sweep.plan import as_json
     from mpmcol.sweep.progress import ProgressTracker, find_plan
 
     plan, root = find_plan(folder)
-    runs = ProgressTracker(root, plan).runs()
+    tracker = ProgressTracker(root, plan)
+    if follow:
+        follow_runs(tracker)
+    runs = tracker.runs()
     if to_json:
         click.echo(as_json(_record(folder, plan, runs)))
     else:
         click.echo("\n".join(_lines(folder, plan, runs)))
+    if follow:
+        click.get_current_context().exit(state_code(runs))
 
 
 def _record(folder: Path, plan: Plan, runs: list[TrackedRun]) -> dict[str, Any]:
@@ -63,6 +74,7 @@ def _record(folder: Path, plan: Plan, runs: list[TrackedRun]) -> dict[str, Any]:
 def _lines(folder: Path, plan: Plan, runs: list[TrackedRun]) -> Iterator[str]:
     from mpmcol.provenance import code_version
     from mpmcol.sweep.progress import count_by_status, time_left
+    from mpmcol.units import duration_text
 
     counts = ", ".join(f"{count} {name}" for name, count in count_by_status(runs).items())
     yield f"{folder}: {plan.title or 'untitled'}, {counts}"
@@ -71,9 +83,10 @@ def _lines(folder: Path, plan: Plan, runs: list[TrackedRun]) -> Iterator[str]:
         yield f"  {run.entry.folder:{width}}  {_status_text(run)}".rstrip()
     found, left = {run.status.name for run in runs}, time_left(runs, plan.jobs)
     if "running" in found and left is not None:
-        yield f"about {format_duration(left)} left"
+        end = datetime.now() + timedelta(seconds=left)
+        yield f"about {duration_text(left)} left, until {end:%H:%M}"
     elif "running" not in found and found - {"done", "failed"}:
-        cost = "" if left is None else f", in about {format_duration(left)}"
+        cost = "" if left is None else f", in about {duration_text(left)}"
         yield f"no run is being executed; repeat the command to complete the missing ones{cost}"
     if plan.version not in ("", code_version()):
         yield (
@@ -83,10 +96,12 @@ def _lines(folder: Path, plan: Plan, runs: list[TrackedRun]) -> Iterator[str]:
 
 
 def _status_text(run: TrackedRun) -> str:
+    from mpmcol.units import duration_text
+
     if run.status.name == "running":
-        return f"running   {run.progress:.0%} in {format_duration(run.seconds)}"
+        return f"running   {run.progress:.0%} in {duration_text(run.seconds)}"
     if run.status.name == "failed":
         return f"failed    {run.status.failure}"
     if run.status.name == "done":
-        return f"done      {format_duration(run.seconds)}"
+        return f"done      {duration_text(run.seconds)}"
     return STATUS_TEXTS.get(run.status.name, run.status.name)

@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from hashlib import sha256
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from mpmcol.cli.options import (
-    format_duration,
+    accuracy_option,
+    aspect_option,
+    dry_run_option,
+    fresh_option,
     jobs_option,
     json_option,
     out_option,
+    overrides_option,
     quiet_option,
     report_option,
     threads_option,
@@ -27,13 +31,12 @@ FORECAST_SCHEMA = 1
 
 @click.command()
 @click.argument("case", default="lube-cylinder")
-@click.option("--aspect", metavar="VALUES", help="Aspect ratios h_i/r_i, the same as --set geometry.aspect=VALUES.")
-@click.option(
-    "--set", "settings", multiple=True, metavar="KEY=VALUES",
-    help="Vary or replace a value of the case. May be repeated.",
-)  # fmt: skip
+@aspect_option
+@overrides_option
 @click.option("--zip", "zipped", is_flag=True, help="Combine the first values of all keys, then the second, and so on.")
-@out_option("sweeps/NAME")
+@accuracy_option()
+@out_option("sweeps/CASE-KEYS")
+@fresh_option
 @jobs_option
 @threads_option
 @click.option(
@@ -41,16 +44,18 @@ FORECAST_SCHEMA = 1
     help="Where to run: this machine; a dask cluster; or nowhere: print shell commands and write a Slurm array job.",
 )  # fmt: skip
 @click.option("--scheduler", metavar="ADDRESS", help="Scheduler of the dask cluster, for example tcp://10.0.0.1:8786.")
-@click.option("--dry-run", is_flag=True, help="Check all runs and estimate their cost; run and write nothing.")
+@dry_run_option
 @report_option
 @json_option("table, fits and names of files")
 @quiet_option
 def sweep(
     case: str,
     aspect: str | None,
-    settings: tuple[str, ...],
+    overrides: tuple[str, ...],
     zipped: bool,
+    accuracy: float | None,
     out: Path | None,
+    fresh: bool,
     jobs: int | None,
     threads: int | None,
     engine: str,
@@ -69,22 +74,31 @@ def sweep(
     (14 values), 0.55,0.9,1.7:3:0.1, plane,axisymmetric. The values of several keys are combined in all ways, unless
     --zip is given.
 
+    With --accuracy, each run gets the configuration that mpmcol run --accuracy chooses for its column; runs that are
+    unlike those of the study, such as a higher column, are named.
+
     Each run has its own results folder. Repeating the command completes missing runs. Ctrl-C and SIGTERM stop the runs
     with a checkpoint (exit code 75).
     """
     _check_engine(engine, scheduler, jobs, to_json, report)
+    from mpmcol.api.sweeps import planned_runs
     from mpmcol.sweep.axes import parse_axes
-    from mpmcol.sweep.runs import plan_runs
+    from mpmcol.sweep.names import sweep_name
 
-    axes, problems = parse_axes(aspect, settings)
-    folder = out or _default_folder(case, settings, zipped)
-    runs = plan_runs(case, axes, folder, zipped, problems)
+    axes, problems = parse_axes(aspect, overrides)
+    folder = out or Path("sweeps") / sweep_name(case, axes, accuracy)
+    notes: list[str] = []
+    runs = planned_runs(case, axes, folder, zipped=zipped, accuracy=accuracy, problems=problems, notify=notes.append)
+    if not quiet:
+        click.echo("".join(f"{note}\n" for note in notes), err=True, nl=False)
     if dry_run:
-        _print_forecast(runs, jobs, threads, to_json)
+        _print_forecast(runs, jobs, threads, fresh=fresh, to_json=to_json, quiet=quiet)
     elif engine == "commands":
-        _print_commands(runs, folder, threads, quiet)
+        _print_commands(runs, folder, threads, fresh=fresh, quiet=quiet)
     else:
-        code = _execute(runs, folder, jobs=jobs, threads=threads, scheduler=scheduler, to_json=to_json, quiet=quiet)
+        code = _execute(
+            runs, folder, jobs=jobs, threads=threads, scheduler=scheduler, fresh=fresh, to_json=to_json, quiet=quiet
+        )
         if report:
             _write_report(folder, quiet)
         click.get_current_context().exit(code)
@@ -102,12 +116,6 @@ def _check_engine(engine: str, scheduler: str | None, jobs: int | None, to_json:
         raise click.UsageError("--report reports results, and --engine commands runs nothing; omit one of them")
 
 
-def _default_folder(case: str, settings: tuple[str, ...], zipped: bool) -> Path:
-    """A folder for each case and each set of values other than the aspect ratio."""
-    digest = sha256(repr((sorted(settings), zipped)).encode()).hexdigest()[:6]
-    return Path("sweeps") / (f"{Path(case).stem}-{digest}" if settings else Path(case).stem)
-
-
 def _execute(
     runs: list[PlannedRun],
     out: Path,
@@ -115,6 +123,7 @@ def _execute(
     jobs: int | None,
     threads: int | None,
     scheduler: str | None,
+    fresh: bool,
     to_json: bool,
     quiet: bool,
 ) -> int:
@@ -124,12 +133,9 @@ def _execute(
     from mpmcol.sweep.plan import as_json
     from mpmcol.sweep.report import write_report
     from mpmcol.sweep.runner import run_sweep
-    from mpmcol.sweep.runs import notes
 
     with SweepDisplay(out, quiet) as display:
-        for note in notes(runs):
-            display.notify(f"note: {note}")
-        outcomes = run_sweep(runs, out, jobs=jobs, threads=threads, scheduler=scheduler, observer=display)
+        outcomes = run_sweep(runs, out, jobs=jobs, threads=threads, scheduler=scheduler, fresh=fresh, observer=display)
     report = write_report(outcomes, out)
     if to_json:
         click.echo(as_json(as_record(report)))
@@ -149,15 +155,18 @@ def _write_report(folder: Path, quiet: bool) -> None:
         click.echo(f"report in {path}", err=True)
 
 
-def _print_forecast(runs: list[PlannedRun], jobs: int | None, threads: int | None, to_json: bool) -> None:
+def _print_forecast(
+    runs: list[PlannedRun], jobs: int | None, threads: int | None, *, fresh: bool, to_json: bool, quiet: bool
+) -> None:
     from mpmcol.cli.run_display import MEASURING_SPEED
     from mpmcol.sweep.plan import as_json
     from mpmcol.sweep.runner import overview, pending_runs
-    from mpmcol.sweep.runs import notes
     from mpmcol.sweep.scheduling import allocate, estimate_seconds, makespan
+    from mpmcol.units import duration_text
 
-    click.echo(MEASURING_SPEED, err=True)
-    pending = pending_runs(runs)
+    if not quiet:
+        click.echo(MEASURING_SPEED, err=True)
+    pending = runs if fresh else pending_runs(runs)
     allocation = allocate(pending or runs, jobs, threads)
     times = estimate_seconds(pending, allocation.threads)
     seconds = dict(zip((run.folder for run in pending), times, strict=True))
@@ -172,27 +181,29 @@ def _print_forecast(runs: list[PlannedRun], jobs: int | None, threads: int | Non
         click.echo(as_json({"schema": FORECAST_SCHEMA, **counts, "runs": rows}))
         return
     click.echo("\n".join(_forecast_lines(runs, seconds)))
-    for note in notes(runs):
-        click.echo(f"note: {note}")
     click.echo(overview(runs, pending, allocation))
-    click.echo(f"about {format_duration(total)} in total; nothing was run" if pending else "nothing was run")
+    click.echo(f"about {duration_text(total)} in total; nothing was run" if pending else "nothing was run")
 
 
 def _forecast_lines(runs: list[PlannedRun], seconds: dict[Path, float]) -> Iterator[str]:
+    from mpmcol.units import duration_text
+
     width = max(len(run.name) for run in runs)
     for run in runs:
         time: Any = seconds.get(run.folder)
-        cost = "finished" if time is None else f"about {format_duration(time)}"
+        cost = "finished" if time is None else f"about {duration_text(time)}"
         yield f"{run.name:{width}}  {run.discretization.most_points:10,} points  {run.steps:9,} steps  {cost}"
 
 
-def _print_commands(runs: list[PlannedRun], out: Path, threads: int | None, quiet: bool) -> None:
+def _print_commands(runs: list[PlannedRun], out: Path, threads: int | None, *, fresh: bool, quiet: bool) -> None:
     """Print the commands on stdout and messages on stderr, so that the commands can be piped."""
     from mpmcol.sweep.commands import SLURM_FILE, write_commands
     from mpmcol.sweep.plan import prepare_out, write_plan
-    from mpmcol.sweep.runner import make_plan, pending_runs
+    from mpmcol.sweep.runner import discard_runs, make_plan, pending_runs
     from mpmcol.sweep.scheduling import Allocation
 
+    if fresh:
+        discard_runs(runs)
     pending = pending_runs(runs)
     if not pending:
         click.echo("all runs are finished; for table and charts repeat the command without --engine", err=True)
@@ -201,5 +212,5 @@ def _print_commands(runs: list[PlannedRun], out: Path, threads: int | None, quie
     write_plan(prepare_out(out), make_plan(runs, allocation))
     click.echo("\n".join(write_commands(pending, allocation.threads, out)))
     if not quiet:
-        click.echo(f"{len(pending)} runs to execute; with Slurm: sbatch {out / SLURM_FILE}", err=True)
+        click.echo(f"{len(pending)} runs to execute; with Slurm: sbatch {quote(str(out / SLURM_FILE))}", err=True)
         click.echo("then, for table and charts, repeat the command without --engine", err=True)

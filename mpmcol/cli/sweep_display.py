@@ -14,7 +14,6 @@ from typing import Any
 
 import click
 
-from mpmcol.cli.options import format_duration
 from mpmcol.cli.streams import report
 from mpmcol.errors import Interrupted
 from mpmcol.measure import FRONTS
@@ -25,6 +24,7 @@ from mpmcol.sweep.progress import ProgressTracker, TrackedRun, time_left, total_
 from mpmcol.sweep.report import SweepReport
 from mpmcol.sweep.runner import SweepObserver
 from mpmcol.sweep.table import Row
+from mpmcol.units import duration_text
 
 RECORD_SCHEMA = 2
 UPDATE_SECONDS = 1.0  # between two readings of the files of the runs
@@ -119,7 +119,7 @@ class SweepDisplay(SweepObserver):
 def progress_text(runs: list[TrackedRun], jobs: int) -> str:
     """Number of runs that have ended, and the remaining time if it is known."""
     ended, left = sum(run.status.has_ended for run in runs), time_left(runs, jobs)
-    return f"{ended} of {len(runs)} runs" + (f", about {format_duration(left)} left" if left else "")
+    return f"{ended} of {len(runs)} runs" + (f", about {duration_text(left)} left" if left else "")
 
 
 def as_record(report: SweepReport) -> dict[str, Any]:
@@ -160,7 +160,7 @@ def _numbers(row: Row) -> str:
         return str(row["status"])
     columns = [*(f"zeta.{front}" for front in FRONTS), "law.zeta", "beta", "law.beta"]
     cells = "".join(f"{'none':>9}" if row[name] is None else f"{row[name]:9.3f}" for name in columns)
-    return f"{cells}{format_duration(row['seconds']):>9}" + _remarks(row)
+    return f"{cells}{duration_text(row['seconds']):>9}" + _remarks(row)
 
 
 def _remarks(row: Row) -> str:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mpmcol.cli.options import CHECK_FAILED, jobs_option, json_option, out_option, threads_option
+from mpmcol.cli.options import CHECK_FAILED, fresh_option, jobs_option, json_option, out_option, threads_option
 
 if TYPE_CHECKING:
     from mpmcol.studies.frame import StudyResult
@@ -21,6 +21,7 @@ RECORD_SCHEMA = 1
 @click.argument("names", nargs=-1, metavar="[NAME]...")
 @click.option("--quick", is_flag=True, help="Coarse grids, each column once: minutes instead of half an hour.")
 @out_option("validation, with --quick validation-quick")
+@fresh_option
 @jobs_option
 @threads_option
 @click.option("--quiet", is_flag=True, help="Print the checks only.")
@@ -29,6 +30,7 @@ def validate(
     names: tuple[str, ...],
     quick: bool,
     out: Path | None,
+    fresh: bool,
     jobs: int | None,
     threads: int | None,
     quiet: bool,
@@ -51,7 +53,7 @@ def validate(
     folder = out or Path("validation-quick" if quick else "validation")
     study = ValidationStudy(select_checks(names), quick)
     with SweepDisplay(folder / RUNS, quiet) as display:
-        result = carry_out_study(study, folder, jobs=jobs, threads=threads, observer=display)
+        result = carry_out_study(study, folder, jobs=jobs, threads=threads, fresh=fresh, observer=display)
     click.echo(as_json(_record(result, quick)) if to_json else "\n".join(_lines(result.evaluation)))
     if not quiet and not to_json:
         click.echo(f"in {folder}: {', '.join(path.name for path in result.files)}")

@@ -21,6 +21,7 @@ from mpmcol.io.names import (
     HISTORY_FILE,
     INDEX_FILES,
     LOCK_FILE,
+    LOG_FILE,
     RESULT_FILE,
     SNAPSHOT_FOLDER,
 )
@@ -28,6 +29,7 @@ from mpmcol.io.run_status import read_status
 from mpmcol.io.snapshot import list_snapshots
 
 Problems = Mapping[str, str]  # file name: problem
+UNCHECKED = (LOCK_FILE, LOG_FILE)  # the log also has the end of the run, which follows the checksums
 INDEX = INDEX_FILES[0]
 FOREIGN = "it does not belong to this run"
 CHANGED = "its checksum does not match"
@@ -35,7 +37,7 @@ CHANGED = "its checksum does not match"
 
 def check_run(folder: Path) -> FolderReport:
     """Check all files of a run, which need not have ended."""
-    files = [path for path in sorted(folder.rglob("*")) if path.is_file() and path.name != LOCK_FILE]
+    files = [path for path in folder.rglob("*") if path.is_file() and path.name not in UNCHECKED]
     status = read_status(folder)
     if status.name == "running":
         note = Finding(LOCK_FILE, "a run is writing here", "verify it after it has ended", is_damage=False)

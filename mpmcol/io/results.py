@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,9 @@ import numpy as np
 from mpmcol.case import Case, load_case
 from mpmcol.errors import OutputError, UsageError
 from mpmcol.io.columns import without_unit
+from mpmcol.io.html import html_table
 from mpmcol.io.names import CASE_FILE, HISTORY_FILE, RESULT_FILE
+from mpmcol.io.run_status import read_status
 from mpmcol.io.snapshot import Snapshot, list_snapshots, read_snapshot
 from mpmcol.measure import ColumnShape, Measurement, measure, stop_time
 from mpmcol.setup.column_shape import column_shape
@@ -40,6 +42,27 @@ class Results:
             raise OutputError(
                 f"{self.folder}: {CASE_FILE} not found; expected the results folder of a run (`mpmcol run`)"
             )
+
+    def __repr__(self) -> str:
+        texts = (f"{name} {text}" for name, text in self._overview() if text and name != "folder")
+        return f"<Results {str(self.folder)!r}: {'; '.join(texts)}>"
+
+    def _repr_html_(self) -> str:
+        return html_table([], self._overview())
+
+    def _overview(self) -> Iterator[tuple[str, str]]:
+        """Names and texts of the most important values; never fails, whatever the folder holds."""
+        status = read_status(self.folder)
+        result = status.result or {}
+        rest = ", at rest" if result.get("at_rest") else ", not at rest"
+        yield "folder", str(self.folder)
+        yield "case", str(result.get("title", ""))
+        yield "state", f"{status.name}{rest if status.name == 'done' else ''}"
+        for quantity in ("zeta", "beta"):
+            yield quantity, _numbers_text(result.get(quantity))
+        ledger, shares = result.get("ledger") or {}, result.get("dissipation") or {}
+        if "residual" in ledger and shares.get("released"):
+            yield "energy error", f"{ledger['residual'] / shares['released']:.1e} of the released energy"
 
     @cached_property
     def case(self) -> Case:
@@ -98,6 +121,14 @@ class Results:
     def measure(self, index: int = -1) -> Measurement:
         """Fronts, height and profile of one snapshot."""
         return measure_snapshot(self.snapshot(index), self.shape)
+
+
+def _numbers_text(value: Any) -> str:
+    """A measured value, or its values by definition of the front, in 3D the means; "" if it is missing."""
+    if not isinstance(value, dict):
+        return "" if value is None else f"{value:.3f}"
+    means = {front: one.get("mean") if isinstance(one, dict) else one for front, one in value.items()}
+    return ", ".join(f"{mean:.3f} ({front})" for front, mean in means.items() if mean is not None)
 
 
 def measure_snapshot(snapshot: Snapshot, shape: ColumnShape) -> Measurement:

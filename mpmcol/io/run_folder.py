@@ -48,7 +48,23 @@ def prepare_folder(folder: Path, case: Case, fresh: bool, notify: Callable[[str]
     found = {path.name for path in folder.iterdir()} if folder.is_dir() else set()
     if found - {LOCK_FILE, GIVEN_CASE_FILE, LOG_FILE} and CASE_FILE not in found:
         raise UsageError(f"{folder} is not empty and holds no run; use --out for another folder")
-    for pattern in OWN_FILES:
+    if CASE_FILE in found:
+        _remove_run(folder)
+
+
+def discard_run(folder: Path) -> None:
+    """Remove the files of a run, finished or not, except its input case; nothing if there is no such folder.
+
+    Raises OutputError, also if a run is writing there.
+    """
+    if folder.is_dir():
+        with locked(folder):
+            _remove_run(folder)
+
+
+def _remove_run(folder: Path) -> None:
+    """Remove all files of a run except its input case."""
+    for pattern in (LOG_FILE, *OWN_FILES):
         for path in folder.glob(pattern):
             remove(path)
 
@@ -59,9 +75,7 @@ def replace_run(source: Path, folder: Path) -> None:
     Raises OutputError.
     """
     with locked(folder):
-        for pattern in OWN_FILES:
-            for path in folder.glob(pattern):
-                remove(path)
+        _remove_run(folder)
         for pattern in (LOG_FILE, GIVEN_CASE_FILE, *reversed(OWN_FILES)):  # the result last
             for path in sorted(source.glob(pattern)):
                 for file in sorted(path.iterdir()) if path.is_dir() else [path]:

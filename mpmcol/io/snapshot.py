@@ -39,6 +39,11 @@ UNITS = {
 EXTENSIVE = {"mass", "volume"}
 PER = {"plane": "/m", "axisymmetric": "/rad"}  # in 3D, all that is modelled
 COMPONENTS = {"velocity": "x y z", "displacement": "x y z", "stress": "xx yy zz xy yz xz"}
+DESCRIPTIONS = {  # field data for viewers, which do not show HDF5 attributes
+    "stress_components": COMPONENTS["stress"].split(),
+    "stress_sign": ["tension positive"],
+    "material_ids": ["0 column", "1 base"],
+}
 ATTRIBUTES = {"velocity": "Vectors", "stress": "Tensors", "id": "GlobalIds"}
 DAMAGE = (OSError, KeyError, ValueError, TypeError, AttributeError, IndexError, RuntimeError, MemoryError)
 
@@ -99,11 +104,15 @@ def write_snapshot(folder: Path, index: int, snapshot: Snapshot, meta: Meta, com
     path = make_folder(folder / SNAPSHOT_FOLDER, parents=False) / f"{index:06d}.vtkhdf"
     data = dict(as_stored(snapshot).arrays)
     moment: Meta = {"time": snapshot.time, "step": snapshot.step, "stage": snapshot.stage}
-    attributes = {name: _attributes(name, PER.get(str(meta.get("model")), "")) for name in UNITS}
+    per = PER.get(str(meta.get("model")), "")
+    attributes = {name: _attributes(name, per) for name in UNITS}
     with vtkhdf.memory_file() as file:
         points = data.pop("position")
         vtkhdf.write_points(file["VTKHDF"], points, data, {"Points": attributes["position"], **attributes}, compression)
         file["VTKHDF/FieldData/TimeValue"] = [snapshot.time]
+        for name, texts in _descriptions(per).items():
+            # the only kind of text that VTK reads; it crashes on strings of fixed length
+            file.create_dataset(f"VTKHDF/FieldData/{name}", data=texts, dtype=h5py.string_dtype("ascii"))
         for name, value in {**meta, "schema": SCHEMA, "units": "SI", **moment}.items():
             _write_plain(file, f"mpmcol/{name}", value)
         content = vtkhdf.image(file)
@@ -160,9 +169,18 @@ def describe_snapshot(path: Path) -> vtkhdf.Step:
 
 
 def _attributes(name: str, per: str) -> dict[str, str | np.bytes_]:
-    units: dict[str, str | np.bytes_] = {"units": UNITS[name] + (per if name in EXTENSIVE else "")}
+    units: dict[str, str | np.bytes_] = {"units": _unit(name, per)}
     components: dict[str, str | np.bytes_] = {"components": COMPONENTS[name]} if name in COMPONENTS else {}
     return units | components | ({"Attribute": np.bytes_(ATTRIBUTES[name])} if name in ATTRIBUTES else {})
+
+
+def _descriptions(per: str) -> dict[str, list[str]]:
+    """Names of components and materials, sign of stresses, and the unit of each array that has one."""
+    return {**DESCRIPTIONS, "units": [f"{name} {_unit(name, per)}" for name in UNITS if UNITS[name] != "1"]}
+
+
+def _unit(name: str, per: str) -> str:
+    return UNITS[name] + (per if name in EXTENSIVE else "")
 
 
 def _single_precision(values: np.ndarray) -> np.ndarray:

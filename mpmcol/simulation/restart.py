@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from mpmcol.case import Case
-from mpmcol.errors import OutputError, UsageError
+from mpmcol.errors import CaseError, OutputError, UsageError
 from mpmcol.io.checkpoint import FORMAT, Checkpoint, damaged_snapshots, read_checkpoints
-from mpmcol.io.names import CHECKPOINT_FILES
+from mpmcol.io.names import CASE_FILE, CHECKPOINT_FILES
+from mpmcol.io.results import Results
+from mpmcol.io.run_status import read_status
 from mpmcol.mpm.kernels import loop
 from mpmcol.provenance import code_version
 from mpmcol.setup.model import Model
@@ -25,6 +29,32 @@ def resume(simulation: Simulation, checkpoint: Checkpoint) -> None:
     simulation.set_state(assemble(values, arrays))
     simulation.recorder.remove_later_snapshots()
     simulation.progress.resumed.append({"step": simulation.solver.steps, "version": code_version()})
+
+
+def finished_run(case: Case, folder: Path, notify: Notify) -> Results | None:
+    """The finished run of a case in a folder; None if the folder holds no finished run.
+
+    notify: receives a line about the run, and a note if another version of the code computed it. Raises UsageError if
+    it is of another case.
+    """
+    if not (folder / CASE_FILE).exists() or read_status(folder).name != "done":
+        return None
+    results = Results(folder)
+    try:
+        found = case_differences(identity(results.case), identity(case), "the finished run")
+    except CaseError:
+        found = [f"{CASE_FILE} is not a valid case of this version"]
+    if found:
+        raise UsageError(
+            f"{folder} holds a finished run of another case:\n  "
+            + "\n  ".join(found)
+            + "\nuse --fresh to replace it, or --out for another folder"
+        )
+    notify(f"{folder} holds the finished run of this case: nothing to compute")
+    version = results.summary.get("versions", {}).get("mpmcol")
+    if version != code_version():
+        notify(f"note: computed by mpmcol {version}, this is {code_version()}; --fresh computes it again")
+    return results
 
 
 def find_checkpoint(case: Case, folder: Path, force_resume: bool, notify: Notify) -> Checkpoint | None:
@@ -98,12 +128,17 @@ def recovery_hint(folder: Path) -> str:
 def differences(checkpoint: Checkpoint, case: Case) -> list[str]:
     """One line for each difference between the run of a checkpoint and a run of this case with this code."""
     checkpointed, present = checkpoint.values["identity"], identity(case)
-    old, new = checkpointed["case"], present["case"]
-    lines = [
-        f"{key}: {old.get(key)} in the checkpoint, {new.get(key)} in this case"
-        for key in old | new
-        if old.get(key) != new.get(key)
-    ]
+    lines = case_differences(checkpointed, present, "the checkpoint")
     if checkpointed["version"] != present["version"]:
         lines.append(f"made by mpmcol {checkpointed['version']}, this is {present['version']}")
     return lines
+
+
+def case_differences(earlier: Mapping[str, Any], present: Mapping[str, Any], source: str) -> list[str]:
+    """One line for each value of the case in which two identities differ; `source` names the earlier run."""
+    old, new = earlier["case"], present["case"]
+    return [
+        f"{key}: {old.get(key)} in {source}, {new.get(key)} in this case"
+        for key in old | new
+        if old.get(key) != new.get(key)
+    ]

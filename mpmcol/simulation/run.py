@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import inf
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, ParamSpec
 
 from mpmcol.case import Case
 from mpmcol.errors import Interrupted, NumericalFailure, OutputError, UsageError
@@ -13,10 +14,12 @@ from mpmcol.io.lock import locked
 from mpmcol.io.names import CHECKPOINT_FILES
 from mpmcol.io.results import Results
 from mpmcol.io.run_folder import prepare_folder, reopen_folder, write_result
+from mpmcol.io.run_log import run_log
 from mpmcol.mpm.jit import CACHE_NOTE, set_threads
 from mpmcol.mpm.kernels import loop
 from mpmcol.mpm.particles import Points
 from mpmcol.mpm.solver import Solver
+from mpmcol.provenance import code_version
 from mpmcol.setup.cores import thread_note
 from mpmcol.setup.model import Model, build_model
 from mpmcol.setup.unfit_settings import require_stiff_column
@@ -24,11 +27,13 @@ from mpmcol.simulation.checkpointer import INTERVAL, Checkpointer
 from mpmcol.simulation.failure import failure_message
 from mpmcol.simulation.interrupt import Stopped, stop_request
 from mpmcol.simulation.recorder import Recorder
-from mpmcol.simulation.restart import find_checkpoint, recovery_hint, require_same_points, resume
+from mpmcol.simulation.restart import find_checkpoint, finished_run, recovery_hint, require_same_points, resume
 from mpmcol.simulation.retry import halve_time_step
 from mpmcol.simulation.stages import Stages
 from mpmcol.simulation.state import Notify, RunState, ShowProgress, Simulation, no_messages, no_progress
 from mpmcol.simulation.summary import summarize
+
+P = ParamSpec("P")
 
 
 def run(
@@ -46,6 +51,8 @@ def run(
 ) -> Results:
     """Run a case in a folder, or resume its unfinished run there, and return the results.
 
+    If the folder holds the finished run of this case, nothing is computed.
+
     Args:
         threads: number of threads (default: all cores); results do not depend on it.
         fresh: restart from scratch, whatever the folder holds of a run.
@@ -58,8 +65,8 @@ def run(
         notify: called with each message for the user, one line.
 
     Raises:
-        UsageError: the folder holds a finished run, or an unfinished one that differs, or the case cannot be run; or
-            this process was forked from one that had already computed.
+        UsageError: the folder holds a run of another case, or an unfinished one that differs in version, or the case
+            cannot be run; or this process was forked from one that had already computed.
         NumericalFailure: the run diverged; the folder holds everything up to the failure.
         OutputError: a file cannot be written, or another run writes to the folder.
         Interrupted: a signal (`mpmcol.simulation.interrupt`) or `max_wall` stopped the run; the same call resumes it. A
@@ -68,14 +75,19 @@ def run(
     """
     if on_instability not in ("stop", "retry"):
         raise UsageError(f'on_instability = "{on_instability}": expected "stop" or "retry"')
-    folder, used = Path(folder), set_threads(threads)
+    folder = Path(folder)
+    if not fresh and (finished := finished_run(case, folder, notify)):
+        return finished
+    used = set_threads(threads)
     if threads is not None and used != threads:
         notify(f"note: {used} threads instead of {threads}; set NUMBA_NUM_THREADS to allow more")
     if note := thread_note(used):
         notify(f"note: {note}")
     if CACHE_NOTE:
         notify(CACHE_NOTE)
-    with stop_request(max_wall) as stop, locked(folder) as lock:
+    with stop_request(max_wall) as stop, locked(folder) as lock, run_log() as log:
+        notify, progress = _both(notify, log.message), _both(progress, log.progress)
+        log.message(f"mpmcol {code_version()}, {used} threads: {case.title}")
         checkpoint = None if fresh else find_checkpoint(case, folder, force_resume, notify)
         require_stiff_column(case)
         model = build_model(case)  # may refuse the case: before old files are removed
@@ -86,6 +98,7 @@ def run(
                 reopen_folder(folder)
             else:
                 prepare_folder(folder, case, fresh, notify)
+            log.open(folder)
             simulation = start(
                 case,
                 model,
@@ -101,7 +114,18 @@ def run(
         except OutputError as error:
             lock.check()  # if the folder itself is gone, report that
             raise OutputError(f"{error}\n{recovery_hint(folder)}") from error
+        log.message("done")
     return Results(folder)
+
+
+def _both(first: Callable[P, None], second: Callable[P, None]) -> Callable[P, None]:
+    """A function that calls both."""
+
+    def call(*args: P.args, **kwargs: P.kwargs) -> None:
+        first(*args, **kwargs)
+        second(*args, **kwargs)
+
+    return call
 
 
 def start(

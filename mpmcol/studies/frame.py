@@ -6,6 +6,7 @@ import json
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from shlex import quote
 from typing import Generic, Protocol, TypeVar
 
 from mpmcol.errors import UsageError
@@ -53,13 +54,14 @@ def carry_out_study(
     *,
     jobs: int | None = None,
     threads: int | None = None,
+    fresh: bool = False,
     observer: SweepObserver | None = None,
     report_only: bool = False,
 ) -> StudyResult[Evaluation]:
     """Carry out the runs of a study in `out`/runs, evaluate them and write the report into `out`.
 
-    Runs that have already ended are not repeated. With `report_only` nothing is run, and the report covers the runs
-    that have ended.
+    Runs that have already ended are not repeated unless `fresh`. With `report_only` nothing is run, and the report
+    covers the runs that have ended.
 
     Raises:
         UsageError: `report_only`, and no run has ended.
@@ -69,12 +71,14 @@ def carry_out_study(
     if report_only:
         ended = find_ended(study.runs(), folder)
     else:
-        ended = carry_out(study.runs(), folder, jobs=jobs, threads=threads, observer=observer)
+        ended = carry_out(study.runs(), folder, jobs=jobs, threads=threads, fresh=fresh, observer=observer)
     outcomes = list(ended.outcomes.values())
     if report_only and not outcomes:
         raise UsageError(f"no run of the study has ended in {folder}; leave out --report-only to carry out the runs")
     if not ended.completed:
-        raise unsuccessful(outcomes, f"no run of the study was successful; `mpmcol status {folder}` lists the causes")
+        raise unsuccessful(
+            outcomes, f"no run of the study was successful; `mpmcol status {quote(str(folder))}` lists the causes"
+        )
     evaluation, system = study.evaluate(ended), environment()
     files = study.write_report(evaluation, f"mpmcol {system['mpmcol']}; {system['cpu']}", out)
     atomic_write(out / ENVIRONMENT_FILE, (json.dumps(system, indent=1) + "\n").encode())

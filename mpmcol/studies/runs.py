@@ -110,11 +110,14 @@ def carry_out(
     *,
     jobs: int | None = None,
     threads: int | None = None,
+    fresh: bool = False,
     observer: SweepObserver | None = None,
 ) -> EndedRuns:
-    """Carry out each run once; runs that have already ended in the folder `out` are not repeated."""
+    """Carry out each run once; runs that have ended in the folder `out` are not repeated unless `fresh`."""
     needed = list(dict.fromkeys(runs))
-    outcomes = run_sweep([run.plan(out) for run in needed], out, jobs=jobs, threads=threads, observer=observer)
+    outcomes = run_sweep(
+        [run.plan(out) for run in needed], out, jobs=jobs, threads=threads, fresh=fresh, observer=observer
+    )
     return _ended(needed, outcomes, out)
 
 

@@ -18,12 +18,12 @@ COMMANDS_FILE, SLURM_FILE = "commands.sh", "slurm.sh"
 
 SLURM = """\
 #!/bin/bash
-# One task for each line of {commands}; afterwards the same `mpmcol sweep` command writes table and charts.
+# One task for each line of commands.sh; afterwards the same `mpmcol sweep` command writes table and charts.
 #SBATCH --job-name={name}
 #SBATCH --array=1-{count}
 #SBATCH --cpus-per-task={threads}
 #SBATCH --mem={megabytes}M
-#SBATCH --output={out}/slurm-%a.log
+#SBATCH --output={log}
 #SBATCH --requeue
 eval "$(sed -n "${{SLURM_ARRAY_TASK_ID}}p" {quoted})"
 """
@@ -42,13 +42,12 @@ def write_commands(runs: Sequence[PlannedRun], threads: int, out: Path) -> list[
     commands = out.resolve() / COMMANDS_FILE
     atomic_write(commands, os.fsencode("".join(line + "\n" for line in lines)))
     script = SLURM.format(
-        commands=commands,
         quoted=shlex.quote(str(commands)),
-        name=f"mpmcol-{out.name}",
+        name=shlex.quote(f"mpmcol-{out.name}"),
         count=len(lines),
         threads=threads,
         megabytes=ceil(max(memory_bytes(run.discretization) + PROCESS_BYTES for run in ordered) / 1e6),
-        out=out.resolve(),
+        log=shlex.quote(str(out.resolve()).replace("%", "%%") + "/slurm-%a.log"),  # % begins a pattern
     )
     atomic_write(out.resolve() / SLURM_FILE, os.fsencode(script))
     return lines

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from contextlib import ExitStack, closing
 from pathlib import Path
 
+from mpmcol.io.run_folder import discard_run
 from mpmcol.io.run_status import read_status
 from mpmcol.provenance import code_version
 from mpmcol.setup.cores import available_cores
@@ -39,11 +40,12 @@ def run_sweep(
     jobs: int | None = None,
     threads: int | None = None,
     scheduler: str | None = None,
+    fresh: bool = False,
     observer: SweepObserver | None = None,
 ) -> list[Outcome]:
     """Execute all runs in the folder `out`, on this machine or on the cluster of a dask scheduler.
 
-    Returns the outcomes in the order of the runs.
+    Returns the outcomes in the order of the runs. With `fresh`, results that these runs have already are discarded.
 
     Raises:
         UsageError: the folder contains other files.
@@ -51,6 +53,8 @@ def run_sweep(
     """
     prepare_out(out)
     observer = observer or SweepObserver()
+    if fresh:
+        discard_runs(runs)
     pending = pending_runs(runs)
     with ExitStack() as stack:
         pool = stack.enter_context(dask_pool(scheduler, out)) if scheduler and pending else None
@@ -65,6 +69,12 @@ def run_sweep(
             outcomes[outcome.run.folder] = outcome
             observer.run_ended(outcome)
     return [outcomes[run.folder] for run in runs]
+
+
+def discard_runs(runs: Sequence[PlannedRun]) -> None:
+    """Remove the results of runs, finished or not. Raises OutputError, also if one of them is being executed."""
+    for run in runs:
+        discard_run(run.folder)
 
 
 def pending_runs(runs: Sequence[PlannedRun]) -> list[PlannedRun]:

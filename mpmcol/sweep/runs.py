@@ -5,9 +5,7 @@ from __future__ import annotations
 import hashlib
 import itertools
 import json
-import re
-from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -24,12 +22,11 @@ from mpmcol.setup.cost import durations
 from mpmcol.setup.discretization import Discretization, discretize
 from mpmcol.setup.memory import require_memory_for
 from mpmcol.setup.unfit_settings import kind_of, require_stiff_column
-from mpmcol.sweep.axes import ASPECT, MOST_VALUES, Axis
-
-SHORT_NAMES = {ASPECT: "a"}
-LONGEST_NAME = 80
+from mpmcol.sweep.axes import MOST_VALUES, Axis
+from mpmcol.sweep.names import LONGEST_NAME, UNSAFE, member_name, short_names
 
 Combination = tuple[tuple[str, str], ...]  # keys and the texts of their values
+Configure = Callable[[Sequence[str]], Sequence[str]]  # from the overrides of a run to further ones
 
 
 @dataclass(frozen=True)
@@ -75,7 +72,7 @@ def plan_run(case: Case, out: Path, inputs: Mapping[str, Any], name: str) -> Pla
     """
     content = [case_hash(case), case.output.model_dump(mode="json"), code_version()]
     digest = hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:10]
-    safe = re.sub(r"[^\w.+-]+", "_", name)[:LONGEST_NAME] or "run"
+    safe = UNSAFE.sub("_", name)[:LONGEST_NAME] or "run"
     return PlannedRun(dict(inputs), case, out / f"{safe}-{digest}")
 
 
@@ -90,8 +87,18 @@ def write_case(run: PlannedRun) -> Path:
     return path
 
 
+def no_configuration(overrides: Sequence[str]) -> Sequence[str]:
+    """No further overrides."""
+    return ()
+
+
 def plan_runs(
-    source: str | Path, axes: Sequence[Axis], out: Path, zipped: bool = False, problems: Sequence[Problem] = ()
+    source: str | Path,
+    axes: Sequence[Axis],
+    out: Path,
+    zipped: bool = False,
+    problems: Sequence[Problem] = (),
+    configure: Configure = no_configuration,
 ) -> list[PlannedRun]:
     """Runs for all combinations of the axes' values, the last axis varying fastest.
 
@@ -111,7 +118,7 @@ def plan_runs(
     runs: list[PlannedRun] = []
     for combination in combinations:
         try:
-            runs.append(_checked(source, combination, out, names))
+            runs.append(_checked(source, combination, out, names, configure))
         except CaseError as error:
             found |= {str(problem): problem for problem in error.problems}
     if found or (found := {str(problem): problem for problem in _duplicates(runs)}):
@@ -153,32 +160,24 @@ def _counted(alike: Sequence[str], count: int) -> str:
     return f"{alike[0]} ({len(alike)} of {count} runs{others})"
 
 
-def short_names(keys: Iterable[str]) -> dict[str, str]:
-    """Short names of keys for folders and labels: the last part, or the whole key where two share the last part."""
-    keys = list(keys)
-    shared = Counter(key.rpartition(".")[2] for key in keys)
-    last = {key: key.rpartition(".")[2] for key in keys}
-    return {key: SHORT_NAMES.get(key, last[key] if shared[last[key]] == 1 else key) for key in keys}
-
-
-def _checked(source: str | Path, combination: Combination, out: Path, names: Mapping[str, str]) -> PlannedRun:
-    """The run with these values; CaseError if its case is invalid, too soft, or too large for the memory."""
-    case = load_case(source, [f"{key}={text}" for key, text in combination])
+def _checked(
+    source: str | Path, combination: Combination, out: Path, names: Mapping[str, str], configure: Configure
+) -> PlannedRun:
+    """The run with these values; CaseError if its case is invalid, too soft, too large, or not configurable."""
+    overrides = [f"{key}={text}" for key, text in combination]
+    case = load_case(source, overrides)
     leaves = leaf_values(case)
     inputs = {key: leaves.get(key, text) for key, text in combination}
-    name = "-".join(_label(names[key], inputs[key]) for key, _ in combination if key in names)
-    run = plan_run(case, out, inputs, name or Path(source).stem)
+    name = member_name(source, inputs, names)
     try:
+        if further := configure(overrides):
+            case = load_case(source, [*overrides, *further])
+        run = plan_run(case, out, inputs, name)
         require_memory_for(run.discretization)
         require_stiff_column(case)
     except UsageError as error:
-        raise case_error([Problem(f"run {run.name}", None, "", str(error), "")]) from None
+        raise case_error([Problem(f"run {name}", None, "", str(error), "")]) from None
     return run
-
-
-def _label(name: str, value: Any) -> str:
-    is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
-    return f"{name}{value:.12g}" if is_number else f"{name}-{value}"
 
 
 def _duplicates(runs: Sequence[PlannedRun]) -> list[Problem]:

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from mpmcol.sweep.runs import short_names
+from mpmcol.sweep.names import short_names
 
 ASPECT_COLUMN = "a"
 ASPECT_KEYS = ("geometry.aspect", "geometry.height")  # keys that determine the aspect ratio

@@ -6,8 +6,9 @@ import os
 import signal
 import subprocess
 import sys
+import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -75,7 +76,7 @@ def execute_task(task: Task, stop: StopRequest = lambda: CONTINUE) -> TaskResult
     if code_version() != task.version:
         message = f"the worker has mpmcol {code_version()}, expected {task.version}; install the same version there"
         return TaskResult("error", 0, UsageError.exit_code, message)
-    attempts, code = 0, 0
+    attempts, code, printed = 0, 0, ""
     while True:
         status = _status_when_unlocked(task.folder, stop)
         if status.has_ended:
@@ -83,9 +84,9 @@ def execute_task(task: Task, stop: StopRequest = lambda: CONTINUE) -> TaskResult
         if stop():
             return TaskResult("interrupted", attempts, Interrupted.exit_code)
         if attempts > RETRIES or code == UsageError.exit_code:
-            return TaskResult("error", attempts, code, _failure_message(task.folder, code, attempts))
+            return TaskResult("error", attempts, code, _failure_message(task.folder, code, printed, attempts))
         try:
-            code = _attempt(task, status.name == "damaged", stop)
+            code, printed = _attempt(task, status.name == "damaged", stop)
         except OSError as error:
             return TaskResult("error", attempts, OutputError.exit_code, f"the run cannot be started: {error}")
         attempts += 1
@@ -98,24 +99,28 @@ def _status_when_unlocked(folder: Path, stop: StopRequest) -> RunStatus:
     return read_status(folder)
 
 
-def _attempt(task: Task, fresh: bool, stop: StopRequest) -> int:
-    """Execute the run once; returns its exit code, negative if a signal ended it."""
+def _attempt(task: Task, fresh: bool, stop: StopRequest) -> tuple[int, str]:
+    """Execute the run once; returns its exit code, negative if a signal ended it, and what it printed.
+
+    The run itself writes its log, in which its own errors are.
+    """
     environment = {**os.environ, "NUMBA_NUM_THREADS": str(task.threads)}
-    with (task.folder / LOG_FILE).open("wb") as log:
+    with tempfile.TemporaryFile() as output:
         run = subprocess.Popen(
-            run_command(task.folder, task.threads, fresh),
-            stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT, env=environment, **OWN_GROUP,
+            [*run_command(task.folder, task.threads, fresh), "--quiet"],
+            stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.STDOUT, env=environment, **OWN_GROUP,
         )  # fmt: skip
-    deadline = 0.0
-    while run.poll() is None:
-        time.sleep(POLL)
-        if stop() and not deadline:
-            with suppress(OSError):  # Windows sends it only within a console; the run is killed later
-                run.send_signal(STOP_SIGNAL)
-            deadline = time.monotonic() + GRACE
-        if deadline and (stop() >= ABORT or time.monotonic() > deadline):
-            run.kill()
-    return int(run.returncode)
+        deadline = 0.0
+        while run.poll() is None:
+            time.sleep(POLL)
+            if stop() and not deadline:
+                with suppress(OSError):  # Windows sends it only within a console; the run is killed later
+                    run.send_signal(STOP_SIGNAL)
+                deadline = time.monotonic() + GRACE
+            if deadline and (stop() >= ABORT or time.monotonic() > deadline):
+                run.kill()
+        output.seek(0)
+        return int(run.returncode), output.read().decode(errors="replace")
 
 
 def _ended(status: RunStatus, attempts: int) -> TaskResult:
@@ -124,13 +129,19 @@ def _ended(status: RunStatus, attempts: int) -> TaskResult:
     return TaskResult("failed", attempts, NumericalFailure.exit_code, status.failure)
 
 
-def _failure_message(folder: Path, code: int, attempts: int) -> str:
-    """How a run ended, with the last line of its log."""
+def _complete_log(path: Path, printed: Sequence[str]) -> None:
+    """Add the lines that a run printed to its log if they are not there, because it ended before it opened the log."""
+    with suppress(OSError):
+        known = path.read_text("utf-8", errors="replace") if path.exists() else ""
+        with path.open("a", encoding="utf-8") as log:
+            log.writelines(f"{line}\n" for line in printed if line not in known)
+
+
+def _failure_message(folder: Path, code: int, printed: str, attempts: int) -> str:
+    """How a run ended, with the last line that it printed."""
     path = folder / LOG_FILE
-    try:
-        lines = [line.strip() for line in path.read_text("utf-8", errors="replace").splitlines() if line.strip()]
-    except OSError:
-        lines = []
+    lines = [line.strip() for line in printed.splitlines() if line.strip()]
+    _complete_log(path, lines)
     ended = f"killed by {_signal_name(-code)}" if code < 0 else f"exit code {code}"
     tries = "" if attempts == 1 else f", {attempts} times"
     last = f": {lines[-1]}" if lines and code > 0 else ""

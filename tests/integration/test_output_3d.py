@@ -13,11 +13,11 @@ from click.testing import CliRunner
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
+from mpmcol.api import measured
 from mpmcol.case import load_case
 from mpmcol.cli.measure import measure as measure_command
 from mpmcol.cli.run_summary import summary_table
 from mpmcol.experiments import EXPERIMENTS, score
-from mpmcol.io import results
 from mpmcol.measure import FRONTS, ColumnShape, Measurement, measure
 from mpmcol.plotting import charts
 from mpmcol.plotting.run_charts import chart_run
@@ -59,7 +59,7 @@ def run_of(shape: ColumnShape, folder: Path) -> SimpleNamespace:
 def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
     """A synthetic run of a quarter, which the commands find in every folder."""
     synthetic = run_of(QUARTER, tmp_path)
-    monkeypatch.setattr(results, "Results", lambda folder: synthetic)
+    monkeypatch.setattr(measured, "as_results", lambda run: synthetic)
     return synthetic
 
 
@@ -140,6 +140,6 @@ def test_summary_table_of_a_box_has_ranges_along_x_and_no_law(tmp_path: Path) ->
 
 def test_measure_of_a_box_has_no_errors(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     box = run_of(BOX, tmp_path)
-    monkeypatch.setattr(results, "Results", lambda folder: box)
+    monkeypatch.setattr(measured, "as_results", lambda run: box)
     assert json.loads(invoke(box, "--json"))["scores"] == []
     assert invoke(box).splitlines()[2].startswith("quarter, box, a = 0.9")

@@ -42,7 +42,7 @@ def test_a_run_that_fails_by_default_completes_with_half_the_time_step(tmp_path:
     stopped = invoke(*command)
     assert stopped.exit_code == 3 and "energy gain" in stopped.stderr
     done = invoke(*command, "--on-instability", "retry")
-    assert done.exit_code == 0 and "with time.cfl = 0.5 (retry 1 of at most 4)" in done.stdout
+    assert done.exit_code == 0 and "with time.cfl = 0.5 (retry 1 of at most 4)" in done.stderr
     (retry,) = Results(tmp_path / "a").summary["retries"]
     assert retry["cfl"] == 1.0 and retry["new_cfl"] == 0.5 and retry["check"] == "energy"
     assert retry["stage"] == "equilibrate" and retry["from_step"] < retry["step"] and retry["from_time"] < retry["time"]

@@ -96,11 +96,11 @@ def test_the_history_is_ordered_and_its_energies_balance(finished: Path) -> None
 
 
 def test_a_finished_run_is_not_replaced(finished: Path) -> None:
-    again = invoke("run", "quickstart", *tiny(), "--out", str(finished))
+    before = (finished / "result.json").read_bytes()
+    assert invoke("run", "quickstart", *tiny(), "--out", str(finished)).exit_code == 0  # its result is printed
+    again = invoke("run", "quickstart", *tiny("geometry.aspect=0.5"), "--out", str(finished))
     assert again.exit_code == 2
     assert "--fresh" in again.output and "Traceback" not in again.output
-    before = (finished / "result.json").read_bytes()
-    assert invoke("run", "quickstart", *tiny("geometry.aspect=0.5"), "--out", str(finished)).exit_code == 2
     assert (finished / "result.json").read_bytes() == before
 
 

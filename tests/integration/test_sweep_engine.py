@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import json
 import os
+import re
+import shlex
 import signal
 import subprocess
 import sys
@@ -26,6 +28,7 @@ from mpmcol.io.run_status import read_status, time_reached
 from mpmcol.provenance import code_version
 from mpmcol.sweep import engine, task
 from mpmcol.sweep.axes import parse_axes
+from mpmcol.sweep.commands import write_commands
 from mpmcol.sweep.compile_cache import smallest_per_variant
 from mpmcol.sweep.engine import Outcome, execute_runs, exit_code, local_pool
 from mpmcol.sweep.plan import Plan, PlanEntry, read_plan
@@ -374,3 +377,34 @@ def test_schemes_have_different_kernels(axis: str, sets: int, tmp_path: Path) ->
 def test_time_before_the_release_does_not_count(stage: str, time: float, share: float | None, tmp_path: Path) -> None:
     (tmp_path / "history.csv").write_text(f"stage,step,time\nequilibrate,1,0.1\n{stage},9,{time}\n")
     assert time_reached(tmp_path) == share
+
+
+def test_fresh_discards_finished_runs(tmp_path: Path, acts: Acts) -> None:
+    runs = make_runs(tmp_path / "out")
+    run_sweep(runs, tmp_path / "out", jobs=2)
+    (runs[0].folder / "mine.txt").write_text("kept")
+    run_sweep(runs, tmp_path / "out", jobs=2, fresh=True)
+    assert [tries(run) for run in runs] == [2, 2, 2]
+    assert (runs[0].folder / "mine.txt").exists()
+
+
+def test_what_a_run_printed_before_its_log_is_added_to_it(tmp_path: Path, acts: Acts) -> None:
+    acts(a1="refuses")
+    (run,) = make_runs(tmp_path, "1")
+    list(execute_runs([run]))
+    assert (run.folder / "run.log").read_text() == "it does not fit\n"
+
+
+def test_commands_and_the_slurm_script_quote_their_paths(tmp_path: Path) -> None:
+    out = tmp_path / "my sweep, 50 %"
+    lines = write_commands(make_runs(out), 2, out)
+    assert all(Path(shlex.split(line)[4]).is_file() for line in lines)
+    script = (out / "slurm.sh").read_text()
+    options = dict(re.findall(r"^#SBATCH --([\w-]+)=(.+)$", script, re.MULTILINE))
+    assert shlex.split(options["output"]) == [f"{tmp_path}/my sweep, 50 %%/slurm-%a.log"]  # %% is a % in Slurm
+    assert shlex.split(options["job-name"]) == ["mpmcol-my sweep, 50 %"]
+    found = subprocess.run(
+        ["bash", "-c", script.replace("eval", "echo")],
+        env={**os.environ, "SLURM_ARRAY_TASK_ID": "2"}, capture_output=True, text=True,
+    )  # fmt: skip
+    assert found.stdout.strip() == lines[1], found.stderr

@@ -21,6 +21,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import sqrt
 from pathlib import Path
+from shlex import quote
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -109,7 +110,7 @@ def make_reference(case: str, own: Sequence[CompletedRun], finer: Sequence[Compl
         raise OutputError(
             f"case {case}: {len(own)} runs of its own method and {len(finer)} on the finer grid were successful, "
             "expected at least 2 and 1, since all other runs are compared with them; "
-            f"`mpmcol status {folder}` lists the causes"
+            f"`mpmcol status {quote(str(folder))}` lists the causes"
         )
     return reference_of([observe(run) for run in own], [run.results.measure(-1) for run in finer])
 

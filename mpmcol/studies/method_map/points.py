@@ -14,7 +14,7 @@ from mpmcol.errors import MpmcolError, UsageError
 from mpmcol.studies.definition import as_text
 from mpmcol.studies.method_map.definition import Block, MapCase, MapDefinition
 from mpmcol.studies.runs import CFL, StudyRun, repeated_cfl, study_run
-from mpmcol.sweep.runs import short_names
+from mpmcol.sweep.names import short_names
 
 CONDITIONS = ("material.", "geometry.")  # tables that define what collapses, not how it is computed
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import hypot, sqrt
 from pathlib import Path
+from shlex import quote
 
 import numpy as np
 
@@ -20,7 +21,7 @@ from mpmcol.studies.pareto.recommend import Recommendation, configuration_values
 from mpmcol.studies.runs import CFL, repeated_cfl
 from mpmcol.sweep.engine import Outcome, unsuccessful
 from mpmcol.sweep.fits import student_t
-from mpmcol.sweep.runner import SweepObserver, run_sweep
+from mpmcol.sweep.runner import SweepObserver, discard_runs, run_sweep
 from mpmcol.sweep.runs import PlannedRun, plan_run
 from mpmcol.sweep.table import make_rows
 
@@ -85,12 +86,14 @@ def certify(
     *,
     jobs: int | None = None,
     threads: int | None = None,
+    fresh: bool = False,
     observer: SweepObserver | None = None,
 ) -> tuple[list[Outcome], list[ErrorBar]]:
     """Run a case as recommended and on a coarser grid, several times each, and compute error bars.
 
     If a bar exceeds the relative `accuracy`, the case is also run on a finer grid. `out` becomes the results folder of
-    the first run on the finest grid; the sweep of all runs is in REPEATS_FOLDER inside it.
+    the first run on the finest grid; the sweep of all runs is in REPEATS_FOLDER inside it. With `fresh` its earlier
+    runs are discarded.
 
     Raises:
         UsageError: `out` holds something else.
@@ -100,16 +103,21 @@ def certify(
     if out.is_dir() and any(out.iterdir()) and not repeats.exists():
         raise UsageError(f"{out} is not empty and holds no run with --certify; use --out for another folder")
 
+    def planned(levels: Sequence[float]) -> list[PlannedRun]:
+        return [run for cells in levels for run in _repeated_runs(source, overrides, advice.variant, cells, repeats)]
+
     def run_all(levels: Sequence[float], errors: Mapping[str, float]) -> tuple[list[Outcome], list[ErrorBar]]:
-        runs = [run for cells in levels for run in _repeated_runs(source, overrides, advice.variant, cells, repeats)]
+        runs = planned(levels)
         outcomes = run_sweep(runs, repeats, jobs=jobs, threads=threads, observer=observer)
         return outcomes, _error_bars(outcomes, levels, errors, repeats)
 
     levels = [max(round(advice.cells / RATIO), 2), advice.cells]
+    following, errors = finer_grid(source, overrides, advice)
+    if fresh:
+        discard_runs(planned([*levels, following]))
     outcomes, bars = run_all(levels, advice.errors)
     if any(bar.relative > accuracy for bar in bars):
-        finer, errors = finer_grid(source, overrides, advice)
-        outcomes, bars = run_all([*levels, finer], errors)
+        outcomes, bars = run_all([*levels, following], errors)
     replace_run(_finest(outcomes).run.folder, out)
     return outcomes, bars
 
@@ -149,7 +157,7 @@ def _error_bars(
     }
     if any(len(runs) < MIN_RUNS for by_cells in values.values() for runs in by_cells.values()):
         raise unsuccessful(
-            outcomes, f"too few runs were successful for an error bar; `mpmcol status {folder}` lists why"
+            outcomes, f"too few runs were successful for an error bar; `mpmcol status {quote(str(folder))}` lists why"
         )
     return [error_bar(quantity, by_cells, errors[quantity]) for quantity, by_cells in values.items()]
 

@@ -33,7 +33,9 @@ def trial(seed: int, folder: Path) -> str | None:
         shutil.copytree(reference_run(), run)
     else:
         STARTS["stopped"](run)
-    path = draw.choice(sorted(path for path in run.rglob("*") if path.is_file() and path.name != ".lock"))
+    path = draw.choice(
+        sorted(path for path in run.rglob("*") if path.is_file() and path.name not in (".lock", "run.log"))
+    )
     kind, name = damage(draw, path), path.relative_to(run).as_posix()
     code, output = command("verify", run)
     if code != 5 or f"  {name}: " not in output:

@@ -116,7 +116,7 @@ def test_a_report_is_read_back_from_json(case: BenchmarkCase, tmp_path: Path) ->
 @pytest.mark.parametrize("text", ["", "{}", '{"schema": 99}', "[1]"])
 def test_other_files_are_rejected(text: str, tmp_path: Path) -> None:
     (tmp_path / "other.json").write_text(text)
-    with pytest.raises(UsageError, match="mpmcol bench --json"):
+    with pytest.raises(UsageError, match="mpmcol bench --out"):
         load_report(tmp_path / "other.json")
 
 
@@ -133,18 +133,19 @@ def test_only_slowdowns_beyond_the_noise_are_reported(case: BenchmarkCase) -> No
 @compiles_plain_loops
 def test_the_command_prints_writes_and_compares(tmp_path: Path) -> None:
     arguments = ["--quick", "--model", "plane", "--points", "1000", "--threads", "1"]
-    first = invoke("bench", *arguments, "--json", tmp_path / "new.json")
+    first = invoke("bench", *arguments, "--out", tmp_path / "new", "--json")
     assert first.exit_code == 0, first.output
     for phase in (*PHASES, "memory", "bound", "Python"):
-        assert f"\n{phase} " in first.output
-    written = load_report(tmp_path / "new.json")
+        assert f"\n{phase} " in first.stderr
+    assert json.loads(first.stdout)["schema"] == 3
+    written = load_report(tmp_path / "new" / "bench.json")
     (tmp_path / "fast.json").write_text(slower(written, "p2g", 1e-3).to_json())
     (tmp_path / "slow.json").write_text(replace(slower(written, "p2g", 1e3), cases=()).to_json())
     slowed = invoke("bench", *arguments, "--against", tmp_path / "fast.json")
     assert slowed.exit_code == 1 and "p2g" in slowed.output
     unchanged = invoke("bench", *arguments, "--against", tmp_path / "slow.json")
     assert unchanged.exit_code == 0 and "No kernel is" in unchanged.output
-    assert json.loads((tmp_path / "new.json").read_text())["schema"] == 3
+    assert json.loads((tmp_path / "new" / "bench.json").read_text())["schema"] == 3
 
 
 @pytest.mark.parametrize("arguments", [["--points", "0"], ["--points", "8k"], ["--threads", "1,,2"]])

@@ -106,6 +106,10 @@ def test_single_file_in_pyvista(run, pyvista, monkeypatch: pytest.MonkeyPatch):
         mesh = pyvista.read(path)
         assert_same_mesh(mesh, snapshot)
         assert mesh.field_data["TimeValue"] == [snapshot.time]
+        assert list(mesh.field_data["stress_components"]) == ["xx", "yy", "zz", "xy", "yz", "xz"]
+        assert list(mesh.field_data["stress_sign"]) == ["tension positive"]
+        assert list(mesh.field_data["material_ids"]) == ["0 column", "1 base"]
+        assert {"position m", "stress Pa", "mass kg/m"} <= set(mesh.field_data["units"])
 
 
 @pytest.mark.parametrize("relative", [False, True])
@@ -134,7 +138,9 @@ def test_every_step_through_the_series(run, pyvista, monkeypatch: pytest.MonkeyP
     for step, snapshot in enumerate(snapshots):
         reader.set_active_time_point(step)
         mesh = reader.read()
-        assert_same_mesh(mesh[0] if isinstance(mesh, pyvista.MultiBlock) else mesh, snapshot)
+        points = mesh[0] if isinstance(mesh, pyvista.MultiBlock) else mesh
+        assert_same_mesh(points, snapshot)
+        assert list(points.field_data["material_ids"]) == ["0 column", "1 base"]
 
 
 def test_a_moved_run_still_opens(run, pyvista, tmp_path_factory: pytest.TempPathFactory):

@@ -14,6 +14,7 @@ from mpmcol.case import load_case
 from mpmcol.cli.accuracy import narrower_bars
 from mpmcol.errors import UsageError
 from mpmcol.io.results import Results
+from mpmcol.setup.discretization import discretize
 from mpmcol.studies.pareto import recommend, savings
 from mpmcol.studies.pareto.certify import error_bar
 from mpmcol.studies.pareto.savings import propose
@@ -170,6 +171,33 @@ def test_a_dry_run_shows_the_recommendation(tmp_path: Path, monkeypatch: pytest.
     assert '"light" at r_i/h = 10' in done.output and "nothing was run" in done.output
 
 
+def test_each_run_of_a_sweep_gets_the_recommended_configuration(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    command = ("sweep", "lube-cylinder", "--aspect", "0.9,2,7", "--accuracy", "5%")
+    forecast = invoke(*command, "--dry-run", "--json")
+    assert forecast.exit_code == 0, forecast.output
+    single = load_case(
+        "lube-cylinder", ["geometry.aspect=2", *recommend.recommend("lube-cylinder", (), 0.05).overrides]
+    )
+    points = json.loads(forecast.stdout)["runs"][1]["points"]
+    assert points == discretize(single).most_points
+    assert 'cheapest within 5%: "light" at r_i/h = 20 for 3 runs' in forecast.stderr
+    assert "note: these errors may not apply to a = 7; in the study a is 0.9 to 2.75" in forecast.stderr
+    planned = invoke(*command, "--engine", "commands")
+    folder = tmp_path / "sweeps" / "lube-cylinder-accuracy0.05"
+    assert planned.exit_code == 0 and len(planned.stdout.splitlines()) == 3
+    assert {load_case(path).geometry.base for path in folder.glob("*/case.toml")} == {"rigid"}
+
+
+def test_a_sweep_names_the_runs_for_which_no_configuration_is_accurate() -> None:
+    refused = invoke("sweep", "lube-cylinder", "--aspect", "0.9,2", "--accuracy", "1%", "--dry-run")
+    assert (refused.exit_code, refused.stdout) == (2, "")
+    for run in ("run a0.9: ", "run a2: "):
+        assert f"{run}no configuration of the study has errors of at most 1%" in refused.stderr
+
+
 @pytest.mark.parametrize("cells", [(10, 14), (10, 14, 20)])
 @pytest.mark.parametrize("order", [1.0, 2.0])
 def test_the_error_bar_contains_the_converged_value(cells: tuple[int, ...], order: float) -> None:
@@ -209,7 +237,7 @@ def test_a_certified_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
     arguments = ("run", "lube-cylinder", "--set", "stages.collapse.max_time_factor=1", "--accuracy", "20%", "--certify")
     done = invoke(*arguments)
     assert done.exit_code == 0, done.output
-    folder = tmp_path / "runs" / "lube-cylinder-certified"
+    folder = tmp_path / "runs" / "lube-cylinder-max_time_factor1-accuracy0.2-certified"
     assert (
         "zeta.front_height = " in done.output
         and "against Lube et al. 2004 (1.116, scatter 10%), differs" in done.output

@@ -13,6 +13,7 @@ from mpmcol.io.names import GIVEN_CASE_FILE
 from mpmcol.setup.memory import memory_bytes
 from mpmcol.sweep import runs as sweep_runs
 from mpmcol.sweep.axes import parse_axes
+from mpmcol.sweep.names import run_name, safe_name, sweep_name
 from mpmcol.sweep.runs import PlannedRun, notes, plan_runs, write_case
 from mpmcol.sweep.scheduling import Allocation, allocate
 from mpmcol.sweep.series import choose_axis, group_rows
@@ -36,7 +37,7 @@ def problems_of(*settings: str, **options) -> str:
 def test_axes_are_combined_in_all_ways() -> None:
     runs = plan("material.friction_deg=30,36", aspect="1,2", case="lube-channel")
     assert [tuple(run.inputs.values()) for run in runs] == [(1, 30), (1, 36), (2, 30), (2, 36)]
-    assert [run.name for run in runs] == [f"a{a}-friction_deg{phi}" for a in (1, 2) for phi in (30, 36)]
+    assert [run.name for run in runs] == [f"a{a}-friction{phi}deg" for a in (1, 2) for phi in (30, 36)]
     assert [run.case.material.friction_deg for run in runs] == [30, 36, 30, 36]
     assert len({run.folder for run in runs}) == 4
 
@@ -44,7 +45,7 @@ def test_axes_are_combined_in_all_ways() -> None:
 def test_zipped_axes_are_combined_in_order() -> None:
     runs = plan("grid.spacing=4 mm,8 mm", "material.friction_deg=30", aspect="1,2", zipped=True)
     assert [tuple(run.inputs.values()) for run in runs] == [(1, 0.004, 30), (2, 0.008, 30)]
-    assert [run.name for run in runs] == ["a1-spacing0.004", "a2-spacing0.008"]
+    assert [run.name for run in runs] == ["a1-spacing4mm", "a2-spacing8mm"]
 
 
 def test_names_of_text_values_and_of_keys_that_share_their_last_part() -> None:
@@ -208,3 +209,24 @@ def test_zipped_axes_form_one_series() -> None:
     zipped = rows(**{"geometry.aspect": [1, 2], "grid.spacing": [0.01, 0.02], "a": [1, 2]})
     (line,) = group_rows(zipped, ["geometry.aspect", "grid.spacing"], "a")
     assert line.label == "" and len(line.rows) == 2
+
+
+def test_the_folder_of_a_sweep_names_its_keys() -> None:
+    def name(*settings: str, aspect: str | None = "1,2", accuracy: float | None = None) -> str:
+        return sweep_name("cases/lube-channel.toml", parse_axes(aspect, settings)[0], accuracy)
+
+    assert name() == "lube-channel"
+    assert name("material.friction_deg=30,33", "time.cfl=0.4") == "lube-channel-friction_deg-cfl-0.4"
+    assert name(accuracy=0.05) == "lube-channel-accuracy0.05"
+    assert name("grid.spacing=4 mm").startswith("lube-channel-spacing-4_mm-")
+
+
+def test_values_that_look_alike_in_a_name_have_different_folders() -> None:
+    def name(times: str) -> str:
+        overrides = [f"output.times={times}"]
+        return run_name("quickstart", load_case("quickstart", overrides), overrides)
+
+    assert len({name("[0.1, 0.2]"), name("[0.1, 0.3]"), name("[0.1]")}) == 3
+    assert name("[0.1,0.2]") == name("[0.1, 0.2]")
+    long = [safe_name("x" * 90 + end) for end in "ab"]
+    assert long[0] != long[1] and len(long[0]) < 90

@@ -1,13 +1,13 @@
-"""A measured snapshot of a run with its errors, the content of `mpmcol measure`."""
+"""A measured snapshot of a run with its errors, as `mpmcol measure` prints it."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from math import sqrt
+from pathlib import Path
 from typing import Any
 
-import click
-
+from mpmcol.api.arguments import Notify, as_results, warn
 from mpmcol.case import strength_of
 from mpmcol.errors import OutputError
 from mpmcol.experiments import ProfileScore, Score, profile_scores, score
@@ -40,11 +40,22 @@ class Measured:
         return self.at_rest and self.is_last
 
 
-def measure_results(results: Results, snapshot: int) -> Measured:
-    """Measure a snapshot of a run."""
+def measure(run: Results | Path | str, snapshot: int = -1, *, notify: Notify = warn) -> Measured:
+    """Measure a snapshot of a run: fronts, height, profile, and their errors relative to published laws.
+
+    Args:
+        run: the results of a run, or their folder.
+        snapshot: index of the snapshot; -1 is the last.
+        notify: receives a message if the history cannot be read and the stop time is omitted (default: a warning).
+
+    Raises:
+        UsageError: there is no such snapshot.
+        OutputError: the folder holds no run, or a file in it is damaged.
+    """
+    results = as_results(run)
     taken, shape, measurement = results.snapshot(snapshot), results.shape, results.measure(snapshot)
     is_last = snapshot in (-1, len(results.snapshots) - 1)
-    stop = _stop_time(results) if results.came_to_rest and is_last else None
+    stop = _stop_time(results, notify) if results.came_to_rest and is_last else None
     values: dict[str, Any] = {"zeta": measurement.zeta, "beta": measurement.beta}
     values |= {} if stop is None else {"stop_time": stop}
     return Measured(
@@ -71,7 +82,7 @@ def _energy_released(results: Results) -> float | None:
     return shares["released"] if shares else None
 
 
-def _stop_time(results: Results) -> float | None:
+def _stop_time(results: Results, notify: Notify) -> float | None:
     """Time at which the front stops, in sqrt(h_i / g); None, with a note, if the history cannot be read."""
     try:
         history = results.history
@@ -80,7 +91,7 @@ def _stop_time(results: Results) -> float | None:
     if not len(history.get("time", ())):
         path = results.folder / HISTORY_FILE
         problem = "is damaged: rows or columns are missing or truncated" if path.exists() else "is missing"
-        click.echo(f"note: {path} {problem}; the stop time of the front is omitted", err=True)
+        notify(f"note: {path} {problem}; the stop time of the front is omitted")
         return None
     fall_time = sqrt(results.shape.h_i / results.case.geometry.gravity)
     return measure_stop_time(history, results.shape.spacing, fall_time)

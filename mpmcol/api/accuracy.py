@@ -1,0 +1,55 @@
+"""Configurations of the runs of a sweep, chosen by their error."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from mpmcol.errors import UsageError
+from mpmcol.studies.pareto.recommend import Recommendation, recommend
+
+
+class Recommendations:
+    """Chooses the cheapest configuration of each run within an accuracy, as `mpmcol run --accuracy` does.
+
+    accuracy: relative error of runout and height. Raises UsageError unless it is between 0 and 1.
+    """
+
+    def __init__(self, case: str | Path, accuracy: float) -> None:
+        if not 0.0 < accuracy < 1.0:
+            raise UsageError(f"accuracy = {accuracy!r}: expected a relative error between 0 and 1, for example 0.05")
+        self.case, self.accuracy = case, accuracy
+        self.found: dict[str, Recommendation] = {}  # by the overrides of the run
+
+    def __call__(self, overrides: Sequence[str]) -> list[str]:
+        """The overrides that configure a run with these overrides.
+
+        Raises UsageError if no configuration of the study has the accuracy.
+        """
+        advice = recommend(self.case, overrides, self.accuracy)
+        self.found[", ".join(overrides)] = advice
+        return advice.overrides
+
+    def lines(self) -> Iterator[str]:
+        """Which configurations were chosen, for which runs, and for which runs their errors may not apply."""
+        groups: dict[tuple[str, float], list[str]] = {}
+        for run, advice in self.found.items():
+            groups.setdefault((advice.variant, advice.cells), []).append(run)
+        for (variant, cells), runs in groups.items():
+            yield f'cheapest within {100.0 * self.accuracy:.3g}%: "{variant}" at r_i/h = {cells:g} for {_listed(runs)}'
+        for (key, studied), values in self._outside_study().items():
+            yield f"note: these errors may not apply to {key} = {', '.join(values)}; in the study {key} is {studied}"
+
+    def _outside_study(self) -> dict[tuple[str, str], dict[str, None]]:
+        """Values in which runs differ from the study, each once, by their key and its range in the study."""
+        found: dict[tuple[str, str], dict[str, None]] = {}
+        for advice in self.found.values():
+            for difference in advice.differences:
+                here, _, studied = difference.partition(", in the study ")
+                key, _, value = here.partition(" = ")
+                found.setdefault((key, studied), {})[value] = None
+        return found
+
+
+def _listed(runs: Sequence[str]) -> str:
+    return runs[0] if len(runs) == 1 else f"{len(runs)} runs, {runs[0]} to {runs[-1]}"

@@ -1,0 +1,165 @@
+"""Parameter sweeps."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mpmcol.api.accuracy import Recommendations
+from mpmcol.api.arguments import Notify, warn
+from mpmcol.case import Case, Problem, resolved_toml
+from mpmcol.errors import UsageError
+from mpmcol.io.html import html_table
+from mpmcol.io.results import Results
+from mpmcol.sweep.axes import ASPECT, Axis, parse_values
+from mpmcol.sweep.fits import Slope
+from mpmcol.sweep.names import UNSAFE, sweep_name
+from mpmcol.sweep.report import write_report
+from mpmcol.sweep.runner import SweepObserver, run_sweep
+from mpmcol.sweep.runs import PlannedRun, no_configuration, notes, plan_runs
+
+Values = str | float | Sequence[str | float]  # one value, several, or a text such as "0.5:7"
+SHOWN = ("status", "a", "zeta.front_height", "beta", "at_rest", "seconds")  # columns of the table in a notebook
+
+
+@dataclass(frozen=True, repr=False)
+class SweepResults:
+    """A sweep that has ended: a row for each run, fitted slopes, and the files of the report."""
+
+    folder: Path
+    rows: list[dict[str, Any]]  # inputs, status, measurements, errors, cost; None where there is no value
+    slopes: list[Slope]
+    files: list[Path]
+
+    @property
+    def runs(self) -> list[Results]:
+        """The results of the runs that are done, in the order of the rows."""
+        return [Results(self.folder / row["folder"]) for row in self.rows if row["status"] == "done"]
+
+    def column(self, name: str) -> np.ndarray:
+        """A column of the table as numbers, NaN where there is no value, for example "zeta.front_height".
+
+        Raises UsageError if there is no such column.
+        """
+        if name not in self.rows[0]:
+            raise UsageError(f"the table has no column {name!r}; expected one of: {', '.join(self.rows[0])}")
+        return np.array([np.nan if row[name] is None else row[name] for row in self.rows], dtype=np.float64)
+
+    def __repr__(self) -> str:
+        done = sum(row["status"] == "done" for row in self.rows)
+        return f"<SweepResults {str(self.folder)!r}: {done} of {len(self.rows)} runs done>"
+
+    def _repr_html_(self) -> str:
+        columns = [name for name in SHOWN if name in self.rows[0]]
+        rows = [[row["folder"].rpartition("-")[0], *(row[name] for name in columns)] for row in self.rows]
+        return html_table(["run", *columns], rows)
+
+
+def sweep(
+    case: Case | Path | str,
+    values: Mapping[str, Values] | None = None,
+    *,
+    aspect: Values | None = None,
+    accuracy: float | None = None,
+    zipped: bool = False,
+    out: Path | str | None = None,
+    fresh: bool = False,
+    jobs: int | None = None,
+    threads: int | None = None,
+    observer: SweepObserver | None = None,
+    notify: Notify = warn,
+) -> SweepResults:
+    """Run a case for many values of its keys, as `mpmcol sweep` does, and write table, fits and charts.
+
+    Runs that are finished in the folder are not repeated; each run is a process of its own.
+
+    Args:
+        case: from `load_case`, or a TOML file or the name of a shipped case.
+        values: key -> value or values, for example {"material.friction_deg": [30, 33, 36]}; a text may hold ranges,
+            such as "30:36:3". The values of several keys are combined in all ways.
+        aspect: aspect ratios h_i / r_i, the same as the values of geometry.aspect.
+        accuracy: relative error of runout and height, for example 0.05, for which each run gets the cheapest
+            configuration of the shipped study (default: the grid of the case).
+        zipped: combine the first values of all keys, then the second ones, and so on.
+        out: folder of the sweep (default: in "sweeps", named by case and keys).
+        fresh: run again what is finished.
+        jobs, threads: concurrent runs and threads per run (default: chosen from cores, memory and sizes).
+        observer: receives the events of the sweep.
+        notify: receives notes on rounded values and on runs that the study does not cover (default: warnings).
+
+    Returns:
+        The table with the status of each run; a run that failed does not stop the others.
+
+    Raises:
+        CaseError: a value is invalid; lists all problems of all runs.
+        UsageError: the folder holds something else.
+        OutputError: a file cannot be written.
+        KeyboardInterrupt: the runs were stopped with a checkpoint; the same call resumes them.
+    """
+    given = ({} if aspect is None else {ASPECT: aspect}) | dict(values or {})
+    if aspect is not None and ASPECT in (values or {}):
+        raise UsageError(f"aspect and values[{ASPECT!r}] are the same key; give one of them")
+    if not given:
+        raise UsageError("no key to vary; give aspect or values, for example {'material.friction_deg': [30, 33, 36]}")
+    axes = [Axis(key, _texts(key, one)) for key, one in given.items()]
+    with tempfile.TemporaryDirectory() as temporary:
+        source = _source(case, Path(temporary))
+        name = UNSAFE.sub("_", case.title) or "case" if isinstance(case, Case) else str(case)
+        folder = Path(out) if out is not None else Path("sweeps") / sweep_name(name, axes, accuracy)
+        runs = planned_runs(source, axes, folder, zipped=zipped, accuracy=accuracy, notify=notify)
+    outcomes = run_sweep(runs, folder, jobs=jobs, threads=threads, fresh=fresh, observer=observer)
+    report = write_report(outcomes, folder)
+    return SweepResults(folder, report.rows, report.slopes, report.files)
+
+
+def planned_runs(
+    source: Path | str,
+    axes: Sequence[Axis],
+    out: Path,
+    *,
+    zipped: bool,
+    accuracy: float | None,
+    notify: Notify,
+    problems: Sequence[Problem] = (),
+) -> list[PlannedRun]:
+    """The runs of a sweep, with the grid of the case or the one for an accuracy.
+
+    notify: receives which configurations were chosen, for which runs they were not studied, and rounded values.
+
+    Raises CaseError with all problems of all runs, after the given `problems`.
+    """
+    recommendations = None if accuracy is None else Recommendations(source, accuracy)
+    runs = plan_runs(source, axes, out, zipped, problems, recommendations or no_configuration)
+    for line in [*(recommendations.lines() if recommendations else []), *(f"note: {note}" for note in notes(runs))]:
+        notify(line)
+    return runs
+
+
+def _texts(key: str, values: Values) -> tuple[str, ...]:
+    """Values as `--set` takes them."""
+    if isinstance(values, str):
+        try:
+            return parse_values(values)
+        except ValueError as error:
+            raise UsageError(f"{key}: {error}") from None
+    return tuple(_text(value) for value in (values if isinstance(values, Iterable) else [values]))
+
+
+def _text(value: str | float) -> str:
+    if isinstance(value, str):
+        return value
+    return str(value).lower() if isinstance(value, (bool, np.bool_)) else repr(float(value)).removesuffix(".0")
+
+
+def _source(case: Case | Path | str, folder: Path) -> Path | str:
+    """A file or name from which the case can be loaded with other values."""
+    if not isinstance(case, Case):
+        return case
+    path = folder / "case.toml"
+    path.write_text(resolved_toml(case), encoding="utf-8")
+    return path

@@ -1,0 +1,77 @@
+"""Names of results folders, which state the values that differ from the case."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+from mpmcol.case import Case
+from mpmcol.case.fields import number_of
+from mpmcol.case.reference import field_at
+from mpmcol.case.values import leaf_values
+from mpmcol.sweep.axes import ASPECT, Axis
+
+SHORT_NAMES = {ASPECT: "a"}
+LONGEST_NAME = 80
+UNSAFE = re.compile(r"[^\w.+-]+")  # characters that a folder's name does not get
+
+
+def short_names(keys: Iterable[str]) -> dict[str, str]:
+    """Short names of keys for folders and labels: the last part, or the whole key where two share the last part."""
+    keys = list(keys)
+    shared = Counter(key.rpartition(".")[2] for key in keys)
+    last = {key: key.rpartition(".")[2] for key in keys}
+    return {key: SHORT_NAMES.get(key, last[key] if shared[last[key]] == 1 else key) for key in keys}
+
+
+def value_label(name: str, key: str, value: Any) -> str:
+    """A key and its value, for example "a3", "spacing5mm", "friction33deg" or "transfer-apic"."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return f"{name}-{value}"
+    number = number_of(field_at(tuple(key.split(".")), ""))
+    unit = number.unit if number else ""
+    if unit == "m" and abs(value) < 1.0:
+        return f"{name}{1e3 * value:.9g}mm"
+    return f"{name.removesuffix(f'_{unit}')}{value:.12g}{'' if '/' in unit or unit == '1' else unit}"
+
+
+def safe_name(text: str) -> str:
+    """A name for a folder; a hash distinguishes texts that differ only in parts that it does not show."""
+    safe = UNSAFE.sub("_", text)[:LONGEST_NAME]
+    digest = sha256(text.encode(errors="backslashreplace")).hexdigest()[:6]  # file names may have any encoding
+    return safe if safe == text else f"{safe}-{digest}"
+
+
+def run_name(source: str, case: Case, overrides: Sequence[str], accuracy: float | None = None) -> str:
+    """Name of the default results folder of a run: its case, and the values that replace others."""
+    leaves = leaf_values(case)
+    given = dict(_split(text) for text in overrides)
+    names = short_names(given)
+    labels = [value_label(names[key], key, leaves.get(key, text)) for key, text in given.items()]
+    return safe_name("-".join([Path(source).stem, *labels, *_accuracy_label(accuracy)]))
+
+
+def sweep_name(source: str, axes: Sequence[Axis], accuracy: float | None = None) -> str:
+    """Name of the default folder of a sweep: its case, the keys that vary except the aspect ratio, and fixed values."""
+    others = [axis for axis in axes if axis.key != ASPECT]
+    names = short_names(axis.key for axis in others)
+    labels = [f"{names[axis.key]}{'' if len(axis.values) > 1 else f'-{axis.values[0]}'}" for axis in others]
+    return safe_name("-".join([Path(source).stem, *labels, *_accuracy_label(accuracy)]))
+
+
+def member_name(source: str | Path, inputs: Mapping[str, Any], names: Mapping[str, str]) -> str:
+    """Name of a run of a sweep, without its hash: the values of the keys in `names`, or the case if there are none."""
+    return "-".join(value_label(names[key], key, inputs[key]) for key in inputs if key in names) or Path(source).stem
+
+
+def _split(override: str) -> tuple[str, str]:
+    key, _, text = override.partition("=")
+    return ".".join(part.strip() for part in key.split(".")), text.strip()
+
+
+def _accuracy_label(accuracy: float | None) -> list[str]:
+    return [] if accuracy is None else [f"accuracy{accuracy:g}"]

@@ -1,0 +1,133 @@
+"""The same option means the same in all commands, and finished work is shown, not repeated."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+from pathlib import Path
+
+import click
+import pytest
+
+from mpmcol.cli import COMMANDS, main
+from tests.support.cli import invoke, set_options
+from tests.support.runs import TINY
+
+SHARED = ("--set", "--aspect", "--accuracy", "--fresh", "--jobs", "--threads", "--dry-run")
+OWN_FORM = {("bench", "--threads"), ("render", "--out")}  # a list of numbers; a file
+
+
+def options(name: str) -> dict[str, click.Option]:
+    command = main.get_command(click.Context(main), name)
+    assert isinstance(command, click.Command)
+    return {option.opts[-1]: option for option in command.params if isinstance(option, click.Option)}
+
+
+def commands_with(option: str) -> list[str]:
+    return [name for name in COMMANDS if option in options(name) and (name, option) not in OWN_FORM]
+
+
+@pytest.mark.parametrize("option", SHARED)
+def test_a_shared_option_has_one_form_and_one_help_text(option: str) -> None:
+    found = [options(name)[option] for name in commands_with(option)]
+    assert len(found) > 1
+    assert len({(one.help, one.metavar, one.is_flag, one.multiple, repr(one.type)) for one in found}) == 1
+
+
+def test_json_is_a_flag_and_out_a_folder_everywhere() -> None:
+    assert all(options(name)["--json"].is_flag for name in commands_with("--json"))
+    assert {options(name)["--out"].metavar for name in commands_with("--out")} == {"DIR"}
+
+
+def test_commands_that_run_simulations_share_their_options() -> None:
+    for name in ("run", "sweep", "paper", "validate", "stability", "pareto"):
+        assert {"--out", "--fresh", "--jobs", "--json", "--quiet"} <= set(options(name)), name
+    for name in ("run", "sweep", "check", "plan"):
+        assert {"--set", "--aspect"} <= set(options(name)), name
+
+
+@pytest.mark.parametrize("name", [None, *COMMANDS])
+def test_no_line_of_the_help_is_cut_or_longer_than_80_columns(name: str | None) -> None:
+    lines = invoke(*([name] if name else []), "--help").stdout.splitlines()
+    assert max(map(len, lines)) <= 80
+    assert not [line for line in lines if line.endswith("...") and not line.startswith("Usage:")]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("run", "quickstart", "--aspect", "1,2"), "mpmcol sweep runs several"),
+        (("check", "quickstart", "--aspect", "2", "--set", "geometry.aspect=3"), "are the same value"),
+        (("run", "quickstart", "--jobs", "2"), "--jobs applies to several runs"),
+        (("measure", "x", "--json", "--csv"), "two forms of the same result"),
+    ],
+)
+def test_contradictions_are_refused(arguments: tuple[str, ...], message: str) -> None:
+    result = invoke(*arguments)
+    assert (result.exit_code, result.stdout) == (2, "") and message in result.stderr
+
+
+def test_aspect_sets_the_aspect_ratio() -> None:
+    assert "a = 2.5" in invoke("check", "quickstart", "--aspect", "2.5").stdout
+
+
+@pytest.fixture
+def repeated(finished: Path, tmp_path: Path) -> Path:
+    """A copy of a finished run, in a folder whose name has a space."""
+    return shutil.copytree(finished, tmp_path / "my run")
+
+
+def test_a_finished_run_is_shown_and_not_repeated(repeated: Path) -> None:
+    before = {path: path.stat().st_mtime_ns for path in repeated.rglob("*")}
+    command = ("run", "quickstart", *set_options(TINY), "--out", repeated)
+    shown = invoke(*command)
+    assert shown.exit_code == 0, shown.output
+    assert "zeta, front_height" in shown.stdout and "runout " in shown.stdout  # table and judgement
+    assert f"next: mpmcol plot '{repeated}', mpmcol render '{repeated}'" in shown.stdout
+    assert "holds the finished run of this case: nothing to compute" in shown.stderr
+    record = invoke(*command, "--json")
+    assert record.exit_code == 0 and json.loads(record.stdout) == json.loads((repeated / "result.json").read_text())
+    assert {path: path.stat().st_mtime_ns for path in repeated.rglob("*")} == before
+
+
+@pytest.mark.parametrize("changed", ["time.cfl=0.4", "output.snapshots=4"])
+def test_a_finished_run_of_another_case_is_kept(repeated: Path, changed: str) -> None:
+    refused = invoke("run", "quickstart", *set_options((*TINY, changed)), "--out", repeated)
+    assert (refused.exit_code, refused.stdout) == (2, "")
+    key, _, value = changed.partition("=")
+    assert re.search(rf"another case:\n  {key}: .* in the finished run, {value} in this case\n", refused.stderr)
+    assert "use --fresh to replace it, or --out for another folder" in refused.stderr
+
+
+def test_a_finished_run_of_another_version_is_noted(repeated: Path) -> None:
+    path = repeated / "result.json"
+    record = json.loads(path.read_text())
+    record["versions"]["mpmcol"] = "0.0.1+00000000"
+    path.write_text(json.dumps(record))
+    shown = invoke("run", "quickstart", *set_options(TINY), "--out", repeated)
+    assert shown.exit_code == 0 and "note: computed by mpmcol 0.0.1+00000000" in shown.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "name"),
+    [
+        ((), "quickstart"),
+        (("--aspect", "3"), "quickstart-a3"),
+        (("--set", "grid.spacing=15 mm", "--set", "method.transfer=apic"), "quickstart-spacing15mm-transfer-apic"),
+        (("--set", "material.friction_deg=30.5"), "quickstart-friction30.5deg"),
+    ],
+)
+def test_the_default_folder_is_named_by_what_it_holds(
+    arguments: tuple[str, ...], name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    started: list[Path] = []
+
+    def stop(case: object, folder: Path, **_: object) -> None:
+        started.append(folder)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("mpmcol.simulation.run.run", stop)
+    invoke("run", "quickstart", *arguments)
+    assert started == [Path("runs") / name]

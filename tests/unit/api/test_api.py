@@ -1,0 +1,145 @@
+"""The Python interface: names, tables in notebooks, functions, and errors as exceptions."""
+
+from __future__ import annotations
+
+import inspect
+import json
+import runpy
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import mpmcol
+from mpmcol.errors import MpmcolError, OutputError, UsageError
+from mpmcol.io.html import html_table
+from mpmcol.sweep import runner
+from mpmcol.sweep.engine import Outcome
+from mpmcol.sweep.task import TaskResult
+from tests.support.runs import TINY
+
+ROOT = Path(mpmcol.__file__).parents[1]
+FUNCTIONS = ("load_case", "measure", "plot", "render", "run", "sweep")
+
+
+def test_dir_lists_what_there_is() -> None:
+    assert set(FUNCTIONS) | {"Results", "Case", "errors", "shipped_cases"} <= set(dir(mpmcol))
+    assert dir(mpmcol) == sorted(mpmcol.__all__)
+    assert all(getattr(mpmcol, name) is not None for name in dir(mpmcol))
+
+
+@pytest.mark.parametrize("first", ["", "import mpmcol.sweep.runs, mpmcol.measure.front; "])
+def test_functions_and_packages_of_one_name(first: str) -> None:
+    """In a new process, whatever is imported first."""
+    code = f"{first}import mpmcol; from mpmcol.sweep.runs import plan_runs; from mpmcol.measure import measure; "
+    code += "assert callable(mpmcol.sweep) and callable(mpmcol.measure)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT)
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_functions_have_signature_and_documentation(name: str) -> None:
+    function = getattr(mpmcol, name)
+    assert inspect.signature(function).parameters and "Raises:" in function.__doc__
+
+
+def test_results_are_shown_as_text_and_as_a_table(finished: Path) -> None:
+    results = mpmcol.Results(finished)
+    assert "done, not at rest" in repr(results) and "(front_height)" in repr(results)
+    shown = results._repr_html_()
+    for name in ("case", "state", "zeta", "beta", "energy error"):
+        assert f"<td>{name}</td>" in shown
+
+
+@pytest.mark.parametrize("content", [None, "{", "[]", '{"status": "stopped"}', '{"status": "done", "zeta": null}'])
+def test_unfinished_and_damaged_results_are_shown_as_well(finished: Path, tmp_path: Path, content: str | None) -> None:
+    shutil.copy(finished / "case.resolved.toml", tmp_path)
+    if content is not None:
+        (tmp_path / "result.json").write_text(content)
+    results = mpmcol.Results(tmp_path)
+    assert str(tmp_path) in repr(results) and "<table>" in results._repr_html_()
+
+
+def test_texts_in_tables_are_escaped() -> None:
+    assert html_table(["<b>"], [["a & b", 0.123456, None]]) == (
+        "<table><thead><tr><th>&lt;b&gt;</th></tr></thead>"
+        "<tbody><tr><td>a &amp; b</td><td>0.1235</td><td></td></tr></tbody></table>"
+    )
+
+
+def test_measure_and_plot_take_results_or_a_folder(finished: Path, tmp_path: Path) -> None:
+    by_folder, by_results = mpmcol.measure(str(finished)), mpmcol.measure(mpmcol.Results(finished), -1)
+    assert by_folder.measurement.zeta == by_results.measurement.zeta and by_folder.scores
+    (path, *_) = mpmcol.plot(finished, times=[], out=tmp_path / "charts")
+    assert path.parent == tmp_path / "charts" and path.exists()
+
+
+def test_a_finished_run_is_returned(finished: Path) -> None:
+    messages: list[str] = []
+    results = mpmcol.run(mpmcol.load_case("quickstart", TINY), finished, notify=messages.append)
+    assert results.status == "done" and "nothing to compute" in messages[0]
+
+
+@pytest.fixture
+def outcomes(finished: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Runs of sweeps are copies of a finished run, except the last of several, which diverges; their names."""
+    names: list[str] = []
+
+    def execute(runs, *_, **__):
+        for run in runs:
+            names.append(run.name)
+            failed = len(runs) > 1 and run is runs[-1]
+            if not failed and not run.folder.exists():
+                shutil.copytree(finished, run.folder)
+            yield Outcome(run, TaskResult("failed", 1, 3, "too fast") if failed else TaskResult("done", 1))
+
+    monkeypatch.setattr(runner, "execute_runs", execute)
+    return names
+
+
+def test_a_sweep_returns_its_table(outcomes: list[str], tmp_path: Path) -> None:
+    case = mpmcol.load_case("quickstart", TINY)
+    values = {"material.friction_deg": "30:32:2", "time.cfl": 0.4}
+    found = mpmcol.sweep(case, values, aspect=[1, 2.0], out=tmp_path, notify=[].append)
+    assert outcomes == [f"a{a}-friction{phi}deg" for a in (1, 2) for phi in (30, 32)]
+    assert [row["status"] for row in found.rows] == ["done"] * 3 + ["failed"] and len(found.runs) == 3
+    assert found.column("geometry.aspect").tolist() == [1.0, 1.0, 2.0, 2.0]
+    assert found.column("beta")[0] == found.runs[0].summary["beta"] and found.column("beta")[3] != 0.0
+    assert "3 of 4 runs done" in repr(found) and "<td>a1-friction30deg</td>" in found._repr_html_()
+    assert json.loads((tmp_path / "sweep.json").read_text())["runs"][0]["inputs"]["time.cfl"] == 0.4
+
+
+def test_notes_of_a_sweep_are_warnings(outcomes: list[str], tmp_path: Path) -> None:
+    with pytest.warns(UserWarning, match=r"base_thickness became 0.015 m"):
+        mpmcol.sweep("quickstart", {"grid.spacing": 0.015}, out=tmp_path / "sweep")
+    assert outcomes == ["spacing15mm"]
+
+
+@pytest.mark.parametrize(
+    ("call", "kind", "message"),
+    [
+        (lambda: mpmcol.sweep("quickstart"), UsageError, "no key to vary"),
+        (lambda: mpmcol.sweep("quickstart", aspect="3:1"), UsageError, "geometry.aspect: 3:1: the end of a range"),
+        (lambda: mpmcol.sweep("quickstart", aspect=1, accuracy=5), UsageError, "between 0 and 1, for example 0.05"),
+        (lambda: mpmcol.sweep("quickstart", {"grid.spacng": [1]}), MpmcolError, 'did you mean "spacing"'),
+        (lambda: mpmcol.measure("nowhere"), OutputError, "expected the results folder of a run"),
+        (lambda: mpmcol.plot("nowhere"), OutputError, "expected the results folder of a run"),
+        (lambda: mpmcol.render("nowhere"), OutputError, "expected the results folder of a run"),
+    ],
+)
+def test_problems_are_exceptions_of_mpmcol(call, kind: type[Exception], message: str) -> None:
+    with pytest.raises(kind) as raised:
+        call()
+    assert message.lower() in str(raised.value).lower()
+
+
+def test_the_example_of_a_notebook(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    runpy.run_path(str(ROOT / "scripts" / "example_notebook.py"))
+    printed = capsys.readouterr().out
+    assert "2 of 2 runs done" in printed and "expected a number > 0, in m" in printed
+    assert {path.name for path in Path("example").iterdir()} == {"quickstart", "charts", "sweep"}
