@@ -27,7 +27,7 @@ for path in mpmcol.plot(results, out="example/charts"):
     print(path)
 
 # %% A sweep over two aspect ratios; its runs are processes of their own
-sweep = mpmcol.sweep(case, aspect=[0.5, 1], out="example/sweep")
+sweep = mpmcol.sweep(case, aspect=[1, 2], out="example/sweep")
 print(sweep)
 
 # %% The table

@@ -49,7 +49,7 @@ def plot(
     """
     from mpmcol.io.results import Results
     from mpmcol.plotting.comparison import chart_comparison
-    from mpmcol.plotting.points import read_points
+    from mpmcol.plotting.measured_series import read_points
     from mpmcol.plotting.run_charts import chart_run
 
     measured = read_points(points) if points else []

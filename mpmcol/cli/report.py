@@ -15,8 +15,8 @@ from mpmcol.cli.options import PATH
     "--out", metavar="FILE", type=PATH,
     help="HTML file to write  [default: report.html in DIR; for several, in the current folder]",
 )  # fmt: skip
-@click.option("--fresh", is_flag=True, help="Replace a file that is not a report.")
-def report(folders: tuple[Path, ...], out: Path | None, fresh: bool) -> None:
+@click.option("--overwrite", is_flag=True, help="Replace a file that is not a report.")
+def report(folders: tuple[Path, ...], out: Path | None, overwrite: bool) -> None:
     """Write a report as one HTML file that can be sent.
 
     DIR is the folder of a finished run, of a sweep or of a study. Several runs are compared with the first. The file
@@ -24,4 +24,4 @@ def report(folders: tuple[Path, ...], out: Path | None, fresh: bool) -> None:
     """
     from mpmcol.report import write_report
 
-    click.echo(write_report(folders, out=out, fresh=fresh))
+    click.echo(write_report(folders, out=out, overwrite=overwrite))

@@ -156,7 +156,7 @@ def run(
 def _write_report(folder: Path, fresh: bool, quiet: bool) -> None:
     from mpmcol.report import write_report
 
-    path = write_report([folder], fresh=fresh)
+    path = write_report([folder], overwrite=fresh)
     if not quiet:
         click.echo(f"report in {path}", err=True)
 

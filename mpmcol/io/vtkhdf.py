@@ -38,13 +38,18 @@ class Step:
     datasets: dict[str, tuple[tuple[int, ...], np.dtype, dict[str, Any]]]
 
 
-@contextmanager
-def memory_file() -> Iterator[h5py.File]:
-    """An HDF5 file in memory with the attributes of a VTKHDF PolyData file.
+def create_in_memory(**options: Any) -> h5py.File:
+    """An HDF5 file in memory.
 
     Its name is not part of its content, but unique: HDF5 opens no two files of one name at a time.
     """
-    with h5py.File(f"memory-{next(_numbers)}", "w", driver="core", backing_store=False, libver=LIBVER) as file:
+    return h5py.File(f"memory-{next(_numbers)}", "w", driver="core", backing_store=False, **options)
+
+
+@contextmanager
+def memory_file() -> Iterator[h5py.File]:
+    """A file in memory with the attributes of a VTKHDF PolyData file."""
+    with create_in_memory(libver=LIBVER) as file:
         group = file.create_group("VTKHDF")
         group.attrs["Version"] = VERSION
         group.attrs["Type"] = np.bytes_("PolyData")

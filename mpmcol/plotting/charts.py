@@ -18,7 +18,7 @@ from mpmcol.io.glossary import ENERGY_UNITS
 from mpmcol.measure import Array, ColumnShape, Measurement
 from mpmcol.plotting.captions import run_title
 from mpmcol.plotting.figures import LABEL_SIZE, EndLabel, Heading, add_heading, label_ends, legend_below, save_figure
-from mpmcol.plotting.points import MeasuredSeries
+from mpmcol.plotting.measured_series import MeasuredSeries
 from mpmcol.plotting.profiles import (
     LengthAxes,
     draw_experiment,

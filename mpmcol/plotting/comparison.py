@@ -20,7 +20,7 @@ from mpmcol.measure import Array, ColumnShape, Measurement
 from mpmcol.plotting.captions import common_heading, run_names
 from mpmcol.plotting.charts import TIME_LABEL, draw_band, history_panels
 from mpmcol.plotting.figures import MOST_ENTRIES, Heading, add_heading, legend_below, save_figure
-from mpmcol.plotting.points import MeasuredSeries
+from mpmcol.plotting.measured_series import MeasuredSeries
 from mpmcol.plotting.profiles import (
     LengthAxes,
     distance_label,

@@ -13,7 +13,7 @@ from scipy.interpolate import PchipInterpolator
 
 from mpmcol.experiments import Experiment, Profile, mark
 from mpmcol.measure import Array, ColumnShape, Measurement
-from mpmcol.plotting.points import MeasuredSeries
+from mpmcol.plotting.measured_series import MeasuredSeries
 from mpmcol.plotting.styles import FRONT_STYLES, GATE_STYLE, HOLLOW, POINT_MARKERS, POINTS_COLOUR, author_of
 from mpmcol.plotting.styles import experiment_style as style_of
 

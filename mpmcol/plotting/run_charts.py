@@ -14,7 +14,7 @@ from mpmcol.io.atomic import make_folder
 from mpmcol.io.results import Results
 from mpmcol.plotting.captions import heading_of
 from mpmcol.plotting.charts import energy_chart, front_chart, profile_chart
-from mpmcol.plotting.points import MeasuredSeries
+from mpmcol.plotting.measured_series import MeasuredSeries
 from mpmcol.plotting.styles import FRONT_STYLES
 
 

@@ -10,18 +10,18 @@ from mpmcol.report.page import render_page
 from mpmcol.report.target import default_target, write_page
 
 
-def write_report(folders: Sequence[Path], *, out: Path | None = None, fresh: bool = False) -> Path:
+def write_report(folders: Sequence[Path], *, out: Path | None = None, overwrite: bool = False) -> Path:
     """Write the report of a run, of several runs, of a sweep or of a study; return its path.
 
     Args:
         folders: of one run, sweep or study, or of several runs, which are compared with the first.
         out: HTML file to write (default: report.html in the only folder, or in the current folder).
-        fresh: replace the file even if it is not an earlier report.
+        overwrite: replace the file even if it is not an earlier report.
 
     Raises:
         UsageError: no such report can be made of these folders, or the file is not a report.
         OutputError: a file of a folder is missing or damaged, or the report cannot be written.
     """
     target = out or default_target(folders)
-    write_page(target, lambda: render_page(collect(folders)), fresh)
+    write_page(target, lambda: render_page(collect(folders)), overwrite)
     return target

@@ -11,6 +11,7 @@ import numpy as np
 
 from mpmcol.errors import OutputError
 from mpmcol.experiments import EXPERIMENTS
+from mpmcol.io.columns import without_unit
 from mpmcol.report.model import Page, Section, Table
 from mpmcol.report.pictures import file_picture
 from mpmcol.report.provenance import with_unit
@@ -72,8 +73,8 @@ def read_table(path: Path, required: Collection[str]) -> list[Row]:
         )
     try:
         with path.open(newline="", encoding="utf-8") as file:
-            reader = csv.DictReader(file, strict=True)
-            rows: list[Row] = list(reader)
+            names = [without_unit(column) for column in next(csv.reader(file), [])]
+            rows: list[Row] = list(csv.DictReader(file, names, strict=True))
         if not rows or any(None in row or None in row.values() for row in rows):
             raise ValueError("rows are missing or truncated")
         if missing := set(required) - rows[0].keys():

@@ -18,16 +18,16 @@ def default_target(folders: Sequence[Path]) -> Path:
     return folders[0] / REPORT_FILE if len(folders) == 1 else Path(REPORT_FILE)
 
 
-def write_page(path: Path, make: Callable[[], str], fresh: bool) -> None:
-    """Write the page that `make` returns; an earlier report is replaced, another file only if `fresh`.
+def write_page(path: Path, make: Callable[[], str], overwrite: bool) -> None:
+    """Write the page that `make` returns; an earlier report is replaced, another file only if `overwrite`.
 
     Raises UsageError, OutputError.
     """
     if path.is_dir():
         raise UsageError(f"{path} is a folder; give the HTML file to write, for example --out {path / REPORT_FILE}")
-    if path.exists() and not fresh and not _is_report(path):
+    if path.exists() and not overwrite and not _is_report(path):
         raise UsageError(
-            f"{path} exists and is not a report of mpmcol; use --fresh to replace it, or --out for another file"
+            f"{path} exists and is not a report of mpmcol; use --overwrite to replace it, or --out for another file"
         )
     page = make()  # after the check, before the folder is needed: most errors are in the results
     if not path.parent.is_dir():

@@ -8,7 +8,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 
 from mpmcol.case import resolved_toml, strength_of
@@ -20,7 +19,7 @@ from mpmcol.io.atomic import atomic_write
 from mpmcol.io.glossary import TABLE
 from mpmcol.io.run_status import read_status
 from mpmcol.io.values import flatten
-from mpmcol.io.vtkhdf import image
+from mpmcol.io.vtkhdf import create_in_memory, image
 from mpmcol.sweep.engine import Outcome
 
 CSV_FILE, HDF5_FILE = "table.csv", "table.h5"
@@ -72,7 +71,7 @@ def read_table(path: Path) -> list[dict[str, str]]:
 
 def write_hdf5(out: Path, rows: Sequence[Row], outcomes: Sequence[Outcome]) -> Path:
     """Write table.h5: a dataset with its unit for each column, and `case`, the resolved case of each run."""
-    with h5py.File("memory", "w", driver="core", backing_store=False) as file:
+    with create_in_memory() as file:
         file.attrs["schema"] = TABLE_SCHEMA
         for name in rows[0]:
             file[name] = _column([row[name] for row in rows])

@@ -15,7 +15,7 @@ from tests.support.cli import invoke, set_options
 from tests.support.runs import TINY
 
 SHARED = ("--set", "--aspect", "--accuracy", "--fresh", "--jobs", "--threads", "--dry-run")
-OWN_FORM = {("bench", "--threads"), ("render", "--out")}  # a list of numbers; a file
+OWN_FORM = {("bench", "--threads"), ("render", "--out"), ("report", "--out")}  # a list of numbers; files
 
 
 def options(name: str) -> dict[str, click.Option]:

@@ -95,7 +95,7 @@ def test_a_shared_folder_among_the_temporary_files_is_not_used(
 def test_the_note_on_the_cache_is_a_message_of_the_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("mpmcol.simulation.run.CACHE_NOTE", "note: kept elsewhere")
     done = invoke("run", "quickstart", *set_options(TINY), "--out", tmp_path / "run", "--max-wall", "0.001s")
-    assert done.exit_code == 75 and done.stdout.count("note: kept elsewhere\n") == 1
+    assert done.exit_code == 75 and done.stderr.count("note: kept elsewhere\n") == 1
 
 
 def test_a_link_to_a_folder_that_does_not_exist_yet(tmp_path: Path) -> None:

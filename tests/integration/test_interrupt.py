@@ -51,8 +51,8 @@ def test_every_signal_saves_the_state(number: signal.Signals, finished: Path, tm
     assert_equal_runs(finished, mpmcol.run(case, tmp_path / "run").folder)
 
 
-def first_line(command: list[str], folder: Path, **streams: int) -> tuple[int, str]:
-    """Exit code and stderr of `mpmcol` if the reader of its stdout ends after one line."""
+def without_reader(command: list[str], folder: Path, lines: int, **streams: int) -> tuple[int, str]:
+    """Exit code and stderr of `mpmcol` if the reader of its stdout ends after some lines."""
     environment = {**os.environ, "PYTHONPATH": str(Path(mpmcol.__file__).parents[1])}
     with (
         (folder / "stderr").open("w") as err,
@@ -62,20 +62,26 @@ def first_line(command: list[str], folder: Path, **streams: int) -> tuple[int, s
         ) as process,
     ):  # fmt: skip
         assert process.stdout is not None
-        process.stdout.readline()
+        for _ in range(lines):
+            process.stdout.readline()
         process.stdout.close()
         return process.wait(120), (folder / "stderr").read_text()
 
 
-@pytest.mark.parametrize("streams", [{}, {"stderr": subprocess.STDOUT}], ids=["stdout", "both"])
-def test_a_run_whose_reader_goes_away_is_completed(streams: dict[str, int], finished: Path, tmp_path: Path) -> None:
-    code, err = first_line(["run", "quickstart", *set_options(TINY), "--out", "run"], tmp_path, **streams)
+@pytest.mark.parametrize(
+    ("lines", "streams"), [(0, {}), (1, {"stderr": subprocess.STDOUT})], ids=["result", "messages and result"]
+)
+def test_a_run_whose_reader_goes_away_is_completed(
+    lines: int, streams: dict[str, int], finished: Path, tmp_path: Path
+) -> None:
+    command = ["run", "quickstart", *set_options(TINY), "--out", "run"]
+    code, err = without_reader(command, tmp_path, lines, **streams)
     assert (code, err.count("Error"), err.count("Traceback")) == (141, 0, 0), err
     assert_equal_runs(finished, tmp_path / "run")
 
 
 def test_a_command_whose_reader_goes_away_ends_quietly(tmp_path: Path) -> None:
-    assert first_line(["cases"], tmp_path) == (141, "")
+    assert without_reader(["cases"], tmp_path, 1) == (141, "")
 
 
 @pytest.mark.parametrize("options", [["-u"], []], ids=["unbuffered", "buffered"])

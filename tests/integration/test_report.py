@@ -175,12 +175,12 @@ def test_certify_refuses_a_report() -> None:
     assert done.exit_code == 2 and "--report applies to a single run" in done.stderr
 
 
-def test_another_file_is_kept_unless_fresh(study: Path) -> None:
+def test_another_file_is_kept_unless_overwritten(study: Path) -> None:
     Path("mine.html").write_text("mine")
     done = invoke("report", study, "--out", "mine.html")
-    assert done.exit_code == 2 and "is not a report of mpmcol; use --fresh" in done.stderr
+    assert done.exit_code == 2 and "is not a report of mpmcol; use --overwrite" in done.stderr
     assert Path("mine.html").read_text() == "mine"
-    assert "A study" in report_of(study, "--out", "mine.html", "--fresh")
+    assert "A study" in report_of(study, "--out", "mine.html", "--overwrite")
 
 
 def unfinish(folder: Path) -> None:

@@ -12,6 +12,7 @@ import pytest
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
+from mpmcol.api import measured
 from mpmcol.errors import OutputError, UsageError
 from mpmcol.experiments import EXPERIMENTS
 from mpmcol.io import results
@@ -42,6 +43,7 @@ def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> SyntheticRun:
     synthetic = SyntheticRun(tmp_path)
     (tmp_path / "result.json").touch()
     monkeypatch.setattr(results, "Results", lambda folder: synthetic)
+    monkeypatch.setattr(measured, "as_results", lambda folder: synthetic)
     return synthetic
 
 

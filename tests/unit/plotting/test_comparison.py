@@ -17,7 +17,7 @@ from mpmcol.measure import ColumnShape
 from mpmcol.plotting import comparison
 from mpmcol.plotting.captions import run_names
 from mpmcol.plotting.comparison import MOST_RUNS, chart_comparison
-from mpmcol.plotting.points import EXPECTED, MOST_SERIES, read_points
+from mpmcol.plotting.measured_series import EXPECTED, MOST_SERIES, read_points
 from tests.support.cli import invoke
 from tests.support.synthetic_run import SHAPE, SyntheticRun
 

@@ -21,8 +21,8 @@ def test_default_place() -> None:
 
 def test_an_earlier_report_is_replaced(tmp_path: Path) -> None:
     target = tmp_path / "report.html"
-    write_page(target, lambda: PAGE, fresh=False)
-    write_page(target, lambda: "new", fresh=False)
+    write_page(target, lambda: PAGE, overwrite=False)
+    write_page(target, lambda: "new", overwrite=False)
     assert target.read_text() == "new"
 
 
@@ -30,30 +30,30 @@ def test_an_earlier_report_is_replaced(tmp_path: Path) -> None:
 def test_another_file_is_kept(tmp_path: Path, content: str) -> None:
     target = tmp_path / "report.html"
     target.write_bytes(content.encode("latin-1"))
-    with pytest.raises(UsageError, match="is not a report of mpmcol; use --fresh"):
-        write_page(target, pytest.fail, fresh=False)  # nothing is computed before
+    with pytest.raises(UsageError, match="is not a report of mpmcol; use --overwrite"):
+        write_page(target, pytest.fail, overwrite=False)  # nothing is computed before
     assert target.read_bytes() == content.encode("latin-1")
-    write_page(target, lambda: PAGE, fresh=True)
+    write_page(target, lambda: PAGE, overwrite=True)
     assert target.read_text() == PAGE
 
 
 def test_a_folder_is_refused(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="is a folder; give the HTML file"):
-        write_page(tmp_path, lambda: PAGE, fresh=True)
+        write_page(tmp_path, lambda: PAGE, overwrite=True)
 
 
 def test_a_missing_folder_is_reported(tmp_path: Path) -> None:
     with pytest.raises(OutputError, match="does not exist; create it"):
-        write_page(tmp_path / "no/report.html", lambda: PAGE, fresh=False)
+        write_page(tmp_path / "no/report.html", lambda: PAGE, overwrite=False)
 
 
 def test_an_error_leaves_the_earlier_report(tmp_path: Path) -> None:
     target = tmp_path / "report.html"
-    write_page(target, lambda: PAGE, fresh=False)
+    write_page(target, lambda: PAGE, overwrite=False)
 
     def fail() -> str:
         raise OutputError("damaged")
 
     with pytest.raises(OutputError):
-        write_page(target, fail, fresh=False)
+        write_page(target, fail, overwrite=False)
     assert target.read_text() == PAGE and list(tmp_path.iterdir()) == [target]
