@@ -20,6 +20,6 @@ def in_empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder of a finished tiny run; copy it before changing it."""
     folder = tmp_path_factory.mktemp("runs") / "tiny"
-    result = invoke("run", "quickstart", *set_options(TINY), "--out", folder)
+    result = invoke("run", "coarse-channel", *set_options(TINY), "--out", folder)
     assert result.exit_code == 0, result.output
     return folder

@@ -102,7 +102,7 @@ def test_long_texts_are_not_numbers(text: str) -> None:
             to_unit(text, "m")
 
     assert find_failure(convert) is None
-    given = (["sweep", "--aspect", f"{text}:2"], *(["run", "quickstart", option, text] for option in PARSED_OPTIONS))
+    given = (["sweep", "--aspect", f"{text}:2"], *(["run", "coarse-channel", option, text] for option in PARSED_OPTIONS))
     for arguments in given:
         codes: list[int] = []
         assert find_failure(partial(_note_code, codes, arguments)) is None
@@ -119,8 +119,8 @@ def test_numbers_beyond_any_quantity_are_refused() -> None:
         problem = only_problem(f"material.youngs_modulus={value}")
         assert "magnitude not between 1e-30 and 1e+30; expected a number > 0, in Pa" in problem
     for value in (LARGEST, SMALLEST):
-        assert leaf_values(load_case("quickstart", [f"material.density={value}"]))["material.density"] == value
-    assert load_case("quickstart", ["stages.gate_speed=inf"]).stages.gate_speed == float("inf")
+        assert leaf_values(load_case("coarse-channel", [f"material.density={value}"]))["material.density"] == value
+    assert load_case("coarse-channel", ["stages.gate_speed=inf"]).stages.gate_speed == float("inf")
 
 
 def test_friction_angles_near_90_degrees_are_refused() -> None:
@@ -130,7 +130,7 @@ def test_friction_angles_near_90_degrees_are_refused() -> None:
 
 def only_problem(override: str) -> str:
     with pytest.raises(CaseError) as refused:
-        load_case("quickstart", [override])
+        load_case("coarse-channel", [override])
     (problem,) = refused.value.problems
     return str(problem)
 
@@ -155,7 +155,7 @@ def test_an_endless_study_file_is_refused() -> None:
 def test_a_path_that_the_system_rejects_is_reported(command: str) -> None:
     path = "x" * 5000
     if command in ("run", "sweep"):
-        result = invoke(command, "quickstart", "--out", path, *(("--aspect", "1") if command == "sweep" else ()))
+        result = invoke(command, "coarse-channel", "--out", path, *(("--aspect", "1") if command == "sweep" else ()))
     else:
         result = invoke(command, path)
     assert result.exit_code == 5 and "File name too long" in result.stderr and len(result.stderr) < 6000
@@ -168,10 +168,10 @@ def test_a_path_that_the_system_rejects_is_reported(command: str) -> None:
         ("bench", "--points", "9" * 5000),
         ("bench", "--threads", "1," + "9" * 5000),
         ("bench", "--points", "9" * 12),  # more than the memory
-        ("run", "quickstart", "--threads", "100000"),
+        ("run", "coarse-channel", "--threads", "100000"),
         ("sweep", "--aspect", "1,2", "--threads", "100000"),
         ("sweep", "--aspect", "1,2", "--jobs", "9" * 30),
-        ("check", "quickstart", "--set", "title=\udcff"),
+        ("check", "coarse-channel", "--set", "title=\udcff"),
     ],
 )
 def test_counts_out_of_bounds_are_refused(arguments: tuple[str, ...]) -> None:
@@ -180,6 +180,6 @@ def test_counts_out_of_bounds_are_refused(arguments: tuple[str, ...]) -> None:
 
 
 def test_file_names_may_have_any_encoding() -> None:
-    Path("\udcff.toml").write_text('extends = "quickstart"\n')
+    Path("\udcff.toml").write_text('extends = "coarse-channel"\n')
     result = invoke("check", "\udcff.toml")
     assert result.exit_code == 0 and result.stdout.startswith(r"\udcff.toml: no problems")

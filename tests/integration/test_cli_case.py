@@ -30,21 +30,21 @@ def test_check_of_a_valid_case() -> None:
 
 
 def test_check_notes_values_rounded_to_the_grid() -> None:
-    result = invoke("check", "quickstart", "--set", "grid.spacing=0.0031")
+    result = invoke("check", "coarse-channel", "--set", "grid.spacing=0.0031")
     assert result.exit_code == 0
     assert "h = 0.00310345 m" in result.stdout
     assert "note: grid.spacing became 0.00310345 m" in result.stdout
-    resolved = invoke("check", "quickstart", "--set", "grid.spacing=0.0031", "--resolved")
+    resolved = invoke("check", "coarse-channel", "--set", "grid.spacing=0.0031", "--resolved")
     assert "note: grid.spacing became" in resolved.stderr and "note:" not in resolved.stdout
 
 
 def test_check_refuses_a_domain_that_is_too_small_for_its_column() -> None:
-    radius = load_case("quickstart").geometry.r_i
-    result = invoke("check", "quickstart", "--set", f"geometry.domain_length={1.01 * radius}")
+    radius = load_case("coarse-channel").geometry.r_i
+    result = invoke("check", "coarse-channel", "--set", f"geometry.domain_length={1.01 * radius}")
     assert (result.exit_code, result.stdout) == (2, "")
     assert "too small for the column, 0.09 m: its last 5 cells are not usable" in result.stderr
     length = result.stderr.partition("; set ")[2].partition(" m")[0]
-    result = invoke("check", "quickstart", "--set", f"geometry.domain_length={length}")
+    result = invoke("check", "coarse-channel", "--set", f"geometry.domain_length={length}")
     assert result.exit_code == 0 and "domain_length" not in result.output
 
 
@@ -56,7 +56,7 @@ def test_check_of_an_empty_name() -> None:
 
 def test_a_name_without_its_extension_is_corrected() -> None:
     Path("folder").mkdir()
-    Path("folder/mine.toml").write_text(invoke("init", "quickstart").stdout)
+    Path("folder/mine.toml").write_text(invoke("init", "coarse-channel").stdout)
     Path("folder/child.toml").write_text('extends = "mine"\n')
     assert 'did you mean "mine.toml"?' in invoke("check", "folder/child.toml").stderr
     assert 'did you mean "folder/mine.toml"?' in invoke("check", "folder/mine").stderr
@@ -75,9 +75,9 @@ def test_check_of_an_invalid_case_exits_with_2() -> None:
 
 
 def test_check_prints_only_the_resolved_case_on_stdout() -> None:
-    result = invoke("check", "quickstart", "--resolved")
+    result = invoke("check", "coarse-channel", "--resolved")
     Path("resolved.toml").write_text(result.stdout)
-    assert load_case("resolved.toml") == load_case("quickstart")
+    assert load_case("resolved.toml") == load_case("coarse-channel")
     assert "no problems" in result.stderr
 
 
@@ -113,7 +113,7 @@ def test_schema_is_json() -> None:
 
 
 def test_an_unknown_command_suggests_the_nearest() -> None:
-    result = invoke("chek", "quickstart")
+    result = invoke("chek", "coarse-channel")
     assert result.exit_code == 2
     assert 'Did you mean "check"?' in result.stderr
 
@@ -148,7 +148,7 @@ def break_case_loading(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_a_bug_writes_a_crash_report(monkeypatch: pytest.MonkeyPatch) -> None:
     break_case_loading(monkeypatch)
-    result = invoke("check", "quickstart")
+    result = invoke("check", "coarse-channel")
     assert result.exit_code == 1
     report = Path("crash-report.txt")
     assert str(report.resolve()) in result.stderr and "Traceback" not in result.stderr
@@ -162,7 +162,7 @@ def test_crash_report_goes_to_the_temporary_folder_if_it_must(monkeypatch: pytes
     other = tmp_path / "elsewhere"
     other.mkdir()
     monkeypatch.setattr("tempfile.gettempdir", lambda: str(other))
-    assert invoke("check", "quickstart").exit_code == 1
+    assert invoke("check", "coarse-channel").exit_code == 1
     assert "ZeroDivisionError" in (other / "crash-report.txt").read_text()
 
 

@@ -57,9 +57,9 @@ def test_no_line_of_the_help_is_cut_or_longer_than_80_columns(name: str | None) 
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("run", "quickstart", "--aspect", "1,2"), "mpmcol sweep runs several"),
-        (("check", "quickstart", "--aspect", "2", "--set", "geometry.aspect=3"), "are the same value"),
-        (("run", "quickstart", "--jobs", "2"), "--jobs applies to several runs"),
+        (("run", "coarse-channel", "--aspect", "1,2"), "mpmcol sweep runs several"),
+        (("check", "coarse-channel", "--aspect", "2", "--set", "geometry.aspect=3"), "are the same value"),
+        (("run", "coarse-channel", "--jobs", "2"), "--jobs applies to several runs"),
         (("measure", "x", "--json", "--csv"), "two forms of the same result"),
     ],
 )
@@ -69,7 +69,7 @@ def test_contradictions_are_refused(arguments: tuple[str, ...], message: str) ->
 
 
 def test_aspect_sets_the_aspect_ratio() -> None:
-    assert "a = 2.5" in invoke("check", "quickstart", "--aspect", "2.5").stdout
+    assert "a = 2.5" in invoke("check", "coarse-channel", "--aspect", "2.5").stdout
 
 
 @pytest.fixture
@@ -80,7 +80,7 @@ def repeated(finished: Path, tmp_path: Path) -> Path:
 
 def test_a_finished_run_is_shown_and_not_repeated(repeated: Path) -> None:
     before = {path: path.stat().st_mtime_ns for path in repeated.rglob("*")}
-    command = ("run", "quickstart", *set_options(TINY), "--out", repeated)
+    command = ("run", "coarse-channel", *set_options(TINY), "--out", repeated)
     shown = invoke(*command)
     assert shown.exit_code == 0, shown.output
     assert "zeta, front_height" in shown.stdout and "runout " in shown.stdout  # table and judgement
@@ -93,7 +93,7 @@ def test_a_finished_run_is_shown_and_not_repeated(repeated: Path) -> None:
 
 @pytest.mark.parametrize("changed", ["time.cfl=0.4", "output.snapshots=4"])
 def test_a_finished_run_of_another_case_is_kept(repeated: Path, changed: str) -> None:
-    refused = invoke("run", "quickstart", *set_options((*TINY, changed)), "--out", repeated)
+    refused = invoke("run", "coarse-channel", *set_options((*TINY, changed)), "--out", repeated)
     assert (refused.exit_code, refused.stdout) == (2, "")
     key, _, value = changed.partition("=")
     assert re.search(rf"another case:\n  {key}: .* in the finished run, {value} in this case\n", refused.stderr)
@@ -105,17 +105,17 @@ def test_a_finished_run_of_another_version_is_noted(repeated: Path) -> None:
     record = json.loads(path.read_text())
     record["versions"]["mpmcol"] = "0.0.1+00000000"
     path.write_text(json.dumps(record))
-    shown = invoke("run", "quickstart", *set_options(TINY), "--out", repeated)
+    shown = invoke("run", "coarse-channel", *set_options(TINY), "--out", repeated)
     assert shown.exit_code == 0 and "note: computed by mpmcol 0.0.1+00000000" in shown.stderr
 
 
 @pytest.mark.parametrize(
     ("arguments", "name"),
     [
-        ((), "quickstart"),
-        (("--aspect", "3"), "quickstart-a3"),
-        (("--set", "grid.spacing=15 mm", "--set", "method.transfer=apic"), "quickstart-spacing15mm-transfer-apic"),
-        (("--set", "material.friction_deg=30.5"), "quickstart-friction30.5deg"),
+        ((), "coarse-channel"),
+        (("--aspect", "3"), "coarse-channel-a3"),
+        (("--set", "grid.spacing=15 mm", "--set", "method.transfer=apic"), "coarse-channel-spacing15mm-transfer-apic"),
+        (("--set", "material.friction_deg=30.5"), "coarse-channel-friction30.5deg"),
     ],
 )
 def test_the_default_folder_is_named_by_what_it_holds(
@@ -129,5 +129,5 @@ def test_the_default_folder_is_named_by_what_it_holds(
         raise KeyboardInterrupt
 
     monkeypatch.setattr("mpmcol.simulation.run.run", stop)
-    invoke("run", "quickstart", *arguments)
+    invoke("run", "coarse-channel", *arguments)
     assert started == [Path("runs") / name]

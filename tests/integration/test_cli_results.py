@@ -31,7 +31,7 @@ def column(case: Case) -> np.ndarray:
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     """Results of a finished run, at rest, in which the column becomes 2.5 times as long."""
-    case = load_case("quickstart", [f"grid.spacing={2 * SIZE}"])
+    case = load_case("coarse-channel", [f"grid.spacing={2 * SIZE}"])
     released = column(case)
     for i, time in enumerate(TIMES):
         spread = 1 + 5 * time

@@ -38,13 +38,13 @@ def killed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
     monkeypatch.setattr(checkpointer, "write_checkpoint", write)
     with pytest.raises(Killed):
-        mpmcol.run(mpmcol.load_case("quickstart", TINY), tmp_path / "run", checkpoint_seconds=0.0)
+        mpmcol.run(mpmcol.load_case("coarse-channel", TINY), tmp_path / "run", checkpoint_seconds=0.0)
     monkeypatch.undo()
     return tmp_path / "run"
 
 
 def resume(folder: Path, *more: str) -> Any:
-    return invoke("run", "quickstart", *set_options(TINY), "--out", folder, *more)
+    return invoke("run", "coarse-channel", *set_options(TINY), "--out", folder, *more)
 
 
 @pytest.mark.parametrize("how", ["flip", "truncate", "remove"])
@@ -153,7 +153,7 @@ def test_the_simulated_disk_loses_what_was_not_synced(tmp_path: Path) -> None:
 
 
 def test_a_clock_set_forward_and_back_changes_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    case, draw, written = mpmcol.load_case("quickstart", TINY), random.Random(3), []
+    case, draw, written = mpmcol.load_case("coarse-channel", TINY), random.Random(3), []
 
     def count(folder: Path, checkpoint: Any) -> None:
         written.append(checkpoint)

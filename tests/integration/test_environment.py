@@ -33,7 +33,7 @@ def test_charts_do_not_depend_on_the_backend_of_matplotlib(finished: Path, tmp_p
     assert (folder / "front.png").exists()
 
 
-@pytest.mark.parametrize("content", ['extends = "quickstart"\n', "wrong = 1\n"], ids=["stdout", "stderr"])
+@pytest.mark.parametrize("content", ['extends = "coarse-channel"\n', "wrong = 1\n"], ids=["stdout", "stderr"])
 def test_text_that_the_encoding_of_a_console_lacks_is_written_as_escapes(content: str, tmp_path: Path) -> None:
     (tmp_path / CHINESE).write_text(content)
     done = run("-m", "mpmcol", "check", str(tmp_path / CHINESE), PYTHONIOENCODING="cp1252:strict")
@@ -94,27 +94,27 @@ def test_a_shared_folder_among_the_temporary_files_is_not_used(
 
 def test_the_note_on_the_cache_is_a_message_of_the_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("mpmcol.simulation.run.CACHE_NOTE", "note: kept elsewhere")
-    done = invoke("run", "quickstart", *set_options(TINY), "--out", tmp_path / "run", "--max-wall", "0.001s")
+    done = invoke("run", "coarse-channel", *set_options(TINY), "--out", tmp_path / "run", "--max-wall", "0.001s")
     assert done.exit_code == 75 and done.stderr.count("note: kept elsewhere\n") == 1
 
 
 def test_a_link_to_a_folder_that_does_not_exist_yet(tmp_path: Path) -> None:
     (tmp_path / "link").symlink_to(tmp_path / "disk" / "run")
-    done = invoke("sweep", "quickstart", "--aspect", "1", "--out", tmp_path / "link", "--engine", "commands")
+    done = invoke("sweep", "coarse-channel", "--aspect", "1", "--out", tmp_path / "link", "--engine", "commands")
     assert done.exit_code == 0, done.output
     assert (tmp_path / "disk" / "run").is_dir()
 
 
 def test_a_run_into_a_link_whose_target_does_not_exist_yet(tmp_path: Path) -> None:
     (tmp_path / "link").symlink_to(tmp_path / "disk" / "run")
-    done = invoke("run", "quickstart", *set_options(TINY), "--out", tmp_path / "link", "--max-wall", "0.001s")
+    done = invoke("run", "coarse-channel", *set_options(TINY), "--out", tmp_path / "link", "--max-wall", "0.001s")
     assert done.exit_code == 75, done.output
     assert (tmp_path / "disk" / "run" / "result.json").is_file()
 
 
 def test_plan_does_not_replace_a_file(tmp_path: Path) -> None:
     mine = tmp_path / "mine.toml"
-    mine.write_text('extends = "quickstart"\n')
+    mine.write_text('extends = "coarse-channel"\n')
     done = invoke("plan", mine, "--accuracy", "20%", "--apply", mine)
     assert done.exit_code == 2 and "exists and is not replaced" in done.output
-    assert mine.read_text() == 'extends = "quickstart"\n'
+    assert mine.read_text() == 'extends = "coarse-channel"\n'

@@ -42,7 +42,7 @@ def test_every_signal_saves_the_state(number: signal.Signals, finished: Path, tm
         if stage == "collapse" and fraction > 0.1:
             signal.raise_signal(number)
 
-    case = mpmcol.load_case("quickstart", TINY)
+    case = mpmcol.load_case("coarse-channel", TINY)
     message = f"stopped by {number.name} at step .*repeat the command to resume"
     handler = signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL
     with handled_by(handler, number), pytest.raises(Interrupted, match=message) as caught:
@@ -74,7 +74,7 @@ def without_reader(command: list[str], folder: Path, lines: int, **streams: int)
 def test_a_run_whose_reader_goes_away_is_completed(
     lines: int, streams: dict[str, int], finished: Path, tmp_path: Path
 ) -> None:
-    command = ["run", "quickstart", *set_options(TINY), "--out", "run"]
+    command = ["run", "coarse-channel", *set_options(TINY), "--out", "run"]
     code, err = without_reader(command, tmp_path, lines, **streams)
     assert (code, err.count("Error"), err.count("Traceback")) == (141, 0, 0), err
     assert_equal_runs(finished, tmp_path / "run")
@@ -86,7 +86,7 @@ def test_a_command_whose_reader_goes_away_ends_quietly(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("options", [["-u"], []], ids=["unbuffered", "buffered"])
 def test_a_full_disk_at_the_standard_output_is_reported(options: list[str], tmp_path: Path) -> None:
-    command = [sys.executable, *options, "-m", "mpmcol", "check", "quickstart"]
+    command = [sys.executable, *options, "-m", "mpmcol", "check", "coarse-channel"]
     with Path("/dev/full").open("w") as full:
         environment = {**os.environ, "PYTHONPATH": str(Path.cwd())}
         done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, cwd=tmp_path, env=environment)

@@ -28,7 +28,7 @@ import multiprocessing, sys, time
 import mpmcol
 
 def run(folder):
-    return mpmcol.run(mpmcol.load_case("quickstart", {TINY}), folder, threads=1).summary["state_sha256"]
+    return mpmcol.run(mpmcol.load_case("coarse-channel", {TINY}), folder, threads=1).summary["state_sha256"]
 
 def in_pool(folder):
     with multiprocessing.get_context("fork").Pool(1) as pool:
@@ -141,7 +141,7 @@ def test_a_closed_terminal_stops_the_runs_of_a_sweep_and_does_not_abort_them(tmp
 
 
 def test_two_threads_run_two_cases_with_the_bits_of_single_runs(tmp_path: Path) -> None:
-    cases = {a: mpmcol.load_case("quickstart", [*TINY, f"geometry.aspect={a}"]) for a in ("1.0", "1.5")}
+    cases = {a: mpmcol.load_case("coarse-channel", [*TINY, f"geometry.aspect={a}"]) for a in ("1.0", "1.5")}
     together = threading.Barrier(2, timeout=60.0)
 
     def run(name: str) -> None:
@@ -165,7 +165,7 @@ def test_threads_take_turns_where_the_threading_layer_requires_it(tmp_path: Path
 
 
 def test_of_two_threads_with_one_folder_one_is_refused(tmp_path: Path) -> None:
-    case = mpmcol.load_case("quickstart", TINY)
+    case = mpmcol.load_case("coarse-channel", TINY)
     refused = threading.Event()
 
     def wait(stage: str, fraction: float) -> None:

@@ -42,9 +42,9 @@ def result(**changes: Any) -> SimpleNamespace:
 
 
 def test_a_consistent_result_passes() -> None:
-    assert list(inconsistencies(load_case("quickstart"), result())) == []
+    assert list(inconsistencies(load_case("coarse-channel"), result())) == []
     reported = {"zeta": {"front_max": 3.5}, "warnings": ["detached particles ahead of the flow front: ..."]}
-    assert list(inconsistencies(load_case("quickstart"), result(**reported))) == []
+    assert list(inconsistencies(load_case("coarse-channel"), result(**reported))) == []
 
 
 @pytest.mark.parametrize(
@@ -66,4 +66,4 @@ def test_a_consistent_result_passes() -> None:
     ],
 )
 def test_inconsistent_results_are_detected(changes: dict[str, Any], message: str) -> None:
-    assert message in "; ".join(inconsistencies(load_case("quickstart"), result(**changes)))
+    assert message in "; ".join(inconsistencies(load_case("coarse-channel"), result(**changes)))

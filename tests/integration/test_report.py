@@ -75,11 +75,11 @@ def sweep(finished: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("sweeps") / "sweep"
     settings = [*TINY, "material.friction_deg=30,33"]
     axes, _ = parse_axes(None, settings)
-    runs = plan_runs("quickstart", axes, folder)
+    runs = plan_runs("coarse-channel", axes, folder)
     write_plan(prepare_out(folder), make_plan(runs, Allocation(1, 1)))
     for planned in runs:
         copy_run(finished, planned.folder, lambda result: None)
-    done = invoke("sweep", "quickstart", *set_options(settings), "--out", folder, "--jobs", 1, "--report")
+    done = invoke("sweep", "coarse-channel", *set_options(settings), "--out", folder, "--jobs", 1, "--report")
     assert done.exit_code == 0 and f"report in {folder / 'report.html'}" in done.stderr, done.output
     return folder
 
@@ -164,14 +164,14 @@ def test_a_study_with_its_tables_and_pictures(study: Path) -> None:
 
 
 def test_a_run_writes_its_report_at_the_end() -> None:
-    done = invoke("run", "quickstart", *set_options(TINY), "--out", "r", "--report", "--json")
+    done = invoke("run", "coarse-channel", *set_options(TINY), "--out", "r", "--report", "--json")
     assert done.exit_code == 0 and "report in r/report.html" in done.stderr
     assert json.loads(done.stdout)["status"] == "done"
     assert Path("r/report.html").stat().st_size > 1e5
 
 
 def test_certify_refuses_a_report() -> None:
-    done = invoke("run", "quickstart", "--accuracy", "5%", "--certify", "--report")
+    done = invoke("run", "coarse-channel", "--accuracy", "5%", "--certify", "--report")
     assert done.exit_code == 2 and "--report applies to a single run" in done.stderr
 
 

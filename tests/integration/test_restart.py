@@ -127,7 +127,7 @@ def test_without_a_valid_checkpoint_a_run_restarts_from_scratch(stop_after: Any,
 
 
 def test_the_wall_clock_limit_and_the_exit_codes(tmp_path: Path) -> None:
-    command = ("run", "quickstart", "--set", "grid.spacing=0.01", "--out", tmp_path / "run")
+    command = ("run", "coarse-channel", "--set", "grid.spacing=0.01", "--out", tmp_path / "run")
     first = invoke(*command, "--max-wall", "0.001s", "--quiet")
     assert first.exit_code == 75 and "stopped by the wall-clock limit at step" in first.stderr
     assert invoke(*command, "--max-wall", "0.001s", "--requeue-code", "99").exit_code == 99
@@ -137,5 +137,5 @@ def test_the_wall_clock_limit_and_the_exit_codes(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("text", ["5 years", "-1s", "0", "nan", ""])
 def test_a_time_is_a_number_with_a_unit(text: str) -> None:
-    done = invoke("run", "quickstart", "--max-wall", text)
+    done = invoke("run", "coarse-channel", "--max-wall", text)
     assert done.exit_code == 2 and "expected a time > 0, for example 90s, 5min, 2h or 1.5d" in done.output

@@ -62,7 +62,7 @@ def test_every_name_in_a_result_is_explained(finished: Path) -> None:
 
 def test_every_name_of_failures_and_retries_is_explained(tmp_path: Path) -> None:
     """The time step is far beyond the stability limit at first."""
-    harsh = load_case("quickstart", [*TINY, "time.cfl=2"])
+    harsh = load_case("coarse-channel", [*TINY, "time.cfl=2"])
     with pytest.raises(NumericalFailure):
         mpmcol.run(harsh, tmp_path / "failed", threads=1)
     retried = mpmcol.run(harsh, tmp_path / "retried", threads=1, on_instability="retry").summary

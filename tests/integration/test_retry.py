@@ -22,7 +22,7 @@ HARSH = (*TINY, "time.cfl=1.0")  # fails during the loading
 
 
 def case_of(*overrides: str) -> mpmcol.Case:
-    return mpmcol.load_case("quickstart", overrides)
+    return mpmcol.load_case("coarse-channel", overrides)
 
 
 def fail_above(cfl: float, monkeypatch: pytest.MonkeyPatch, lane: int = VX, value: float = np.nan) -> None:
@@ -38,7 +38,7 @@ def fail_above(cfl: float, monkeypatch: pytest.MonkeyPatch, lane: int = VX, valu
 
 
 def test_a_run_that_fails_by_default_completes_with_half_the_time_step(tmp_path: Path) -> None:
-    command = ("run", "quickstart", *set_options(HARSH), "--out", tmp_path / "a")
+    command = ("run", "coarse-channel", *set_options(HARSH), "--out", tmp_path / "a")
     stopped = invoke(*command)
     assert stopped.exit_code == 3 and "energy gain" in stopped.stderr
     done = invoke(*command, "--on-instability", "retry")

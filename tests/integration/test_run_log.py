@@ -31,18 +31,18 @@ def test_a_run_logs_its_stages_progress_and_warnings(finished: Path) -> None:
 
 
 def test_progress_without_a_terminal_is_lines_of_text(tmp_path: Path) -> None:
-    done = invoke("run", "quickstart", *set_options(TINY), "--out", tmp_path / "run", "--json")
+    done = invoke("run", "coarse-channel", *set_options(TINY), "--out", tmp_path / "run", "--json")
     assert done.exit_code == 0, done.output
     assert "\r" not in done.stderr and "\x1b" not in done.stderr
     assert re.search(r"^collapse 50 %, about \d+ s left$", done.stderr, re.MULTILINE)
     assert done.stdout.startswith("{") and done.stdout.count("\n") == 1
-    quiet = invoke("run", "quickstart", *set_options(TINY), "--out", tmp_path / "run", "--fresh", "--quiet")
+    quiet = invoke("run", "coarse-channel", *set_options(TINY), "--out", tmp_path / "run", "--fresh", "--quiet")
     assert (quiet.exit_code, quiet.output) == (0, "")
     assert (tmp_path / "run" / "run.log").read_text().count("INFO    done") == 1  # --fresh begins a new log
 
 
 def test_a_resumed_run_appends_to_its_log(tmp_path: Path) -> None:
-    case = mpmcol.load_case("quickstart", TINY)
+    case = mpmcol.load_case("coarse-channel", TINY)
     with pytest.raises(mpmcol.errors.Interrupted):
         mpmcol.run(case, tmp_path / "run", max_wall=1e-6)
     log = tmp_path / "run" / "run.log"

@@ -77,7 +77,7 @@ def test_history_can_be_read_between_snapshots(tmp_path: Path, monkeypatch: pyte
         path = folder / "history.csv"
         lengths.append(len(path.read_text().splitlines()) if path.exists() else 0)
 
-    mpmcol.run(load_case("quickstart", overrides), folder, progress=count_rows)
+    mpmcol.run(load_case("coarse-channel", overrides), folder, progress=count_rows)
     assert len(set(lengths)) > 10
 
 
@@ -97,8 +97,8 @@ def test_the_history_is_ordered_and_its_energies_balance(finished: Path) -> None
 
 def test_a_finished_run_is_not_replaced(finished: Path) -> None:
     before = (finished / "result.json").read_bytes()
-    assert invoke("run", "quickstart", *tiny(), "--out", str(finished)).exit_code == 0  # its result is printed
-    again = invoke("run", "quickstart", *tiny("geometry.aspect=0.5"), "--out", str(finished))
+    assert invoke("run", "coarse-channel", *tiny(), "--out", str(finished)).exit_code == 0  # its result is printed
+    again = invoke("run", "coarse-channel", *tiny("geometry.aspect=0.5"), "--out", str(finished))
     assert again.exit_code == 2
     assert "--fresh" in again.output and "Traceback" not in again.output
     assert (finished / "result.json").read_bytes() == before
@@ -106,13 +106,13 @@ def test_a_finished_run_is_not_replaced(finished: Path) -> None:
 
 def test_a_folder_with_other_files_is_refused(tmp_path: Path) -> None:
     (tmp_path / "thesis.txt").write_text("mine")
-    result = invoke("run", "quickstart", *tiny(), "--out", str(tmp_path))
+    result = invoke("run", "coarse-channel", *tiny(), "--out", str(tmp_path))
     assert result.exit_code == 2
     assert (tmp_path / "thesis.txt").read_text() == "mine"
 
 
 def test_fresh_replaces_a_run_with_equal_bits(finished: Path, tmp_path: Path) -> None:
-    case = mpmcol.load_case("quickstart", TINY)
+    case = mpmcol.load_case("coarse-channel", TINY)
     mpmcol.run(case, tmp_path / "a")
     first = Results(tmp_path / "a").snapshot(-1)
     again = mpmcol.run(case, tmp_path / "a", fresh=True).snapshot(-1)
@@ -122,7 +122,7 @@ def test_fresh_replaces_a_run_with_equal_bits(finished: Path, tmp_path: Path) ->
 
 
 def test_fresh_removes_the_charts_of_the_old_run(tmp_path: Path) -> None:
-    case, pictures = mpmcol.load_case("quickstart", TINY), ("snapshot-000003.png", "front.svg", "collapse.gif")
+    case, pictures = mpmcol.load_case("coarse-channel", TINY), ("snapshot-000003.png", "front.svg", "collapse.gif")
     mpmcol.run(case, tmp_path)
     for name in (*pictures, "mine.png"):
         (tmp_path / name).write_bytes(b"")
@@ -131,29 +131,29 @@ def test_fresh_removes_the_charts_of_the_old_run(tmp_path: Path) -> None:
 
 
 def test_json_is_one_line(tmp_path: Path) -> None:
-    result = invoke("run", "quickstart", *tiny(), "--out", str(tmp_path / "a"), "--json")
+    result = invoke("run", "coarse-channel", *tiny(), "--out", str(tmp_path / "a"), "--json")
     assert json.loads(result.stdout)["status"] == "done"
     assert result.stdout.count("\n") == 1
 
 
 def test_quiet_prints_nothing(tmp_path: Path) -> None:
-    assert invoke("run", "quickstart", *tiny(), "--out", str(tmp_path / "a"), "--quiet").output == ""
+    assert invoke("run", "coarse-channel", *tiny(), "--out", str(tmp_path / "a"), "--quiet").output == ""
 
 
 def test_dry_run_estimates_and_writes_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    result = invoke("run", "quickstart", *tiny(), "--dry-run")
+    result = invoke("run", "coarse-channel", *tiny(), "--dry-run")
     assert result.exit_code == 0
     for text in ("material points", "grid nodes", "time step", "steps", "memory", "disk", "time"):
         assert text in result.output
     assert list(tmp_path.iterdir()) == []
-    estimate = json.loads(invoke("run", "quickstart", *tiny(), "--dry-run", "--json").stdout)
+    estimate = json.loads(invoke("run", "coarse-channel", *tiny(), "--dry-run", "--json").stdout)
     assert estimate["column_points"] == 144
-    assert invoke("run", "quickstart", "--set", "grid.spacng=1", "--dry-run").exit_code == 2
+    assert invoke("run", "coarse-channel", "--set", "grid.spacng=1", "--dry-run").exit_code == 2
 
 
 def test_divergence_is_reported_with_position_cause_and_remedy(tmp_path: Path) -> None:
-    result = invoke("run", "quickstart", *tiny("time.cfl=1.9"), "--out", str(tmp_path / "a"))
+    result = invoke("run", "coarse-channel", *tiny("time.cfl=1.9"), "--out", str(tmp_path / "a"))
     assert result.exit_code == 3, result.output
     for text in ("stage", "step", "t =", "point", "x =", "remedy", "time.cfl"):
         assert text in result.output
@@ -164,24 +164,24 @@ def test_divergence_is_reported_with_position_cause_and_remedy(tmp_path: Path) -
         "smaller_step_helps", "last_valid",
     }  # fmt: skip
     assert results.snapshot(-1).stage == "failed"
-    again = invoke("run", "quickstart", *tiny("time.cfl=1.9"), "--out", str(tmp_path / "a"))
+    again = invoke("run", "coarse-channel", *tiny("time.cfl=1.9"), "--out", str(tmp_path / "a"))
     assert again.exit_code == 3 and "is replaced" not in again.output
-    corrected = invoke("run", "quickstart", *tiny(), "--out", str(tmp_path / "a"))
+    corrected = invoke("run", "coarse-channel", *tiny(), "--out", str(tmp_path / "a"))
     assert corrected.exit_code == 0 and "note: an incomplete run of another case" in corrected.output
 
 
 def test_flow_that_reaches_the_end_of_the_domain_stops_the_run(tmp_path: Path) -> None:
     case = mpmcol.load_case(
-        "quickstart", [*TINY, "geometry.domain_length=0.165", "stages.collapse.max_time_factor=4.0"]
+        "coarse-channel", [*TINY, "geometry.domain_length=0.165", "stages.collapse.max_time_factor=4.0"]
     )
     with pytest.raises(NumericalFailure, match=r"end of the domain.*\n.*\n.*\n.*geometry\.domain_length"):
         mpmcol.run(case, tmp_path / "a")
     with pytest.raises(UsageError, match=r"geometry\.domain_length = 0\.1 m is too small"):
-        mpmcol.run(mpmcol.load_case("quickstart", [*TINY, "geometry.domain_length=0.1"]), tmp_path / "b")
+        mpmcol.run(mpmcol.load_case("coarse-channel", [*TINY, "geometry.domain_length=0.1"]), tmp_path / "b")
 
 
 def test_rounding_of_the_spacing_is_reported(tmp_path: Path) -> None:
-    result = invoke("run", "quickstart", *tiny("grid.spacing=0.016"), "--out", str(tmp_path / "a"))
+    result = invoke("run", "coarse-channel", *tiny("grid.spacing=0.016"), "--out", str(tmp_path / "a"))
     assert "grid.spacing became 0.015 m (-6.25%)" in result.output
 
 
@@ -192,7 +192,7 @@ def test_a_folder_without_a_run_is_refused(tmp_path: Path) -> None:
 
 
 def fronts_of(tmp_path: Path, speed: str, *more: str) -> tuple[np.ndarray, np.ndarray, dict]:
-    case = mpmcol.load_case("quickstart", [*TINY, f"stages.gate_speed={speed}", *more])
+    case = mpmcol.load_case("coarse-channel", [*TINY, f"stages.gate_speed={speed}", *more])
     results = mpmcol.run(case, tmp_path / speed)
     flow = results.history["stage"] == "collapse"
     return results.history["time"][flow], results.history["front_max"][flow], results.summary
@@ -216,7 +216,7 @@ def test_a_column_behind_a_slow_gate_is_not_at_rest(tmp_path: Path) -> None:
 
 def test_snapshots_are_written_at_the_given_times(tmp_path: Path) -> None:
     times = (0.01, 0.0101, 0.0105, 0.05, 3.0)
-    case = mpmcol.load_case("quickstart", [*TINY, f"output.times={list(times)}"])
+    case = mpmcol.load_case("coarse-channel", [*TINY, f"output.times={list(times)}"])
     results = mpmcol.run(case, tmp_path / "run")
     got = [results.snapshot(i).time for i in range(1, len(results.snapshots) - 1)]
     assert np.allclose(got, times[:-1], atol=1.2e-4)  # at the first step that reaches them
@@ -247,26 +247,26 @@ def test_snapshots_beyond_the_usual_duration_follow_at_the_same_interval(
 
 def test_fresh_removes_nothing_if_the_case_is_refused(finished: Path) -> None:
     before = sorted(path.name for path in finished.rglob("*"))
-    result = invoke("run", "quickstart", *tiny("geometry.domain_length=0.1"), "--out", str(finished), "--fresh")
+    result = invoke("run", "coarse-channel", *tiny("geometry.domain_length=0.1"), "--out", str(finished), "--fresh")
     assert result.exit_code == 2
     assert sorted(path.name for path in finished.rglob("*")) == before
 
 
 def test_two_runs_cannot_share_a_folder(tmp_path: Path) -> None:
     with locked(tmp_path / "run"):
-        result = invoke("run", "quickstart", *tiny(), "--out", str(tmp_path / "run"))
+        result = invoke("run", "coarse-channel", *tiny(), "--out", str(tmp_path / "run"))
     assert result.exit_code == 5 and "another run is writing here" in result.output
 
 
 def test_a_failed_run_prints_its_result_as_json(tmp_path: Path) -> None:
-    result = invoke("run", "quickstart", *tiny("time.cfl=1.9"), "--out", str(tmp_path / "a"), "--json")
+    result = invoke("run", "coarse-channel", *tiny("time.cfl=1.9"), "--out", str(tmp_path / "a"), "--json")
     assert result.exit_code == 3
     assert json.loads(result.stdout)["failure"]["remedy"]
 
 
 def test_an_assigned_initial_stress_saves_steps(tmp_path: Path) -> None:
-    by_gravity = mpmcol.run(mpmcol.load_case("quickstart", TINY), tmp_path / "gravity")
-    assigned = mpmcol.run(mpmcol.load_case("quickstart", [*TINY, "stages.initial_stress=k0"]), tmp_path / "k0")
+    by_gravity = mpmcol.run(mpmcol.load_case("coarse-channel", TINY), tmp_path / "gravity")
+    assigned = mpmcol.run(mpmcol.load_case("coarse-channel", [*TINY, "stages.initial_stress=k0"]), tmp_path / "k0")
     assert assigned.summary["steps"] < by_gravity.summary["steps"]
     assert assigned.summary["zeta"]["front_height"] == pytest.approx(
         by_gravity.summary["zeta"]["front_height"], rel=0.05
@@ -275,18 +275,18 @@ def test_an_assigned_initial_stress_saves_steps(tmp_path: Path) -> None:
 
 def test_a_two_sided_release_equals_its_half_model(tmp_path: Path) -> None:
     runs = [
-        mpmcol.run(mpmcol.load_case("quickstart", [*TINY, f"geometry.release={side}"]), tmp_path / side).summary["zeta"]
+        mpmcol.run(mpmcol.load_case("coarse-channel", [*TINY, f"geometry.release={side}"]), tmp_path / side).summary["zeta"]
         for side in ("one-sided", "two-sided")
     ]
     assert runs[0] == runs[1]
 
 
 def test_implausible_units_are_reported(tmp_path: Path) -> None:
-    result = invoke("run", "quickstart", *tiny("geometry.radius=90"), "--out", str(tmp_path / "a"))
+    result = invoke("run", "coarse-channel", *tiny("geometry.radius=90"), "--out", str(tmp_path / "a"))
     assert result.exit_code == 2 and "in mm instead of m" in result.output
-    checked = invoke("check", "quickstart", "--set", "geometry.radius=90")
+    checked = invoke("check", "coarse-channel", "--set", "geometry.radius=90")
     assert checked.exit_code == 2 and "in mm instead of m" in checked.output
-    soft = invoke("run", "quickstart", *tiny("material.youngs_modulus=1e5"), "--out", str(tmp_path / "b"))
+    soft = invoke("run", "coarse-channel", *tiny("material.youngs_modulus=1e5"), "--out", str(tmp_path / "b"))
     assert "shortening of the column under its own weight, rho g h_i / (2 E_oed), is 1.1%" in soft.output
 
 

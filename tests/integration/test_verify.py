@@ -147,7 +147,7 @@ def test_other_inconsistent_files_of_an_unfinished_run_are_found(killed: Path) -
 
 
 def test_checkpoints_are_checked_by_their_own_checksums(tmp_path: Path) -> None:
-    case = mpmcol.load_case("quickstart", TINY)
+    case = mpmcol.load_case("coarse-channel", TINY)
     with pytest.raises(Interrupted):
         mpmcol.run(case, tmp_path, max_wall=0.0)
     assert invoke("verify", tmp_path).output.startswith(f"{tmp_path}: intact, 8 files, of a run that was stopped;")
@@ -188,7 +188,7 @@ def test_checkpoints_reveal_changed_snapshots_of_an_unfinished_run(tmp_path: Pat
             raise Killed
 
     with pytest.raises(Killed):
-        mpmcol.run(mpmcol.load_case("quickstart", TINY), tmp_path, checkpoint_seconds=0.0, progress=kill)
+        mpmcol.run(mpmcol.load_case("coarse-channel", TINY), tmp_path, checkpoint_seconds=0.0, progress=kill)
     assert verify(tmp_path)[0].status == "unfinished" and not damaged(tmp_path)
     path = tmp_path / "snapshots/000001.vtkhdf"
     content = bytearray(path.read_bytes())

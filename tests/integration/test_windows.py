@@ -23,9 +23,9 @@ from tests.support.cli import invoke, set_options
 tiny = set_options({TINY})
 done = {{}}
 for name, *arguments in [
-    ("run", "quickstart", *tiny, "--out", "run"),
+    ("run", "coarse-channel", *tiny, "--out", "run"),
     ("plot", "run"), ("measure", "run", "--json"), ("verify", "run"), ("status", "run"), ("check", "."),
-    ("sweep", "quickstart", "--aspect", "0.8,1.2", *tiny, "--jobs", "1", "--out", "sweep"),
+    ("sweep", "coarse-channel", "--aspect", "0.8,1.2", *tiny, "--jobs", "1", "--out", "sweep"),
     ("verify", "sweep"),
 ]:
     result = invoke(name, *arguments)

@@ -28,7 +28,7 @@ print(JIT_DISABLED)
 
 
 TINY = {
-    "quickstart": ["grid.spacing=0.015", "geometry.aspect=0.5"],
+    "coarse-channel": ["grid.spacing=0.015", "geometry.aspect=0.5"],
     "lube-quarter": ["grid.spacing=0.03", "geometry.aspect=0.5", "geometry.base=rigid"],
 }
 CHOICES = [[], ["method.basis=cubic", "method.transfer=apic", "method.stress_order=musl"]]

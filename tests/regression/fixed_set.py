@@ -33,13 +33,13 @@ MEASURED = (
     "undisturbed_radius", "stop_time", "at_rest", "ledger", "worst_J",
 )  # fmt: skip
 
-PLANE = ("quickstart", "grid.spacing=0.01", "stages.collapse.max_time_factor=1.5", "output.snapshots=2")
+PLANE = ("coarse-channel", "grid.spacing=0.01", "stages.collapse.max_time_factor=1.5", "output.snapshots=2")
 RIGID = (*PLANE, "geometry.base=rigid", "method.wall_impulse=true")
 AXISYMMETRIC = ("lube-cylinder", "grid.spacing=0.01", *PLANE[2:])
 QUARTER = ("lube-quarter", "grid.spacing=0.02", "stages.collapse.max_time_factor=1.0", "output.snapshots=2")
 FULL = (*QUARTER, "geometry.model=full", "geometry.base=rigid")
 SOFTENING = ("lube-channel-dense", "grid.spacing=0.01", "geometry.aspect=1", *PLANE[2:])
-HARSH = ("quickstart", "grid.spacing=0.015", "output.snapshots=8", "stages.collapse.max_time_factor=1.0")
+HARSH = ("coarse-channel", "grid.spacing=0.015", "output.snapshots=8", "stages.collapse.max_time_factor=1.0")
 
 ELASTIC = (
     "material={law='elastic', density=2650.0, youngs_modulus=10e6, poissons_ratio=0.2}",
@@ -50,7 +50,7 @@ RUNS: dict[str, tuple[str, ...]] = {
     "plane": PLANE,
     "plane-rigid": RIGID,
     "plane-two-sided": (*RIGID, "geometry.release=two-sided"),
-    "plane-whole-way": ("quickstart", "grid.spacing=0.01"),
+    "plane-whole-way": ("coarse-channel", "grid.spacing=0.01"),
     "plane-cohesion": (*RIGID, "material.cohesion=200", "material.dilatancy_deg=5"),
     "plane-elastic": (*RIGID, *ELASTIC),
     "plane-elastic-first": (*PLANE, "stages.equilibrate.law=elastic"),

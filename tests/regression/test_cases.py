@@ -23,14 +23,14 @@ OF_PAPER = {
     "lube-quarter": ("grid.spacing=0.02",),
 }
 COARSE = {
-    "quickstart": ("grid.spacing=0.01",),
+    "coarse-channel": ("grid.spacing=0.01",),
     "bui-rods": ("grid.spacing=0.01",),
     **OF_PAPER,
     **{twin: OF_PAPER[f"lube-{twin}"] for twin in TWINS},
 }
 # steps, zeta by front_max, front_connected, front_height, beta
 EXPECTED: dict[str, tuple[int, float, float, float, float]] = {
-    "quickstart": (3776, 0.77414155, 0.77414155, 0.759540132, 0.96933298),
+    "coarse-channel": (3776, 0.77414155, 0.77414155, 0.759540132, 0.96933298),
     "channel": (5737, 2.010157771, 2.010157771, 1.994778671, 0.646857103),
     "channel-loose": (3794, 0.733147131, 0.733147131, 0.707475916, 0.988291148),
     "channel-dense": (3888, 0.616029633, 0.616029633, 0.602057063, 0.967337797),

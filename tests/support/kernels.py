@@ -21,16 +21,16 @@ OTHER = (
 )
 VARIANTS: dict[str, list[tuple[str, tuple[str, ...]]]] = {
     "first": [
-        ("quickstart", ("stages.equilibrate.law=elastic",)),
-        ("quickstart", ("method.basis=linear",)),
-        ("quickstart", ("method.transfer=apic",)),
-        ("quickstart", ("method.stress_order=usf",)),
+        ("coarse-channel", ("stages.equilibrate.law=elastic",)),
+        ("coarse-channel", ("method.basis=linear",)),
+        ("coarse-channel", ("method.transfer=apic",)),
+        ("coarse-channel", ("method.stress_order=usf",)),
     ],
     "second": [
         ("lube-quarter", ()),
         ("lube-quarter", ("method.basis=linear", "stages.equilibrate.law=mohr-coulomb")),
         ("lube-channel-dense", ()),
-        ("quickstart", OTHER),
+        ("coarse-channel", OTHER),
     ],
 }
 

@@ -9,12 +9,12 @@ import numpy as np
 import mpmcol
 from mpmcol.io.results import Results
 
-TINY = ("grid.spacing=0.015", "output.snapshots=3", "stages.collapse.max_time_factor=1.0")  # of the case quickstart
+TINY = ("grid.spacing=0.015", "output.snapshots=3", "stages.collapse.max_time_factor=1.0")  # of the case coarse-channel
 SHORT = ("stages.collapse.max_time_factor=1.2", "output.snapshots=4")
 SMALL_CASES = {  # name -> shipped case and overrides, to be cut short with SHORT
     "plane": ("channel", "grid.spacing=0.015"),
     "softening": ("lube-channel-dense", "grid.spacing=0.015"),
-    "lifted gate": ("quickstart", "grid.spacing=0.0125", "stages.gate_speed=0.5"),
+    "lifted gate": ("coarse-channel", "grid.spacing=0.0125", "stages.gate_speed=0.5"),
     "axisymmetric": ("lube-cylinder", "grid.spacing=0.0139"),
     "base deactivated": ("lube-cylinder", "grid.spacing=0.0139", "method.deactivate_base=true"),
     "quarter": ("quarter", "grid.spacing=0.0194", "geometry.aspect=0.4", "stages.initial_stress=k0"),

@@ -40,7 +40,7 @@ class SyntheticRun(Results):
 
     @property
     def case(self) -> Case:
-        return load_case("quickstart", [f"score.experiment={self.experiment}"])
+        return load_case("coarse-channel", [f"score.experiment={self.experiment}"])
 
     @property
     def snapshots(self) -> list[Path]:

@@ -143,7 +143,7 @@ def test_a_run_deactivates_the_base_from_the_release(stress_filter: str, tmp_pat
         "output.snapshots=1",
     ]
     still, moved = (
-        mpmcol.run(mpmcol.load_case("quickstart", [*keys, f"method.deactivate_base={value}"]), tmp_path / value)
+        mpmcol.run(mpmcol.load_case("coarse-channel", [*keys, f"method.deactivate_base={value}"]), tmp_path / value)
         for value in ("true", "false")
     )
     shares, stress = [], []
@@ -164,4 +164,4 @@ def test_a_run_deactivates_the_base_from_the_release(stress_filter: str, tmp_pat
 def test_deactivation_is_refused_for_a_rigid_floor() -> None:
     rigid = ["geometry.base=rigid", "method.wall_impulse=true"]
     with pytest.raises(CaseError, match="deactivate_base = true: must be false with geometry.base"):
-        mpmcol.load_case("quickstart", [*rigid, "method.deactivate_base=true"])
+        mpmcol.load_case("coarse-channel", [*rigid, "method.deactivate_base=true"])

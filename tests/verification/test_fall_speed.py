@@ -19,7 +19,7 @@ SOFT = ("grid.spacing=0.015", "material.youngs_modulus=0.002 MPa", "stages.initi
 
 def falling(folder: Path, share: float) -> Stages:
     """A soft column at its release, with one point moving up at `share` times the speed that gravity can cause."""
-    case = mpmcol.load_case("quickstart", SOFT)
+    case = mpmcol.load_case("coarse-channel", SOFT)
     stages = Stages(start(case, build_model(case), folder / "run"))
     stages.release()
     points, waves = stages.solver.points, np.sqrt(stages.solver.bodies[0].wave_speed2)

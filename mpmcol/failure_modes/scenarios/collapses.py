@@ -7,7 +7,7 @@ from functools import partial
 from mpmcol.failure_modes.problems.collapse import CollapseResult, collapsed
 from mpmcol.failure_modes.scenario import Curve, Observation, Scenario, failing, passing
 
-CASE = "quickstart"
+CASE = "coarse-channel"
 COARSE = "grid.spacing=0.01"
 NO_FILTER, STIFF = "method.stress_filter=none", "material.youngs_modulus=100 MPa"
 SOFT_COLUMN = ("geometry.aspect=20", "grid.spacing=0.015")

@@ -8,7 +8,7 @@ from functools import partial
 from mpmcol.failure_modes.problems.collapse import collapsed
 from mpmcol.failure_modes.scenario import Observation, Scenario, failing, passing
 
-SAND = ("quickstart", "grid.spacing=0.01")
+SAND = ("coarse-channel", "grid.spacing=0.01")
 PLAIN, FILTERED = "method.stress_filter=none", "method.stress_filter=flow"
 CLAY = (
     "channel",

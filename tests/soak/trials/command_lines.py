@@ -48,7 +48,7 @@ PATHS = (
     "..", "~", "good", "\udcff.toml",
 )  # fmt: skip
 FITTING: dict[str, tuple[str, ...]] = {
-    "case": ("good.toml", "\udcff.toml", "quickstart", "lube-quarter"),
+    "case": ("good.toml", "\udcff.toml", "coarse-channel", "lube-quarter"),
     "overrides": ("geometry.aspect=3", "grid.spacing=5 mm", "grid.spacing=0.01", "stages.gate_speed=1"),
     "settings": ("geometry.aspect=1:3", "material.friction_deg=30,33", "time.cfl=0.4", "geometry.base=elastic,rigid"),
     "aspect": ("1:2", "0.5:7/14", "3"),
@@ -91,7 +91,7 @@ def _invoke(arguments: list[str]) -> Result:
 @cache
 def _warm_up() -> None:
     """Import the modules that commands import when they are first used, which takes seconds."""
-    for line in ("plan quickstart", "measure run", "plot run", "render run", "pareto quick", "run quickstart"):
+    for line in ("plan coarse-channel", "measure run", "plot run", "render run", "pareto quick", "run coarse-channel"):
         _invoke(line.split())
     for name in ("paper", "validate", "stability", "bench"):
         _invoke([name])
@@ -135,14 +135,14 @@ def _value(draw: random.Random) -> str:
 @contextlib.contextmanager
 def _folder_of_files(folder: Path) -> Iterator[None]:
     """Change to a folder with cases, a run and a sweep, some of them damaged."""
-    (folder / "good.toml").write_text('extends = "quickstart"\n')
+    (folder / "good.toml").write_text('extends = "coarse-channel"\n')
     (folder / "bad.toml").write_text("[grid]\nspacng = 1\n")
     (folder / "binary.toml").write_bytes(bytes(range(256)) * 20)
     (folder / "empty.toml").touch()
-    (folder / "\udcff.toml").write_text('extends = "quickstart"\n')
+    (folder / "\udcff.toml").write_text('extends = "coarse-channel"\n')
     for name in ("folder", "run/snapshots", "sweep"):
         (folder / name).mkdir(parents=True)
-    (folder / "run/case.resolved.toml").write_text(resolved_toml(load_case("quickstart")))
+    (folder / "run/case.resolved.toml").write_text(resolved_toml(load_case("coarse-channel")))
     (folder / "run/snapshots/000000.vtkhdf").write_bytes(b"damaged")
     (folder / "run/history.csv").write_text("stage,time\ncollapse,1\n")
     (folder / "run/result.json").write_text('{"status": "done"}')

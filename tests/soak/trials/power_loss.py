@@ -21,7 +21,7 @@ from tests.support.runs import TINY, assert_equal_runs
 
 COUNT = 2400
 SMALL_COUNT = 12
-CASE = ("quickstart", TINY)
+CASE = ("coarse-channel", TINY)
 
 
 def trial(seed: int, folder: Path) -> str | None:

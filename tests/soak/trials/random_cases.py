@@ -52,11 +52,11 @@ def trial(seed: int, folder: Path) -> str | None:
         return None
     found = "; ".join(inconsistencies(case, results))
     _note(folder, seed, "inconsistent" if found else "done", found or "; ".join(results.summary["warnings"]), overrides)
-    return f"{found}\nmpmcol run quickstart {' '.join(f'--set {text}' for text in overrides)}" if found else None
+    return f"{found}\nmpmcol run coarse-channel {' '.join(f'--set {text}' for text in overrides)}" if found else None
 
 
 def draw_case(draw: random.Random) -> tuple[Case, list[str]]:
-    """A case that is quick enough, and its differences from the case quickstart."""
+    """A case that is quick enough, and its differences from the case coarse-channel."""
     own: dict[str, Any] = {}
     for attempt in count():
         if attempt % TRIES == 0:
@@ -65,7 +65,7 @@ def draw_case(draw: random.Random) -> tuple[Case, list[str]]:
         own["grid.spacing"] = RADIUS / round(_log_uniform(draw, 8.0, 80.0))
         overrides = [f"{key}={as_text(value)}" for key, value in own.items()]
         if own["grid.spacing"] < own["geometry.aspect"] * RADIUS:
-            case = load_case("quickstart", overrides)
+            case = load_case("coarse-channel", overrides)
             is_quick = PlannedRun({}, case, Path()).work * PACE[case.geometry.dimension] < SECONDS
             if is_quick and elastic_shortening(case) <= MOST_SHORTENING:  # softer columns are refused
                 return case, overrides

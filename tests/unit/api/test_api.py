@@ -78,7 +78,7 @@ def test_measure_and_plot_take_results_or_a_folder(finished: Path, tmp_path: Pat
 
 def test_a_finished_run_is_returned(finished: Path) -> None:
     messages: list[str] = []
-    results = mpmcol.run(mpmcol.load_case("quickstart", TINY), finished, notify=messages.append)
+    results = mpmcol.run(mpmcol.load_case("coarse-channel", TINY), finished, notify=messages.append)
     assert results.status == "done" and "nothing to compute" in messages[0]
 
 
@@ -100,7 +100,7 @@ def outcomes(finished: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
 
 def test_a_sweep_returns_its_table(outcomes: list[str], tmp_path: Path) -> None:
-    case = mpmcol.load_case("quickstart", TINY)
+    case = mpmcol.load_case("coarse-channel", TINY)
     values = {"material.friction_deg": "30:32:2", "time.cfl": 0.4}
     found = mpmcol.sweep(case, values, aspect=[1, 2.0], out=tmp_path, notify=[].append)
     assert outcomes == [f"a{a}-friction{phi}deg" for a in (1, 2) for phi in (30, 32)]
@@ -113,17 +113,17 @@ def test_a_sweep_returns_its_table(outcomes: list[str], tmp_path: Path) -> None:
 
 def test_notes_of_a_sweep_are_warnings(outcomes: list[str], tmp_path: Path) -> None:
     with pytest.warns(UserWarning, match=r"base_thickness became 0.015 m"):
-        mpmcol.sweep("quickstart", {"grid.spacing": 0.015}, out=tmp_path / "sweep")
+        mpmcol.sweep("coarse-channel", {"grid.spacing": 0.015}, out=tmp_path / "sweep")
     assert outcomes == ["spacing15mm"]
 
 
 @pytest.mark.parametrize(
     ("call", "kind", "message"),
     [
-        (lambda: mpmcol.sweep("quickstart"), UsageError, "no key to vary"),
-        (lambda: mpmcol.sweep("quickstart", aspect="3:1"), UsageError, "geometry.aspect: 3:1: the end of a range"),
-        (lambda: mpmcol.sweep("quickstart", aspect=1, accuracy=5), UsageError, "between 0 and 1, for example 0.05"),
-        (lambda: mpmcol.sweep("quickstart", {"grid.spacng": [1]}), MpmcolError, 'did you mean "spacing"'),
+        (lambda: mpmcol.sweep("coarse-channel"), UsageError, "no key to vary"),
+        (lambda: mpmcol.sweep("coarse-channel", aspect="3:1"), UsageError, "geometry.aspect: 3:1: the end of a range"),
+        (lambda: mpmcol.sweep("coarse-channel", aspect=1, accuracy=5), UsageError, "between 0 and 1, for example 0.05"),
+        (lambda: mpmcol.sweep("coarse-channel", {"grid.spacng": [1]}), MpmcolError, 'did you mean "spacing"'),
         (lambda: mpmcol.measure("nowhere"), OutputError, "expected the results folder of a run"),
         (lambda: mpmcol.plot("nowhere"), OutputError, "expected the results folder of a run"),
         (lambda: mpmcol.render("nowhere"), OutputError, "expected the results folder of a run"),

@@ -93,7 +93,7 @@ def test_keys_of_3d_models(write: Write) -> None:
     ],
 )
 def test_options_of_the_method_that_exclude_each_other(overrides: list[str], message: str) -> None:
-    assert message in only_problem("quickstart", *(f"method.{each}" for each in overrides)).message
+    assert message in only_problem("coarse-channel", *(f"method.{each}" for each in overrides)).message
 
 
 def test_violations_are_reported_together_with_other_problems(write: Write) -> None:
@@ -125,12 +125,12 @@ def test_the_experiment_must_be_for_this_kind_of_column() -> None:
 
 
 def test_the_law_of_the_first_stage_is_elastic_or_that_of_the_column() -> None:
-    problem = only_problem("quickstart", "stages.equilibrate.law=mohr-coulomb-softening")
+    problem = only_problem("coarse-channel", "stages.equilibrate.law=mohr-coulomb-softening")
     assert 'must be "elastic" or that of the column, material.law = "mohr-coulomb"' in problem.message
 
 
 def test_constraints_apply_to_a_case_built_in_python() -> None:
-    tables = load_case("quickstart").model_dump(by_alias=True)
+    tables = load_case("coarse-channel").model_dump(by_alias=True)
     tables["grid"]["spacing"] = 1.0
     with pytest.raises(ValidationError, match=r"grid.spacing must be smaller than geometry.radius = 0.09"):
         Case.model_validate(tables)

@@ -18,6 +18,6 @@ def test_the_resolved_text_loads_to_an_equal_case(write: Write, name: str) -> No
 
 
 def test_the_resolved_text_has_every_key_that_has_a_value() -> None:
-    text = resolved_toml(load_case("quickstart"))
+    text = resolved_toml(load_case("coarse-channel"))
     for key in key_names(("method",)) + key_names(("stages", "equilibrate")):
         assert f"\n{key.rpartition('.')[2]} = " in text

@@ -54,7 +54,7 @@ def test_all_malformed_overrides_are_reported(write: Write, override: str) -> No
 
 
 def test_an_override_cannot_set_extends(write: Write) -> None:
-    assert "extends can only be set in a case file" in only_problem(write(GOOD), "extends=quickstart").message
+    assert "extends can only be set in a case file" in only_problem(write(GOOD), "extends=coarse-channel").message
 
 
 @pytest.mark.parametrize(

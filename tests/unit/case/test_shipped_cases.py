@@ -12,6 +12,7 @@ SHIPPED = [
     "channel",
     "channel-dense",
     "channel-loose",
+    "coarse-channel",
     "cylinder",
     "lube-channel",
     "lube-channel-dense",

@@ -22,7 +22,7 @@ def test_keys_replace_those_of_the_extended_case(write: Write) -> None:
 
 
 def test_a_height_replaces_the_aspect_ratio_of_the_extended_case(write: Write) -> None:
-    write('extends = "quickstart"\n[geometry]\nheight = 0.18\n')
+    write('extends = "coarse-channel"\n[geometry]\nheight = 0.18\n')
     assert load_case("my.toml").geometry.a == pytest.approx(2.0)
 
 
@@ -76,7 +76,7 @@ def test_a_missing_file_is_reported_with_the_nearest_shipped_case(write: Write) 
 
 
 def test_a_file_written_by_the_shell_of_windows_is_read(write: Write) -> None:
-    write('extends = "quickstart"\r\ntitle = "mine"\r\n'.encode("utf-16"))
+    write('extends = "coarse-channel"\r\ntitle = "mine"\r\n'.encode("utf-16"))
     assert load_case("my.toml").title == "mine"
 
 
@@ -146,7 +146,7 @@ def test_windows_line_ends_and_a_byte_order_mark_are_accepted(write: Write) -> N
         ("friction_deg = .5", "write a digit before the decimal point"),
         ("friction_deg = 33 deg", "put strings and numbers with a unit in quotes"),
         (r'title = "C:\Users\me"', "write paths with / or in single quotes"),
-        (r'extends = "..\cases\quickstart"', "write paths with / or in single quotes"),
+        (r'extends = "..\cases\coarse-channel"', "write paths with / or in single quotes"),
     ],
 )
 def test_the_hint_at_a_syntax_error_names_its_cause(write: Write, line: str, hint: str) -> None:

@@ -30,7 +30,7 @@ class OtherRun(SyntheticRun):
 
     @property
     def case(self) -> Case:
-        return load_case("quickstart", list(self.replaced))
+        return load_case("coarse-channel", list(self.replaced))
 
 
 @pytest.fixture

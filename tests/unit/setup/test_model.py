@@ -27,7 +27,7 @@ from mpmcol.setup.model import build_model
     ids=str,
 )
 def test_keys_of_the_method(method: list[str], taylor: float, flip_fraction: float, scheme: Scheme) -> None:
-    model = build_model(load_case("quickstart", [f"method.{setting}" for setting in method]))
+    model = build_model(load_case("coarse-channel", [f"method.{setting}" for setting in method]))
     for stage in (model.equilibrate, model.collapse):
         assert (stage.settings.taylor, stage.settings.flip_fraction) == (taylor, flip_fraction)
     assert model.scheme == scheme
@@ -35,7 +35,7 @@ def test_keys_of_the_method(method: list[str], taylor: float, flip_fraction: flo
 
 @pytest.mark.parametrize(("update", "exponential"), [("determinant", False), ("exponential", True)])
 def test_volume_update(update: str, exponential: bool) -> None:
-    model = build_model(load_case("quickstart", [f"method.volume_update={update}"]))
+    model = build_model(load_case("coarse-channel", [f"method.volume_update={update}"]))
     assert {model.equilibrate.settings.exponential_volume, model.collapse.settings.exponential_volume} == {exponential}
 
 
@@ -56,7 +56,7 @@ def test_volume_update(update: str, exponential: bool) -> None:
 )
 def test_time_steps_above_the_single_particle_limit_cause_a_warning(overrides: list[str], message: str) -> None:
     """Limits for nu = 0.2 in plane strain."""
-    warnings = [text for text in discretize(load_case("quickstart", overrides)).warnings if "cfl" in text]
+    warnings = [text for text in discretize(load_case("coarse-channel", overrides)).warnings if "cfl" in text]
     assert len(warnings) == (1 if message else 0)
     assert all(message in text for text in warnings)
 

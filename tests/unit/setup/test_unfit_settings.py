@@ -82,7 +82,7 @@ def test_a_column_that_its_own_weight_compresses_by_a_third_is_refused(tmp_path:
 
 def test_a_run_reports_an_unfit_setting_once_and_records_it(tmp_path: Path) -> None:
     messages: list[str] = []
-    case = load_case("quickstart", [*TINY, "stages.collapse.max_time_factor=0.1", "material.friction_deg=0.5236"])
+    case = load_case("coarse-channel", [*TINY, "stages.collapse.max_time_factor=0.1", "material.friction_deg=0.5236"])
     results = mpmcol.run(case, tmp_path, notify=messages.append)
     (warning,) = (text for text in results.summary["warnings"] if text.startswith("material.friction_deg"))
     assert messages.count(f"note: {warning}") == 1

@@ -26,7 +26,7 @@ from mpmcol.simulation.run import start
 from mpmcol.simulation.stages import CHECKS_PER_FALL_TIME, Stages
 
 MODELS = {
-    "plane": ("quickstart", "grid.spacing=0.015"),
+    "plane": ("coarse-channel", "grid.spacing=0.015"),
     "softening": ("lube-channel-dense", "grid.spacing=0.015"),
     "axisymmetric": ("lube-cylinder", "grid.spacing=0.0194"),
     "quarter": ("lube-quarter", "grid.spacing=0.0194", "geometry.aspect=0.4"),
@@ -278,14 +278,14 @@ VALID = (
 def test_valid_runs_pass(overrides: tuple[str, ...], tmp_path: Path) -> None:
     """Including unfavourable choices of the method; the regression tests run the shipped cases."""
     case = mpmcol.load_case(
-        "quickstart", ["grid.spacing=0.015", "stages.collapse.max_time_factor=2", *OPTIONS[1:], *overrides]
+        "coarse-channel", ["grid.spacing=0.015", "stages.collapse.max_time_factor=2", *OPTIONS[1:], *overrides]
     )
     assert mpmcol.run(case, tmp_path / "run", threads=1).summary["status"] == "done"
 
 
 def test_a_run_that_ends_in_nan_has_a_result(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """With snapshots of the last valid state and of the failed one."""
-    case = mpmcol.load_case("quickstart", ["grid.spacing=0.015", "output.snapshots=1"])
+    case = mpmcol.load_case("coarse-channel", ["grid.spacing=0.015", "output.snapshots=1"])
     check_collapse = Stages._check_collapse
 
     def spoil(stages: Stages, lifting_time: float) -> None:

@@ -17,7 +17,7 @@ QUIET = StressQuality(2000.0, 0.02, 0.0, 0.8, 1.0, 0.1)
 
 
 def notes_of(folder: Path, *overrides: str) -> tuple[str, dict]:
-    case = mpmcol.load_case("quickstart", ["grid.spacing=0.01", "output.snapshots=1", *overrides])
+    case = mpmcol.load_case("coarse-channel", ["grid.spacing=0.01", "output.snapshots=1", *overrides])
     summary = mpmcol.run(case, folder, threads=1).summary
     return "\n".join(summary["warnings"]), summary
 

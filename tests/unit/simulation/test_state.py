@@ -30,7 +30,7 @@ FAILURE: dict[str, Any] = {
 
 
 def case() -> mpmcol.Case:
-    return mpmcol.load_case("quickstart", [*TINY, "stages.initial_stress=k0"])
+    return mpmcol.load_case("coarse-channel", [*TINY, "stages.initial_stress=k0"])
 
 
 def released(folder: Path, retry: bool = False) -> Simulation:

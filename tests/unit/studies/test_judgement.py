@@ -31,15 +31,15 @@ def lines(
 
 
 def test_a_result_agrees_within_scatter_and_the_error_of_the_grid() -> None:
-    runout, height, grid = lines("quickstart", 1.75, 0.9, error=0.0)
+    runout, height, grid = lines("coarse-channel", 1.75, 0.9, error=0.0)
     expected = (
         "runout 157.5 mm, zeta = 1.750: +9.4% against Lube et al. 2007 (1.600, scatter 10%), agrees within the scatter"
     )
     assert runout == expected
     assert height.endswith("Lube et al. 2007 (unverified) (1.000, scatter 5%), differs by more than the scatter")
     assert "0.0% in runout" in grid
-    assert lines("quickstart", 1.84, 0.9, error=0.12)[0].endswith("undecided within the error of the grid")
-    assert lines("quickstart", 1.84, 0.9, error=0.10)[0].endswith(
+    assert lines("coarse-channel", 1.84, 0.9, error=0.12)[0].endswith("undecided within the error of the grid")
+    assert lines("coarse-channel", 1.84, 0.9, error=0.10)[0].endswith(
         "differs by more than the scatter and the error of the grid"
     )
 
@@ -61,22 +61,22 @@ def test_a_result_agrees_within_scatter_and_the_error_of_the_grid() -> None:
     ],
 )
 def test_no_experiment_is_named_that_does_not_apply(overrides: tuple[str, ...], reason: str) -> None:
-    runout, height, why, grid = lines("quickstart", 1.0, 0.9, *overrides)
+    runout, height, why, grid = lines("coarse-channel", 1.0, 0.9, *overrides)
     assert "against" not in runout + height
     assert reason in why
     assert "not studied" in grid
 
 
 def test_a_column_that_still_moves_is_not_compared() -> None:
-    runout, height, why, _ = lines("quickstart", 1.6, 1.0, at_rest=False)
+    runout, height, why, _ = lines("coarse-channel", 1.6, 1.0, at_rest=False)
     assert "against" not in runout + height and why.startswith("the column still moved at the end")
 
 
 def test_another_experiment_with_a_similar_material_is_found() -> None:
-    runout, *_ = lines("quickstart", 1.2, 0.9, "material.friction_deg=24")
+    runout, *_ = lines("coarse-channel", 1.2, 0.9, "material.friction_deg=24")
     assert "Lajeunesse et al. 2005" in runout
 
 
 def test_lengths_have_a_unit_that_suits_them() -> None:
     size = ("geometry.radius=12", "grid.spacing=0.6", "geometry.base_thickness=2.4")
-    assert lines("quickstart", 1.5, 0.9, *size)[0].startswith("runout 18 m, ")
+    assert lines("coarse-channel", 1.5, 0.9, *size)[0].startswith("runout 18 m, ")

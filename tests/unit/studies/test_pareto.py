@@ -55,7 +55,7 @@ def scored(
 ) -> ScoredConfiguration:
     """A configuration without runs, with one failed run, or with some missing ones."""
     error = RelativeError(bias, 0.0, 2)
-    runs = (study_run("quickstart", 1.0, 0.01),) * (missing + bool(failed))
+    runs = (study_run("coarse-channel", 1.0, 0.01),) * (missing + bool(failed))
     errors = dict.fromkeys((ZETA, BETA, PROFILE), error)
     one = ScoredConfiguration(Configuration("low", variant, cells, runs), [], errors, [failed] * bool(failed))
     one.__dict__["cost"] = {"core_seconds": cost, "point_steps": cost}

@@ -153,14 +153,14 @@ def test_a_plan_can_be_applied(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("text", ["5", "nan", "-1%", "0", "five", "5 mm"])
 def test_an_accuracy_is_a_relative_error(text: str) -> None:
-    done = invoke("run", "quickstart", "--accuracy", text)
+    done = invoke("run", "coarse-channel", "--accuracy", text)
     assert done.exit_code == 2 and "for example 5% or 0.05" in done.output
 
 
 def test_certify_needs_accuracy() -> None:
-    done = invoke("run", "quickstart", "--certify")
+    done = invoke("run", "coarse-channel", "--certify")
     assert done.exit_code == 2 and "--certify requires --accuracy" in done.output
-    done = invoke("run", "quickstart", "--accuracy", "10%", "--certify", "--dry-run")
+    done = invoke("run", "coarse-channel", "--accuracy", "10%", "--certify", "--dry-run")
     assert done.exit_code == 2 and "--dry-run applies to a single run" in done.output
 
 

@@ -224,7 +224,7 @@ def test_the_folder_of_a_sweep_names_its_keys() -> None:
 def test_values_that_look_alike_in_a_name_have_different_folders() -> None:
     def name(times: str) -> str:
         overrides = [f"output.times={times}"]
-        return run_name("quickstart", load_case("quickstart", overrides), overrides)
+        return run_name("coarse-channel", load_case("coarse-channel", overrides), overrides)
 
     assert len({name("[0.1, 0.2]"), name("[0.1, 0.3]"), name("[0.1]")}) == 3
     assert name("[0.1,0.2]") == name("[0.1, 0.2]")
