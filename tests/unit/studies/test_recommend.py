@@ -69,12 +69,12 @@ def test_an_accuracy_is_proposed_only_if_the_study_permits_it() -> None:
 
 def test_differences_from_the_study_are_reported(tmp_path: Path) -> None:
     assert (
-        recommend.recommend("lube-cylinder", ("material.density=1600", "material.youngs_modulus=5e6"), 0.1).differences
+        recommend.recommend("cylinder", ("material.density=1600", "material.youngs_modulus=5e6"), 0.1).differences
         == []
     )
-    assert recommend.recommend("lube-quarter", (), 0.1).differences == []
+    assert recommend.recommend("quarter", (), 0.1).differences == []
     values = ("geometry.aspect=10", "material.friction_deg=15", "method.transfer=pic", "stages.collapse.damping=0.1")
-    found = recommend.recommend("lube-channel", values, 0.1)
+    found = recommend.recommend("channel", values, 0.1)
     assert list(found.differences) == [
         "a = 10, in the study 1 to 3",
         "friction = 15, in the study 22 to 42",
@@ -83,7 +83,7 @@ def test_differences_from_the_study_are_reported(tmp_path: Path) -> None:
     ]
     assert "note: these errors may not apply: a = 10" in str(found)
     assert 'material.law = "mohr-coulomb-softening", in the study' in str(
-        recommend.recommend("lube-channel-dense", (), 0.1)
+        recommend.recommend("channel-dense", (), 0.1)
     )
 
 
