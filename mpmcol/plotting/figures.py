@@ -19,6 +19,7 @@ from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator, StrMethodFor
 from mpmcol.io.atomic import atomic_write
 
 MOST_ENTRIES = 7  # of a legend; more lines are labelled beside their ends or grouped
+DPI = 150
 LABEL_SIZE = 8.3  # points
 RIGHT_EDGE = 0.7  # of the width of the axes: lines that end farther to the right are labelled beside the axes
 # Steps of the ticks of a logarithmic axis that covers at most so many decades.
@@ -78,7 +79,7 @@ def label_ends(axes: Axes, labels: Sequence[EndLabel]) -> None:
     if not labels:
         return
     figure: Any = axes.figure
-    figure.draw_without_rendering()  # for the size of the axes
+    _lay_out(figure)  # for the size of the axes
     height = axes.get_window_extent().height * 72.0 / figure.dpi
     points = axes.transData.transform([(label.x, label.y) for label in labels])
     x, y = axes.transAxes.inverted().transform(points).T
@@ -91,6 +92,11 @@ def label_ends(axes: Axes, labels: Sequence[EndLabel]) -> None:
             connector = _CONNECTOR | {"color": label.colour}
             place = {"xytext": (1.025, level), "textcoords": "axes fraction", "arrowprops": connector}
         axes.annotate(label.text, (label.x, label.y), color=label.colour, **text, **place)
+
+
+def _lay_out(figure: Any) -> None:
+    if engine := figure.get_layout_engine():
+        engine.execute(figure)
 
 
 def _apart(positions: np.ndarray, gap: float) -> np.ndarray:
@@ -117,11 +123,14 @@ def legend_below(figure: Figure, handles: Sequence[Any], labels: Sequence[str], 
 
 
 def save_figure(figure: Figure, path: Path, svg: bool) -> list[Path]:
-    """Write a PNG with 150 dpi and, if `svg`, an SVG beside it; raises OutputError."""
+    """Write a PNG with DPI pixels per inch and, if `svg`, an SVG beside it; raises OutputError."""
     FigureCanvasAgg(figure)
+    figure.dpi = DPI
+    _lay_out(figure)
+    figure.set_layout_engine("none")  # it would be executed again in each of several drawings
     paths = [path, path.with_suffix(".svg")] if svg else [path]
     for target in paths:
         data = io.BytesIO()
-        figure.savefig(data, format=target.suffix[1:], dpi=150, bbox_inches="tight")
+        figure.savefig(data, format=target.suffix[1:], dpi=DPI, bbox_inches="tight")
         atomic_write(target, data.getvalue())
     return paths

@@ -102,7 +102,10 @@ def test_long_texts_are_not_numbers(text: str) -> None:
             to_unit(text, "m")
 
     assert find_failure(convert) is None
-    given = (["sweep", "--aspect", f"{text}:2"], *(["run", "coarse-channel", option, text] for option in PARSED_OPTIONS))
+    given = (
+        ["sweep", "--aspect", f"{text}:2"],
+        *(["run", "coarse-channel", option, text] for option in PARSED_OPTIONS),
+    )
     for arguments in given:
         codes: list[int] = []
         assert find_failure(partial(_note_code, codes, arguments)) is None

@@ -47,7 +47,8 @@ def area_gain(opening_strain: bool) -> Observation:
 
 def largest_volume_ratio(opening_strain: bool, spacing: str) -> Observation:
     """Largest J in the collapse of a column with a = 1."""
-    found = collapsed("coarse-channel", f"grid.spacing={spacing}", f"method.opening_strain={str(opening_strain).lower()}")
+    opening = f"method.opening_strain={str(opening_strain).lower()}"
+    found = collapsed("coarse-channel", f"grid.spacing={spacing}", opening)
     return Observation(found.largest_J, f"zeta {found.zeta:.3f}")
 
 

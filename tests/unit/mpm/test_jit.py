@@ -146,7 +146,8 @@ def helped(tmp_path: Path) -> Callable[..., list[str]]:
     (tmp_path / "helped.py").write_text(HELPED)
 
     def printed(*lines: str, cache: Path = tmp_path / "cache") -> list[str]:
-        environment = os.environ | {"MPMCOL_CACHE_DIR": str(cache), "PYTHONPATH": str(tmp_path)}
+        folders = {"MPMCOL_CACHE_DIR": cache, "TMPDIR": tmp_path, "PYTHONPATH": tmp_path}
+        environment = os.environ | {name: str(folder) for name, folder in folders.items()}
         command = [sys.executable, str(tmp_path / "helped.py"), *lines]
         child = subprocess.run(command, env=environment, capture_output=True, text=True)
         assert child.returncode == 0, child.stderr

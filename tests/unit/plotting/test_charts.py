@@ -27,14 +27,23 @@ PNG = b"\x89PNG\r\n\x1a\n"
 
 @pytest.fixture
 def figures(monkeypatch: pytest.MonkeyPatch) -> list[Figure]:
+    """The figures that are made; no files are drawn."""
     drawn: list[Figure] = []
-    save = charts.save_figure
 
     def record(figure: Figure, path: Path, svg: bool) -> list[Path]:
         drawn.append(figure)
-        return save(figure, path, svg)
+        return [path]
 
     monkeypatch.setattr(charts, "save_figure", record)
+    return drawn
+
+
+@pytest.fixture
+def saved(monkeypatch: pytest.MonkeyPatch) -> list[Figure]:
+    """The figures that are made and drawn into files."""
+    drawn: list[Figure] = []
+    save = charts.save_figure
+    monkeypatch.setattr(charts, "save_figure", lambda figure, *rest: drawn.append(figure) or save(figure, *rest))
     return drawn
 
 
@@ -52,12 +61,12 @@ def line(figure: Figure, panel: int, label: str) -> tuple[np.ndarray, np.ndarray
     return np.asarray(found.get_xdata(), dtype=float), np.asarray(found.get_ydata(), dtype=float)
 
 
-def test_a_run_gives_three_charts_with_units_on_every_axis(run: SyntheticRun, figures: list[Figure]) -> None:
+def test_a_run_gives_three_charts_with_units_on_every_axis(run: SyntheticRun, saved: list[Figure]) -> None:
     paths = run_charts.chart_run(run)  # type: ignore[arg-type]
     assert [path.name for path in paths] == ["profile.png", "front.png", "energy.png"]
     assert all(path.read_bytes().startswith(PNG) for path in paths)
-    labels = [axes.get_ylabel() for figure in figures for axes in figure.axes]
-    labels += [figure.axes[-1].get_xlabel() for figure in figures]
+    labels = [axes.get_ylabel() for figure in saved for axes in figure.axes]
+    labels += [figure.axes[-1].get_xlabel() for figure in saved]
     assert all(any(unit in label for unit in ("(mm)", "(-)", "%")) for label in labels)
 
 
@@ -239,12 +248,12 @@ def test_a_missing_folder_is_an_output_error(tmp_path: Path) -> None:
         charts.profile_chart(tmp_path / "gone" / "p.png", SHAPE, [(0.3, deposit(1.5))], EXPERIMENTS["paper-plane"])
 
 
-def test_plot_command_prints_the_paths(run: SyntheticRun, figures: list[Figure]) -> None:
+def test_plot_command_prints_the_paths(run: SyntheticRun, saved: list[Figure]) -> None:
     result = invoke("plot", run.folder, "--times", "0.11", "--svg")
     paths = [Path(text) for text in result.output.split()]
     assert {path.suffix for path in paths} == {".png", ".svg"} and len(paths) == 6
     assert all(path.is_file() for path in paths)
-    times = [label for entry in figures[0].axes[0].lines if (label := str(entry.get_label())).startswith("$t$")]
+    times = [label for entry in saved[0].axes[0].lines if (label := str(entry.get_label())).startswith("$t$")]
     assert [label.split()[2] for label in times] == ["0.1", "0.3"]  # of the nearest snapshot, and the last
     assert times[-1].endswith(", deposit") and not times[0].endswith(", deposit")
     assert invoke("plot", run.folder, "--times", "soon").exit_code == 2

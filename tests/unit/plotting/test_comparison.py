@@ -35,6 +35,15 @@ class OtherRun(SyntheticRun):
 
 @pytest.fixture
 def figures(monkeypatch: pytest.MonkeyPatch) -> list[Figure]:
+    """The figures that are made; no files are drawn."""
+    drawn: list[Figure] = []
+    monkeypatch.setattr(comparison, "save_figure", lambda figure, path, svg: drawn.append(figure) or [path])
+    return drawn
+
+
+@pytest.fixture
+def saved(monkeypatch: pytest.MonkeyPatch) -> list[Figure]:
+    """The figures that are made and drawn into files."""
     drawn: list[Figure] = []
     save = comparison.save_figure
     monkeypatch.setattr(comparison, "save_figure", lambda figure, *rest: drawn.append(figure) or save(figure, *rest))
@@ -56,19 +65,19 @@ def legend(figure: Figure) -> list[str]:
     return [text.get_text() for text in figure.legends[0].get_texts()]
 
 
-def test_each_chart_has_a_line_for_each_run(tmp_path: Path, figures: list[Figure]) -> None:
+def test_each_chart_has_a_line_for_each_run(tmp_path: Path, saved: list[Figure]) -> None:
     runs = [run_in(tmp_path, "coarse"), run_in(tmp_path, "fine", "grid.spacing=0.003")]
     paths = chart_comparison(runs, out=tmp_path / "charts")
     assert [path.name for path in paths] == ["profile.png", "front.png", "energy.png"]
     assert all(path.stat().st_size > 5000 for path in paths)
-    for figure in figures:
+    for figure in saved:
         assert legend(figure)[:2] == ["spacing = 5 mm", "spacing = 3 mm"] and len(legend(figure)) <= 7
         for axes in figure.axes:
             own = [
                 line for line in axes.lines if line.get_color() in ("black", "#e69f00") and len(line.get_xdata()) > 9
             ]
             assert len(own) == 2 and len({str(line.get_linestyle()) for line in own}) == 2
-    assert "Lube et al. 2007: front, height (unverified), scatter" in legend(figures[0])
+    assert "Lube et al. 2007: front, height (unverified), scatter" in legend(saved[0])
 
 
 def test_runs_are_named_by_what_differs_or_by_their_folders(tmp_path: Path) -> None:
@@ -115,7 +124,7 @@ def test_runs_without_a_meaningful_comparison_are_refused(tmp_path: Path) -> Non
 
 
 def test_the_command_compares_into_the_current_folder(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, figures: list[Figure]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, saved: list[Figure]
 ) -> None:
     runs = {path: run_in(tmp_path, path) for path in ("a", "b")}
     monkeypatch.setattr("mpmcol.io.results.Results", lambda folder: runs[folder.name])

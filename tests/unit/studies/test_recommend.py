@@ -69,8 +69,7 @@ def test_an_accuracy_is_proposed_only_if_the_study_permits_it() -> None:
 
 def test_differences_from_the_study_are_reported(tmp_path: Path) -> None:
     assert (
-        recommend.recommend("cylinder", ("material.density=1600", "material.youngs_modulus=5e6"), 0.1).differences
-        == []
+        recommend.recommend("cylinder", ("material.density=1600", "material.youngs_modulus=5e6"), 0.1).differences == []
     )
     assert recommend.recommend("quarter", (), 0.1).differences == []
     values = ("geometry.aspect=10", "material.friction_deg=15", "method.transfer=pic", "stages.collapse.damping=0.1")
@@ -82,9 +81,7 @@ def test_differences_from_the_study_are_reported(tmp_path: Path) -> None:
         "stages.collapse.damping = 0.1, in the study 0.05",
     ]
     assert "note: these errors may not apply: a = 10" in str(found)
-    assert 'material.law = "mohr-coulomb-softening", in the study' in str(
-        recommend.recommend("channel-dense", (), 0.1)
-    )
+    assert 'material.law = "mohr-coulomb-softening", in the study' in str(recommend.recommend("channel-dense", (), 0.1))
 
 
 def test_a_quarter_becomes_axisymmetric_and_a_box_is_refused() -> None:
