@@ -32,7 +32,8 @@ from mpmcol.sweep.runs import PlannedRun
 POINTS_PER_CELL = 4  # of the study, where a variant does not set it
 COMPARED = ("method.", "time.", "stages.", "material.")  # tables in which a case is compared with those of the study
 # Values that the study varies, that follow from these, or that only scale the collapse of dry sand.
-NOT_COMPARED = {"material.friction_deg", "material.youngs_modulus", "stages.k0", "material.density"}
+NOT_COMPARED = ("material.friction_deg", "material.youngs_modulus", "stages.k0", "material.density")
+LOADING = "stages.equilibrate."
 
 
 @dataclass(frozen=True)
@@ -166,8 +167,13 @@ def differences_from_study(case: Case, variant: str, cases: Sequence[str]) -> li
 
 
 def _compared(case: Case) -> Mapping[str, Any]:
-    values = leaf_values(case)
-    return {key: value for key, value in values.items() if key.startswith(COMPARED) and key not in NOT_COMPARED}
+    # A column with assigned stress is in equilibrium from the start, without loading.
+    omitted = (*NOT_COMPARED, *((LOADING,) if case.stages.initial_stress == "k0" else ()))
+    return {
+        key: value
+        for key, value in leaf_values(case).items()
+        if key.startswith(COMPARED) and not key.startswith(omitted)
+    }
 
 
 def _outside_range(case: Case) -> Iterator[str]:

@@ -10,7 +10,7 @@ import pytest
 from mpmcol.case import load_case
 from mpmcol.studies import judgement
 from mpmcol.studies.pareto.score import BETA, ZETA
-from mpmcol.studies.pareto.studied import StudiedError
+from mpmcol.studies.pareto.studied import StudiedError, studied_error
 
 
 def lines(
@@ -80,3 +80,8 @@ def test_another_experiment_with_a_similar_material_is_found() -> None:
 def test_lengths_have_a_unit_that_suits_them() -> None:
     size = ("geometry.radius=12", "grid.spacing=0.6", "geometry.base_thickness=2.4")
     assert lines("coarse-channel", 1.5, 0.9, *size)[0].startswith("runout 18 m, ")
+
+
+def test_the_first_run_of_a_user_has_an_error_of_the_grid() -> None:
+    assert studied_error(load_case("quickstart"))
+    assert studied_error(load_case("quickstart", ["stages.initial_stress=gravity"])) is None
