@@ -6,11 +6,10 @@ import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mpmcol.api.accuracy import Recommendations
 from mpmcol.api.arguments import Notify, warn
 from mpmcol.case import Case, Problem, resolved_toml
 from mpmcol.errors import UsageError
@@ -22,6 +21,9 @@ from mpmcol.sweep.names import UNSAFE, sweep_name
 from mpmcol.sweep.report import write_report
 from mpmcol.sweep.runner import SweepObserver, run_sweep
 from mpmcol.sweep.runs import PlannedRun, no_configuration, notes, plan_runs
+
+if TYPE_CHECKING:
+    from mpmcol.api.accuracy import Recommendations
 
 Values = str | float | Sequence[str | float]  # one value, several, or a text such as "0.5:7"
 SHOWN = ("status", "a", "zeta.front_height", "beta", "at_rest", "seconds")  # columns of the table in a notebook
@@ -133,7 +135,7 @@ def planned_runs(
 
     Raises CaseError with all problems of all runs, after the given `problems`.
     """
-    recommendations = None if accuracy is None else Recommendations(source, accuracy)
+    recommendations = None if accuracy is None else _recommendations(source, accuracy)
     runs = plan_runs(source, axes, out, zipped, problems, recommendations or no_configuration)
     for line in [*(recommendations.lines() if recommendations else []), *(f"note: {note}" for note in notes(runs))]:
         notify(line)
@@ -163,3 +165,9 @@ def _source(case: Case | Path | str, folder: Path) -> Path | str:
     path = folder / "case.toml"
     path.write_text(resolved_toml(case), encoding="utf-8")
     return path
+
+
+def _recommendations(source: str | Path, accuracy: float) -> Recommendations:
+    from mpmcol.api.accuracy import Recommendations  # with the studies, which take longer to import than all else
+
+    return Recommendations(source, accuracy)

@@ -30,7 +30,7 @@ FORECAST_SCHEMA = 1
 
 
 @click.command()
-@click.argument("case", default="lube-cylinder")
+@click.argument("case", default="cylinder")
 @aspect_option
 @overrides_option
 @click.option("--zip", "zipped", is_flag=True, help="Combine the first values of all keys, then the second, and so on.")

@@ -1,6 +1,6 @@
 """Parameter sweeps: plan runs over the values of case keys, execute them, and report tables, fits and charts.
 
-    runs = plan_runs("lube-cylinder", [Axis("geometry.aspect", parse_values("0.5:7"))], Path("sweeps/cylinder"))
+    runs = plan_runs("cylinder", [Axis("geometry.aspect", parse_values("0.5:7"))], Path("sweeps/cylinder"))
     for outcome in execute_runs(runs):
         print(outcome.run.name, outcome.status)
 

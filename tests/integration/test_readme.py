@@ -109,7 +109,7 @@ def coarse(words: list[str]) -> list[str]:
         return [*words, *COARSE, *([] if "--out" in words else ["--out", f"runs/{Path(words[1]).stem}"])]
     words = [word.replace("0.5:7", "0.5:1") if words[0] == "sweep" else word for word in words]
     if words[0] == "sweep" and not {"--dry-run", "--engine"} & set(words):
-        return [*words, *COARSE, *([] if "--out" in words else ["--out", "sweeps/lube-cylinder"])]
+        return [*words, *COARSE, *([] if "--out" in words else ["--out", "sweeps/cylinder"])]
     return words
 
 
