@@ -69,6 +69,9 @@ class StudyDefinition(DefinitionTable):
             for case in content.cases or ():
                 if case not in self.cases:
                     raise ValueError(f"variants.{variant}: there is no case {case!r}")
+        for case in self.cases:
+            if missing := set(self.reference) - set(self.variants_of(case)):
+                raise ValueError(f"reference: the case {case!r} is not computed with {', '.join(sorted(missing))}")
         return self
 
     def cells_of(self, variant: str, case: str) -> Cells:

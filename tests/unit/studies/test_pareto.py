@@ -98,6 +98,9 @@ def write(folder: Path, old: str = "", new: str = "") -> Path:
     return path
 
 
+OTHER_CASE = "[cases.high]\nextends = 'cylinder'\naspect = 1\n[variants.plain]\ncases = ['low']"
+
+
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
@@ -105,6 +108,7 @@ def write(folder: Path, old: str = "", new: str = "") -> Path:
         ('baseline = "plain"', 'baseline = "none"', "there is no variant 'none'"),
         ('["plain", "nine"]', '["plain", "plain"]', "reference needs two different variants"),
         ("[variants.plain]", "[variants.plain]\ncases = ['high']", "variants.plain: there is no case 'high'"),
+        ("[variants.plain]", OTHER_CASE, "reference: the case 'high' is not computed with plain"),
         ("title =", "titel =", "titel: Extra inputs are not permitted"),
         ("schema = 1", "schema = ", "tiny.toml:2: not valid TOML: Invalid value"),
         ("cells = [5, 6, 7]", "cells = [5, 1e9]", "cells.1: Input should be less than or equal to 1000"),
