@@ -39,6 +39,7 @@ def render(
     run: Results | Path | str,
     *,
     gif: bool = False,
+    mp4: bool = False,
     view: str | None = None,
     color: str = "displacement",
     snapshot: int = -1,
@@ -50,7 +51,7 @@ def render(
 
     Args:
         run: the results of a run, or their folder.
-        gif: also write an animation of all snapshots.
+        gif, mp4: also write an animation of all snapshots in this format; MP4 requires imageio-ffmpeg.
         view: "side", "3d" or "top", if the model of the run has it (default: "side" in 2D, "3d" in 3D).
         color: "displacement", "velocity", "pressure" or "shear".
         snapshot: index of the snapshot; -1 is the last.
@@ -63,7 +64,9 @@ def render(
         OutputError: a file cannot be read or written.
     """
     target = None if out is None else Path(out)
-    drawn = draw(as_results(run).folder, gif=gif, view=view, color=color, snapshot=snapshot, size=size, out=target)
+    drawn = draw(
+        as_results(run).folder, gif=gif, mp4=mp4, view=view, color=color, snapshot=snapshot, size=size, out=target
+    )
     if drawn.note:
         notify(f"{NOTE}{drawn.note.removeprefix(NOTE)}")
     return drawn.paths

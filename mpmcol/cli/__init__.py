@@ -91,7 +91,6 @@ class Commands(click.Group):
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
         """Suggest the nearest command for an unknown name; click knows only those already imported."""
-
         near = difflib.get_close_matches(args[0], COMMANDS, 1)
         if near and args[0] not in COMMANDS and not ctx.resilient_parsing:
             ctx.fail(f'No such command "{args[0]}". Did you mean "{near[0]}"?')

@@ -25,3 +25,12 @@ def report(folders: tuple[Path, ...], out: Path | None, overwrite: bool) -> None
     from mpmcol.report import write_report
 
     click.echo(write_report(folders, out=out, overwrite=overwrite))
+
+
+def report_at_end(folder: Path, *, overwrite: bool, quiet: bool) -> None:
+    """Write the report of a run or a sweep that this command has completed."""
+    from mpmcol.report import write_report
+
+    path = write_report([folder], overwrite=overwrite)
+    if not quiet:
+        click.echo(f"report in {path}", err=True)

@@ -29,6 +29,7 @@ from mpmcol.cli.options import (
     threads_option,
     with_aspect,
 )
+from mpmcol.cli.report import report_at_end
 from mpmcol.errors import Interrupted, NumericalFailure
 
 SINGLE_RUN_OPTIONS = (
@@ -150,15 +151,7 @@ def run(
         click.echo(summary_table(results))
         click.echo(f"results in {shown}; next: mpmcol plot {shown}, mpmcol render {shown}")
     if report:
-        _write_report(folder, fresh, quiet)
-
-
-def _write_report(folder: Path, fresh: bool, quiet: bool) -> None:
-    from mpmcol.report import write_report
-
-    path = write_report([folder], overwrite=fresh)
-    if not quiet:
-        click.echo(f"report in {path}", err=True)
+        report_at_end(folder, overwrite=fresh, quiet=quiet)
 
 
 def _check_certify(accuracy: float | None) -> None:

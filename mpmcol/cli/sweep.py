@@ -22,6 +22,7 @@ from mpmcol.cli.options import (
     report_option,
     threads_option,
 )
+from mpmcol.cli.report import report_at_end
 
 if TYPE_CHECKING:
     from mpmcol.sweep.runs import PlannedRun
@@ -100,7 +101,7 @@ def sweep(
             runs, folder, jobs=jobs, threads=threads, scheduler=scheduler, fresh=fresh, to_json=to_json, quiet=quiet
         )
         if report:
-            _write_report(folder, quiet)
+            report_at_end(folder, overwrite=fresh, quiet=quiet)
         click.get_current_context().exit(code)
 
 
@@ -145,14 +146,6 @@ def _execute(
     else:
         click.echo("\n".join(summary_lines(report)))
     return exit_code(outcomes)
-
-
-def _write_report(folder: Path, quiet: bool) -> None:
-    from mpmcol.report import write_report
-
-    path = write_report([folder])
-    if not quiet:
-        click.echo(f"report in {path}", err=True)
 
 
 def _print_forecast(

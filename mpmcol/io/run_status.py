@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -45,8 +46,12 @@ class RunStatus:
     @property
     def seconds(self) -> float:
         """Wall-clock time of the run without compilation, s."""
-        wall = self.result.get("wall_s", {}) if self.result else {}
-        return float(sum(value for name, value in wall.items() if name != "compile"))
+        return run_seconds(self.result or {})
+
+
+def run_seconds(result: Mapping[str, Any]) -> float:
+    """Wall-clock time of a run without compilation, s, from its result.json."""
+    return float(sum(value for name, value in result.get("wall_s", {}).items() if name != "compile"))
 
 
 def read_status(folder: Path) -> RunStatus:

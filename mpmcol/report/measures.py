@@ -9,6 +9,7 @@ from typing import Any
 
 from mpmcol.experiments import EXPERIMENTS, mark
 from mpmcol.io.results import Results
+from mpmcol.io.run_status import run_seconds
 from mpmcol.report.model import Figure, Table
 from mpmcol.units import length_text
 
@@ -129,11 +130,6 @@ def _law_rows(scores: Sequence[Mapping[str, Any]]) -> Iterator[Sequence[str]]:
                 f"{experiment.citation}{mark(one['verified'])}", experiment.material, one["quantity"],
                 f"{one['expected']:.3f}", f"{one['value']:.3f}", difference, f"{one['scatter']:.0%}",
             )  # fmt: skip
-
-
-def run_seconds(summary: Mapping[str, Any]) -> float:
-    """Wall-clock time of a run without compilation, s."""
-    return float(sum(seconds for part, seconds in summary["wall_s"].items() if part != "compile"))
 
 
 def _runout(name: str, summary: Mapping[str, Any], r_i: float, range_label: str) -> Measure:

@@ -22,6 +22,7 @@ from mpmcol.measure import FRONTS, ColumnShape, Measurement, measure
 from mpmcol.plotting import charts
 from mpmcol.plotting.run_charts import chart_run
 from tests.support.cli import csv_row
+from tests.support.figures import recorded_figures
 
 QUARTER = ColumnShape("quarter", "one-sided", r_i=0.1, h_i=0.09, spacing=0.005, density=2650.0, point_size=0.0025)
 BOX = replace(QUARTER, section="box")
@@ -65,10 +66,7 @@ def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
 
 @pytest.fixture
 def figures(monkeypatch: pytest.MonkeyPatch) -> list[Figure]:
-    drawn: list[Figure] = []
-    save = charts.save_figure
-    monkeypatch.setattr(charts, "save_figure", lambda figure, *rest: drawn.append(figure) or save(figure, *rest))
-    return drawn
+    return recorded_figures(monkeypatch, charts, saved=True)
 
 
 def invoke(run: SimpleNamespace, *options: str) -> str:

@@ -21,7 +21,7 @@ from mpmcol.sweep.task import TaskResult
 from tests.support.runs import TINY
 
 ROOT = Path(mpmcol.__file__).parents[1]
-FUNCTIONS = ("load_case", "measure", "plot", "render", "run", "sweep")
+FUNCTIONS = ("load_case", "measure", "plot", "render", "report", "run", "sweep")
 
 
 def test_dir_lists_what_there_is() -> None:
@@ -74,6 +74,13 @@ def test_measure_and_plot_take_results_or_a_folder(finished: Path, tmp_path: Pat
     assert by_folder.measurement.zeta == by_results.measurement.zeta and by_folder.scores
     (path, *_) = mpmcol.plot(finished, times=[], out=tmp_path / "charts")
     assert path.parent == tmp_path / "charts" and path.exists()
+
+
+def test_a_report_takes_results_and_folders(finished: Path, tmp_path: Path) -> None:
+    path = mpmcol.report(mpmcol.Results(finished), out=tmp_path / "one.html")
+    assert path.read_text().count("Judgement") > 0
+    with pytest.raises(UsageError, match="given twice"):
+        mpmcol.report(finished, str(finished), out=tmp_path / "two.html")
 
 
 def test_a_finished_run_is_returned(finished: Path) -> None:

@@ -20,6 +20,7 @@ from mpmcol.plotting import charts, profiles, run_charts
 from mpmcol.plotting.figures import MOST_ENTRIES
 from mpmcol.plotting.styles import EXPERIMENT_STYLES, POINTS_COLOUR, RUN_COLOURS
 from tests.support.cli import csv_row, invoke
+from tests.support.figures import recorded_figures
 from tests.support.synthetic_run import SHAPE, SyntheticRun, deposit
 
 PNG = b"\x89PNG\r\n\x1a\n"
@@ -28,23 +29,13 @@ PNG = b"\x89PNG\r\n\x1a\n"
 @pytest.fixture
 def figures(monkeypatch: pytest.MonkeyPatch) -> list[Figure]:
     """The figures that are made; no files are drawn."""
-    drawn: list[Figure] = []
-
-    def record(figure: Figure, path: Path, svg: bool) -> list[Path]:
-        drawn.append(figure)
-        return [path]
-
-    monkeypatch.setattr(charts, "save_figure", record)
-    return drawn
+    return recorded_figures(monkeypatch, charts, saved=False)
 
 
 @pytest.fixture
 def saved(monkeypatch: pytest.MonkeyPatch) -> list[Figure]:
     """The figures that are made and drawn into files."""
-    drawn: list[Figure] = []
-    save = charts.save_figure
-    monkeypatch.setattr(charts, "save_figure", lambda figure, *rest: drawn.append(figure) or save(figure, *rest))
-    return drawn
+    return recorded_figures(monkeypatch, charts, saved=True)
 
 
 @pytest.fixture

@@ -19,6 +19,7 @@ from mpmcol.plotting.captions import run_names
 from mpmcol.plotting.comparison import MOST_RUNS, chart_comparison
 from mpmcol.plotting.measured_series import EXPECTED, MOST_SERIES, read_points
 from tests.support.cli import invoke
+from tests.support.figures import recorded_figures
 from tests.support.synthetic_run import SHAPE, SyntheticRun
 
 
@@ -36,18 +37,13 @@ class OtherRun(SyntheticRun):
 @pytest.fixture
 def figures(monkeypatch: pytest.MonkeyPatch) -> list[Figure]:
     """The figures that are made; no files are drawn."""
-    drawn: list[Figure] = []
-    monkeypatch.setattr(comparison, "save_figure", lambda figure, path, svg: drawn.append(figure) or [path])
-    return drawn
+    return recorded_figures(monkeypatch, comparison, saved=False)
 
 
 @pytest.fixture
 def saved(monkeypatch: pytest.MonkeyPatch) -> list[Figure]:
     """The figures that are made and drawn into files."""
-    drawn: list[Figure] = []
-    save = comparison.save_figure
-    monkeypatch.setattr(comparison, "save_figure", lambda figure, *rest: drawn.append(figure) or save(figure, *rest))
-    return drawn
+    return recorded_figures(monkeypatch, comparison, saved=True)
 
 
 def run_in(folder: Path, name: str, *replaced: str, shape: ColumnShape = SHAPE) -> OtherRun:
