@@ -23,8 +23,8 @@ from mpmcol.mpm.lanes import RECORD_SIZE
 def sort_compiled_meanwhile() -> Iterator[None]:
     """Compile the sort in a second process during the block, if it is not in the disk cache; wait for it at the end.
 
-    It saves a quarter of the time of compilation. Where no process can be started, or with one core, nothing is done, and
-    the sort is compiled when it is called.
+    It saves a quarter of the time of compilation. Where no process can be started, or with one core, nothing is done,
+    and the sort is compiled when it is called.
     """
     with contextlib.ExitStack() as stack:
         if not JIT_DISABLED and not is_sort_cached() and (os.cpu_count() or 1) > 1:
