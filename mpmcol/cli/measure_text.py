@@ -6,10 +6,12 @@ from itertools import groupby
 from typing import TYPE_CHECKING
 
 from mpmcol.experiments import EXPERIMENTS
+from mpmcol.units import length_scale, length_text
 
 if TYPE_CHECKING:
     from mpmcol.api.measured import Measured
     from mpmcol.experiments import ProfileScore, Score
+    from mpmcol.measure import ColumnShape
 
 WIDTH = max(len(experiment.citation) for experiment in EXPERIMENTS.values())
 
@@ -31,13 +33,13 @@ def _deposit_lines(measured: Measured) -> list[str]:
     undisturbed, angle, energy = measurement.undisturbed_radius, measurement.repose_angle_deg, measured.energy_released
     kind = shape.release if shape.dimension == 2 else shape.section
     return [
-        f"{shape.model}, {kind}, a = {shape.a:.3g}, r_i = {1e3 * shape.r_i:.4g} mm",
+        f"{shape.model}, {kind}, a = {shape.a:.3g}, r_i = {length_text(shape.r_i)}",
         *(_front_line(name, measured) for name in measurement.front),
         f"{'spread of zeta':<20} {measurement.spread:9.3f}",
-        f"{'height':<20} {1e3 * measurement.height:9.1f} mm   beta {measurement.beta:7.3f}",
+        f"{'height':<20} {_length(measurement.height, shape)}   beta {measurement.beta:7.3f}",
         f"{'area factor':<20} {measurement.area_factor:9.3f}",
         *([] if angle is None else [f"{'angle of repose':<20} {angle:9.1f} deg"]),
-        f"{'undisturbed radius':<20} " + ("none" if undisturbed is None else f"{1e3 * undisturbed:9.1f} mm"),
+        f"{'undisturbed radius':<20} " + ("none" if undisturbed is None else _length(undisturbed, shape)),
         *([] if stop is None else [f"{'front stops at':<20} {stop:9.2f} sqrt(h_i/g)"]),
         *([] if energy is None else [f"{'energy released':<20} {energy:9.3g} {measured.energy_unit}"]),
     ]
@@ -45,11 +47,17 @@ def _deposit_lines(measured: Measured) -> list[str]:
 
 def _front_line(name: str, measured: Measured) -> str:
     measurement = measured.measurement
-    line = f"{name:<20} {1e3 * measurement.front[name]:9.1f} mm   zeta {measurement.zeta[name]:7.3f}"
+    line = f"{name:<20} {_length(measurement.front[name], measured.shape)}   zeta {measurement.zeta[name]:7.3f}"
     if measurement.zeta_range is None:
         return line
     low, high = measurement.zeta_range[name]
     return f"{line}   {low:.3f} to {high:.3f} {measured.shape.range_label}"
+
+
+def _length(metres: float, shape: ColumnShape) -> str:
+    """A length in the unit that suits the column, in a column of the table."""
+    unit, factor = length_scale(max(shape.r_i, shape.h_i))
+    return f"{factor * metres:9.{1 if unit == 'mm' else 3}f} {unit:<2}"
 
 
 def _heading(measured: Measured) -> str:

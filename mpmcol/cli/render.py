@@ -50,7 +50,7 @@ def render(
     """Draw the material points of a run.
 
     DIR is a results folder. Pressure and shear stress are those of the mean stress of a cell. In the top view of a
-    cylinder (--view top), points that moved by at least 1 mm since the release are red.
+    cylinder (--view top), points that moved by r_i/100 or more since the release are red.
     """
     from mpmcol.plotting.render import render as draw
 

@@ -8,6 +8,7 @@ from typing import Any
 from mpmcol.experiments import find_experiment, mark
 from mpmcol.io.results import Results
 from mpmcol.studies.judgement import judge
+from mpmcol.units import length_scale
 
 FRONT_TEXT = {
     "front_max": "farthest point",
@@ -29,22 +30,23 @@ def _measured(results: Results) -> Iterator[str]:
         for score in summary["errors"]
         if score["experiment"] == experiment.name
     }
-    yield f"{'':48s}{'m':>8s}{'':>8s}   relative to {experiment.citation}"
+    unit, factor = length_scale(max(shape.r_i, shape.h_i))
+    yield f"{'':48s}{unit:>8s}{'':>8s}   relative to {experiment.citation}"
     for name, front in summary["front"].items():
         comparison = _comparison(errors.get(("zeta", name)))
         zeta, label = summary["zeta"][name], f"zeta, {name} ({FRONT_TEXT[name]})"
         if isinstance(zeta, dict):
-            yield _line(label, f"{front['mean']:.4f}", zeta["mean"], comparison)
+            yield _line(label, f"{factor * front['mean']:.4g}", zeta["mean"], comparison)
             yield f"{'':64s}   {zeta['min']:.3f} to {zeta['max']:.3f} {shape.range_label}"
         else:
-            yield _line(label, f"{front:.4f}", zeta, comparison)
+            yield _line(label, f"{factor * front:.4g}", zeta, comparison)
     yield _line("spread of zeta (uncertainty of the front)", "", summary["spread"], "")
     comparison = _comparison(errors.get(("beta", "")))
-    yield _line("beta, height at the wall or axis", f"{summary['height']:.4f}", summary["beta"], comparison)
+    yield _line("beta, height at the wall or axis", f"{factor * summary['height']:.4g}", summary["beta"], comparison)
 
 
-def _line(label: str, metres: str, value: float, comparison: str) -> str:
-    return f"{label:48s}{metres:>8s}{value:8.3f}   {comparison}".rstrip()
+def _line(label: str, length: str, value: float, comparison: str) -> str:
+    return f"{label:48s}{length:>8s}{value:8.3f}   {comparison}".rstrip()
 
 
 def _comparison(score: dict[str, Any] | None) -> str:

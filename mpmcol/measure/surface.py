@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 from mpmcol.measure.sections import Array, column_index, locate
 from mpmcol.measure.shape import ColumnShape
 
-UNDISTURBED = 1e-3  # limit of the displacement of undisturbed points, m (Figure 9 of the paper)
+UNDISTURBED = 0.01  # limit of the displacement of undisturbed points over r_i: 1 mm in Figure 9 of the paper
 
 
 def undisturbed_radius(x: Array, displacement: Array, shape: ColumnShape) -> float:
-    """Radius within which no point of the top surface has moved by 1 mm or more since release, m; 0 if there is none.
+    """Radius within which no point of the top surface has moved by r_i/100 or more since release, m; 0 if none.
 
     It lies half-way between the last undisturbed point and the first that moved. The top surface consists of the
     topmost points of the vertical columns as released; for a box, those of its section.
@@ -22,7 +22,7 @@ def undisturbed_radius(x: Array, displacement: Array, shape: ColumnShape) -> flo
     distance, number = locate(released[top], shape)
     order = np.argsort(distance[number >= 0], kind="stable")
     top, distance = top[number >= 0][order], distance[number >= 0][order]
-    moved = np.linalg.norm(displacement[top], axis=1) >= UNDISTURBED
+    moved = np.linalg.norm(displacement[top], axis=1) >= UNDISTURBED * shape.r_i
     still = int(np.argmax(moved)) if moved.any() else len(top)
     if still == 0:
         return 0.0

@@ -29,11 +29,6 @@ from mpmcol.units import length_scale, length_text
 
 PAGE = (1280, 720)  # pixels; the layout has this aspect ratio, other sizes get a white border
 MOVED_COLOR, UNDISTURBED_COLOR = "#c23b2e", "#ead7a0"
-SURFACES = {
-    f"moved by {1e3 * UNDISTURBED:g} mm or more": MOVED_COLOR,
-    f"moved by less than {1e3 * UNDISTURBED:g} mm": UNDISTURBED_COLOR,
-    "base": BASE_COLOR,
-}
 LINE: dict[str, Any] = {"color": "black", "linewidth": 1.6}
 PLACE = (0.1375, 0.1, 0.5, 0.75)  # of the axes: whole pixels, so that the picture is symmetric
 PIXELS = 500  # across the picture of the surface
@@ -62,7 +57,10 @@ def draw_top_view(snapshot: Snapshot, meta: Meta, size: tuple[int, int], undistu
     axes.set_xlabel(f"z ({unit})", size=SMALL_SIZE)
     axes.set_ylabel(f"x ({unit})", size=SMALL_SIZE)
     axes.tick_params(labelsize=SMALL_SIZE)
-    patches = [Patch(facecolor=color, edgecolor="0.3", label=label) for label, color in SURFACES.items()]
+    limit = length_text(UNDISTURBED * float(meta["r_i"]))
+    surfaces = {f"moved by {limit} or more": MOVED_COLOR, f"moved by less than {limit}": UNDISTURBED_COLOR}
+    surfaces["base"] = BASE_COLOR
+    patches = [Patch(facecolor=color, edgecolor="0.3", label=label) for label, color in surfaces.items()]
     beside: dict[str, Any] = {"loc": "center left", "bbox_to_anchor": (0.66, 0.5)}
     figure.legend(handles=[*patches, *axes.lines], frameon=False, fontsize=TEXT_SIZE, **beside)
     add_title(figure, meta, "")
@@ -74,7 +72,8 @@ def draw_top_view(snapshot: Snapshot, meta: Meta, size: tuple[int, int], undistu
 def _surface(snapshot: Snapshot, meta: Meta) -> tuple[np.ndarray, np.ndarray]:
     """Column points (m, 3) visible from above, and whether (m,) each has moved."""
     column = snapshot.column
-    x, moved = snapshot.arrays["position"][column], snapshot.displacement_magnitude[column] >= UNDISTURBED
+    x, limit = snapshot.arrays["position"][column], UNDISTURBED * float(meta["r_i"])
+    moved = snapshot.displacement_magnitude[column] >= limit
     seen = visible(x @ TOP.T, float(meta["point_size"]))
     x, index = complete_by_symmetry(x[seen], str(meta["model"]))
     return x, moved[seen][index]

@@ -179,10 +179,10 @@ def test_positions_with_three_components_are_accepted() -> None:
     assert measure(deep, masses(points, PLANE), None, PLANE).zeta == measured(points).zeta
 
 
-def test_the_undisturbed_radius_ends_where_the_top_surface_has_moved_by_a_millimetre() -> None:
+def test_the_undisturbed_radius_ends_where_the_top_surface_has_moved_by_a_hundredth_of_r_i() -> None:
     points = rectangle()
     displacement = np.zeros_like(points)
-    displacement[points[:, 0] > 0.05, 0] = 0.0011
+    displacement[points[:, 0] > 0.05, 0] = 0.011 * PLANE.r_i
     assert undisturbed_radius(points + displacement, displacement, PLANE) == pytest.approx(0.05)
     assert undisturbed_radius(points + 0.9 * displacement, 0.9 * displacement, PLANE) == pytest.approx(0.09)
 

@@ -22,7 +22,7 @@ def test_the_undisturbed_radius_is_that_of_the_displacement_field_in_every_model
         points = np.unique(cylinder() * (1.0, 1.0, 0.0), axis=0)[:, :2]
     distance = np.hypot(points[:, 0], points[:, 2] if shape.dimension == 3 else 0.0)
     displacement = np.zeros_like(points)
-    displacement[distance > radius, 1] = -0.0011
+    displacement[distance > radius, 1] = -0.011 * shape.r_i
     found = undisturbed_radius(points + displacement, displacement, shape)
     assert found == pytest.approx(radius, abs=1e-9 if shape is ROUND else 0.1 * S)
     still = undisturbed_radius(points + 0.9 * displacement, 0.9 * displacement, shape)

@@ -245,12 +245,12 @@ def test_top_view_shows_the_complete_circle(tmp_path: Path, model: str):
         assert (is_color(turned, MOVED_COLOR) != moved).mean() < 0.03
 
 
-@pytest.mark.parametrize(("millimetres", "color"), [(0.9, UNDISTURBED_COLOR), (1.1, MOVED_COLOR)])
-def test_top_view_marks_displacements_of_1_mm(tmp_path: Path, millimetres: float, color: str):
+@pytest.mark.parametrize(("percent", "color"), [(0.9, UNDISTURBED_COLOR), (1.1, MOVED_COLOR)])
+def test_top_view_marks_displacements_of_a_hundredth_of_the_radius(tmp_path: Path, percent: float, color: str):
     points = lattice(0, R, 0, H, flat=False)
     arrays: dict[str, np.ndarray] = {
         "position": points,
-        "displacement": np.full_like(points, millimetres / 1000 / np.sqrt(3)),
+        "displacement": np.full_like(points, percent / 100 * R / np.sqrt(3)),
         "material": np.zeros(len(points), np.uint8),
         "id": np.arange(len(points)),
     }
@@ -268,7 +268,7 @@ def test_circles_of_the_top_view(quarter: Path):
             assert np.hypot(*line.get_data()) == pytest.approx(1000 * radius)
     labels = [text.get_text() for text in top_axes(quarter, 0.0213)[1].legends[0].get_texts()]
     assert labels[-2:] == ["column at release, $r_i$ = 50 mm", "undisturbed radius, 21.3 mm"]
-    assert labels[0] == "moved by 1 mm or more"
+    assert labels[0] == "moved by 0.5 mm or more"
 
 
 def test_axes_and_legend_of_the_top_view_fit_the_page(quarter: Path):
