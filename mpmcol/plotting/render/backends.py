@@ -1,7 +1,7 @@
 """Back ends that draw the material points: pyvista in a child process, or Matplotlib.
 
 VTK terminates the process if OpenGL does not work, hence the child process. Matplotlib draws the points if the child
-fails or libEGL is missing, and always adds the surroundings (axes or scale bar, colour bar, heading).
+fails or libEGL is missing, and always adds the surroundings (axes, colour bar, heading).
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """Cutaway view of a 3D model: the heap from an elevated viewpoint, with the quarter toward the viewer removed.
 
 A quarter model is first completed by symmetry. The image then shows the whole heap, as experiments do, and on the two
-cut faces the vertical section, with the undisturbed core. The projection is parallel, so that the scale bar holds for
-horizontal lengths across the image.
+cut faces the vertical section, with the undisturbed core. The x and z axes lie along the cut edges of the base.
 """
 
 from __future__ import annotations
@@ -10,11 +9,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 from matplotlib.patches import Polygon
+from matplotlib.ticker import MaxNLocator
 
 from mpmcol.io.snapshot import Snapshot
 from mpmcol.plotting.render.coloring import Coloring
@@ -23,17 +24,19 @@ from mpmcol.plotting.render.frame import (
     RELEASED,
     SMALL_SIZE,
     View,
-    add_scale_bar,
     canvas_size,
     fit,
     read_for_rendering,
     released_outline,
 )
 from mpmcol.plotting.render.projection import circle, complete_by_symmetry, view_projection, visible
+from mpmcol.units import length_scale
 
 VIEWER = view_projection(azimuth=35.0, elevation=28.0)
 CUT_SHADES = (0.8, 0.65)  # brightness of the cut faces x = 0 and z = 0, relative to the surface
+TICK = {"arrowstyle": "-", "linewidth": 0.8, "shrinkA": 0, "shrinkB": 0}
 SIDE_SHADE = 0.9  # of the rim of the base
+AXES = {"x": np.array([1.0, 0.0, 0.0]), "z": np.array([0.0, 0.0, 1.0])}  # along the cut edges of the base
 BASE_MARGIN = 1.12  # radius of the base shown over the radius of the heap
 
 
@@ -72,13 +75,14 @@ class CutawayView(View):
             axes.add_patch(Polygon(corners @ VIEWER[:2].T, facecolor=color, linewidth=0))
 
     def draw_before(self, axes: Axes) -> None:
-        """Draw the outline of the column at release, where the gate is, and a scale bar."""
+        """Draw the outline of the column at release, where the gate is, and the x and z axes."""
         axes.plot(*self.released.T, **RELEASED)
         top = self.released[np.argmax(self.released[:, 1])]
         axes.annotate(
             "gate", top, (0, 3), textcoords="offset points", ha="center", va="bottom", size=SMALL_SIZE, color="0.35"
         )
-        add_scale_bar(axes, self.extent)
+        for name, direction in AXES.items():
+            _draw_axis(axes, name, direction, self.base_radius, self.base)
 
 
 def fit_view(paths: Sequence[Path], size: tuple[int, int], coloring: Coloring) -> CutawayView:
@@ -113,6 +117,19 @@ def _base_faces(radius: float, depth: float) -> Iterator[tuple[np.ndarray, float
         for i, shade in ((0, CUT_SHADES[0]), (-1, CUT_SHADES[1])):
             yield np.array([axis, rim[i], rim[i] + down, axis + down]), shade
     yield np.concatenate([rim, [axis]]), 1.0
+
+
+def _draw_axis(axes: Axes, name: str, direction: np.ndarray, radius: float, depth: float) -> None:
+    """Draw ticks from the axis of the heap to the radius of the base, below its lower cut edge."""
+    unit, factor = length_scale(radius)
+    origin, along = VIEWER[:2] @ np.array([0.0, -depth, 0.0]), VIEWER[:2] @ direction
+    below: dict[str, Any] = {"textcoords": "offset points", "ha": "center", "va": "top", "size": SMALL_SIZE}
+    for tick in MaxNLocator(4).tick_values(0.0, factor * radius)[1:]:
+        if tick < 0.96 * factor * radius:
+            place = origin + tick / factor * along
+            axes.annotate("", place, (0, -9), textcoords="offset points", arrowprops=TICK)
+            axes.annotate(f"{tick:g}", place, (0, -11), **below)
+    axes.annotate(f"{name} ({unit})", origin + radius * along, (0, -10), **below)
 
 
 def _behind_cut(x: np.ndarray) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Page with one snapshot: the material points in a view, with axes or scale bar, colour bar, title and time."""
+"""Page with one snapshot: the material points in a view, with axes, colour bar, title and time."""
 
 from __future__ import annotations
 
@@ -195,20 +195,6 @@ def add_time(page: Image.Image, snapshot: Snapshot) -> None:
     font = ImageFont.truetype(findfont("DejaVu Sans"), TITLE_SIZE / 72 * height / 7.2)
     place = (0.97 * width, 0.35 * HEAD * height)
     ImageDraw.Draw(page).text(place, f"{stage}t = {snapshot.time:.3f} s", fill="black", font=font, anchor="rm")
-
-
-def add_scale_bar(axes: Axes, extent: Extent) -> None:
-    """Add a bar of 1, 2 or 5 times a power of ten mm, at most a sixth of the width, in the lower left corner."""
-    left, right, bottom, top = extent
-    width = 1000 * (right - left)
-    power = 10 ** np.floor(np.log10(width / 6))
-    length = max(step * power for step in (1, 2, 5) if step * power <= width / 6)
-    y = bottom + 0.02 * (top - bottom)
-    axes.plot([left, left + length / 1000], [y, y], color="black", linewidth=4, solid_capstyle="butt", clip_on=False)
-    text = f"{length:g} mm" if length < 1000 else f"{length / 1000:g} m"
-    axes.annotate(
-        text, (left + length / 2000, y), (0, -6), textcoords="offset points", ha="center", va="top", size=TEXT_SIZE
-    )
 
 
 def _add_color_bar(figure: Figure, view: View) -> None:

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
+from matplotlib.text import Annotation
 from PIL import Image
 from PIL.ImageSequence import Iterator
 
@@ -190,6 +191,19 @@ def test_a_quarter_is_drawn_like_the_full_model(quarter: Path, tmp_path: Path, b
     full = drawn(fabricate(tmp_path / "run", "full"), tmp_path / "a.png")
     heading = canvas_box(SIZE)[1]
     assert np.array_equal(full[heading:], drawn(quarter, tmp_path / "b.png")[heading:])
+
+
+def test_ticks_of_the_cut_edges_are_at_their_distance_from_the_axis(quarter: Path):
+    view = cutaway.fit_view(list_snapshots(quarter)[-1:], SIZE, DISPLACEMENT)
+    axes = Figure().add_subplot()
+    view.draw_before(axes)
+    labels = [
+        text for text in axes.texts if isinstance(text, Annotation) and text.get_text() in ("50", "x (mm)", "z (mm)")
+    ]
+    expected = [(0.05, 0.0), (view.base_radius, 0.0), (0.0, 0.05), (0.0, view.base_radius)]
+    assert [text.get_text() for text in labels] == ["50", "x (mm)", "50", "z (mm)"]
+    for text, (x, z) in zip(labels, expected, strict=True):
+        assert text.xy == pytest.approx(cutaway.VIEWER[:2] @ (x, -view.base, z))
 
 
 def test_note_states_mirroring_and_cut(quarter: Path):
