@@ -33,7 +33,7 @@ NUMBERS = (
     "0", "-1", "1", "3", "2.5", "1e400", "nan", "-inf", "9" * 30, "9" * 5000, "1," + "9" * 5000, "1,,2", "1,x", "٣",
     "5%", "-5%", "120%", "1e-400%", "5min", "0s", "1.5 fortnights", "9" * 400 + "d", "1280x720", "0x0",
     "9" * 5000 + "x300", "0.5:7", "0.5:7/14", "7:0.5", "1:2:0", "0:1e-300:1e-308", "0.5:7/" + "9" * 5000,
-    "1" * 60_000 + "z", "1" + " " * 60_000 + "z z",
+    "1" * 60_000 + "z", ".3", "0,5", "0,5:7", "33°", "4.0", "2.5mm", "1" + " " * 60_000 + "z z",
 )  # fmt: skip
 TEXTS = (
     "", " ", "all", "é\u202e", "\udcff", "\x1b[31m", "x" * 5000, "geometry", "=", "a=b", "geometry.aspect",
@@ -45,7 +45,7 @@ TEXTS = (
 PATHS = (
     "good.toml", "bad.toml", "binary.toml", "empty.toml", "folder", "run", "sweep", "nowhere", "nowhere/deep",
     "good.toml/x", "folder/new", "/dev", "/dev/null", "/dev/zero", "/proc/self/mem", "picture.png", "new.toml", ".",
-    "..", "~", "good", "\udcff.toml",
+    "..", "~", "good", "\udcff.toml", "points.csv", "link", "C:\\cases\\good.toml", "cases\\good.toml", "good.yaml",
 )  # fmt: skip
 FITTING: dict[str, tuple[str, ...]] = {
     "case": ("good.toml", "\udcff.toml", "coarse-channel", "lube-quarter"),
@@ -139,6 +139,9 @@ def _folder_of_files(folder: Path) -> Iterator[None]:
     (folder / "bad.toml").write_text("[grid]\nspacng = 1\n")
     (folder / "binary.toml").write_bytes(bytes(range(256)) * 20)
     (folder / "empty.toml").touch()
+    (folder / "points.csv").write_text("x;y\n0,1;0,2\n")
+    (folder / "good.yaml").write_text("extends: coarse-channel\n")
+    (folder / "link").symlink_to("target/that/does/not/exist")
     (folder / "\udcff.toml").write_text('extends = "coarse-channel"\n')
     for name in ("folder", "run/snapshots", "sweep"):
         (folder / name).mkdir(parents=True)

@@ -24,7 +24,8 @@ STRANGE = (
 NUMBERS = (
     b"0", b"-0.0", b"-1", b"1e-320", b"1e308", b"1e309", b"nan", b"inf", b"-inf", b"9" * 18, b"9" * 20, b"9" * 5000,
     b"0x" + b"f" * 15, b"0x" + b"f" * 5000, b"1_000", b'"1 mm"', b'"1 furlong"', b'"1e400 m"', b'"%"', b"true", b"[]",
-    b"{}", b'"' + b"1" * 20_000 + b' m m"', b'"1' + b" " * 20_000 + b'm m"',
+    b"{}", b"1,5", b".3", b"3.", b"4.0", b"33\xc2\xb0", b'"33\xc2\xb0"', b'"1,5 mm"', b'"2.5mm"',
+    b'"C:\\cases\\a.toml"', b"'", b'"' + b"1" * 20_000 + b' m m"', b'"1' + b" " * 20_000 + b'm m"',
 )  # fmt: skip
 
 Mutation = Callable[[random.Random, bytearray], None]
@@ -102,6 +103,14 @@ def _number(draw: random.Random, text: bytearray) -> None:
         text[start : end if end > 0 else len(text)] = b" " + draw.choice(NUMBERS)
 
 
+def _habit(draw: random.Random, text: bytearray) -> None:
+    """Write lines as in YAML, INI or a spreadsheet."""
+    old, new = draw.choice(((b" = ", b": "), (b" = ", b"="), (b" = ", b";"), (b".", b","), (b'"', b""), (b"[", b"[[")))
+    count = draw.choice((1, 2, 1000))
+    start = draw.randrange(len(text) + 1)
+    text[start:] = text[start:].replace(old, new, count)
+
+
 def _line(draw: random.Random, text: bytearray) -> None:
     """Insert a line with a key of the schema, or a table."""
     key = draw.choice(key_names()).encode()
@@ -146,6 +155,6 @@ def _encode(draw: random.Random, text: bytearray) -> None:
 
 
 MUTATIONS: tuple[Mutation, ...] = (
-    _flip, _flip, _delete, _delete, _repeat, _splice, _strange, _strange, _number, _number, _line, _nest, _flood,
-    _encode,
+    _flip, _flip, _delete, _delete, _repeat, _splice, _strange, _strange, _number, _number, _habit, _line, _nest,
+    _flood, _encode,
 )  # fmt: skip
