@@ -214,14 +214,14 @@ def test_the_error_bar_contains_the_converged_value(cells: tuple[int, ...], orde
 @pytest.mark.parametrize(("quantity", "widest"), [(ZETA, 0.1), (BETA, 0.02)])
 def test_error_bars_from_the_study_contain_its_grid_converged_values(quantity: str, widest: float) -> None:
     """At least nine of ten bars from three neighbouring spacings, with the uncertainty of the converged values."""
-    families: dict[tuple[str, str], list[tuple[float, float, float]]] = {}
+    by_variant: dict[tuple[str, str], list[tuple[float, float, float]]] = {}
     for row in csv.DictReader(shipped_studies()["default"].with_suffix(".csv").read_text().splitlines()):
         if row[f"{quantity} bias"] and float(row["cells"]) >= 14.0:
             numbers = (row["cells"], row[f"{quantity} bias"], row[f"{quantity} reference uncertainty"])
-            families.setdefault((row["case"], row["variant"]), []).append(tuple(map(float, numbers)))
+            by_variant.setdefault((row["case"], row["variant"]), []).append(tuple(map(float, numbers)))
     inside, widths = [], []
-    for family in map(sorted, families.values()):
-        for runs in zip(family, family[1:], family[2:], strict=False):
+    for own in map(sorted, by_variant.values()):
+        for runs in zip(own, own[1:], own[2:], strict=False):
             bar = error_bar(quantity, {cells: [1.0 + bias] for cells, bias, _ in runs})
             inside.append(abs(bar.value - 1.0) <= np.hypot(bar.error, runs[0][2]))
             widths.append(bar.relative)
