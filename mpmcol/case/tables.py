@@ -46,10 +46,12 @@ class GeometryTable(Table):
     depth: float | None = quantity("half-depth of a box; default: radius", "m", None, gt=0)
     height: float | None = quantity("h_i: initial height of the column; alternative to aspect", "m", None, gt=0)
     aspect: float | None = quantity("a = h_i / r_i: aspect ratio of the column; alternative to height", "", None, gt=0)
-    base: Literal["elastic", "rigid"] = option(
-        "elastic layer of material points (the paper), or rigid floor of no-slip grid nodes", "elastic"
+    base: Literal["elastic", "rigid", "granular"] = option(
+        "elastic layer of material points (the paper), rigid floor of no-slip grid nodes, or bed of granular material "
+        "on such a floor, which the flow can erode",
+        "elastic",
     )
-    base_thickness: float = quantity("thickness of the elastic base", "m", 0.02, gt=0)
+    base_thickness: float = quantity("thickness of the elastic or granular base", "m", 0.02, gt=0)
     domain_length: float | None = quantity(
         "length of the domain from the wall or axis, of which the last five cells are not usable; default: sized for "
         "the expected runout",

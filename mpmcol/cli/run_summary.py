@@ -8,7 +8,7 @@ from typing import Any
 from mpmcol.experiments import find_experiment, mark
 from mpmcol.io.results import Results
 from mpmcol.studies.judgement import judge
-from mpmcol.units import length_scale
+from mpmcol.units import length_scale, length_text
 
 FRONT_TEXT = {
     "front_max": "farthest point",
@@ -43,6 +43,9 @@ def _measured(results: Results) -> Iterator[str]:
     yield _line("spread of zeta (uncertainty of the front)", "", summary["spread"], "")
     comparison = _comparison(errors.get(("beta", "")))
     yield _line("beta, height at the wall or axis", f"{factor * summary['height']:.4g}", summary["beta"], comparison)
+    if erosion := summary.get("erosion"):
+        mass = f"{erosion['eroded_mass']:.3g} {summary['energy_unit'].replace('J', 'kg', 1)}"
+        yield f"bed: {mass} moved, down to a depth of {length_text(erosion['eroded_depth'])}"
 
 
 def _line(label: str, length: str, value: float, comparison: str) -> str:

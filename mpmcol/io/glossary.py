@@ -29,6 +29,10 @@ _DEPOSIT: Names = {
     "stop_time": (TAU, "time after release from which on front_height stays within one cell; null if not at rest"),
     "at_rest": ("", "whether the run ended with the column at rest"),
 }
+_EROSION: Names = {
+    "eroded_mass": ("kg", "mass of the granular bed that has moved by r_i/100 or more; per metre or per radian in 2D"),
+    "eroded_depth": ("m", "largest depth below the surface of the bed at the release of material that has moved so"),
+}
 _FRONT: Names = {
     "front_max": ("m", "front by its farthest material point, in flight or not"),
     "front_connected": ("m", "front by the farthest point that is connected with the pile without a gap of one cell"),
@@ -51,7 +55,7 @@ _SIZES: Names = {
     "spacing_used": ("m", "node spacing h, fitted to the radius"),
     "r_i": ("m", "initial width or radius of the column"),
     "h_i": ("m", "initial height of the column"),
-    "base_used": ("m", "thickness of the elastic base, in whole cells"),
+    "base_used": ("m", "thickness of the elastic or granular base, in whole cells"),
     "domain_length": ("m", "length of the domain, of which the last five cells are not usable"),
     "domain_height": ("m", "height of the domain above the base"),
 }
@@ -206,6 +210,8 @@ NAMES: dict[str, Names] = {  # file or command -> its names
         **_FRONTS,
         **_SIZES,
         **_COST,
+        "erosion": ("", "erosion of a granular bed; null without one"),
+        **_nested("erosion", _EROSION),
         "ledger": ("", "energies and works since the release"),
         **_nested("ledger", _ENERGIES),
         "dissipation": ("", "where the released energy went; null before the release"),

@@ -23,6 +23,7 @@ from typing import Any
 
 import numpy as np
 
+from mpmcol.measure.erosion import Erosion, measure_erosion
 from mpmcol.measure.front import FRONTS, fronts, pile_height, profiles
 from mpmcol.measure.sections import Array, Section, split
 from mpmcol.measure.shape import ColumnShape
@@ -34,10 +35,12 @@ __all__ = [
     "UNDISTURBED",
     "Array",
     "ColumnShape",
+    "Erosion",
     "Measurement",
     "deposit_profile",
     "failure_line",
     "measure",
+    "measure_erosion",
     "repose_angle",
     "stop_time",
     "undisturbed_radius",

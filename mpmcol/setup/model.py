@@ -85,7 +85,7 @@ def build_model(case: Case) -> Model:
             basis=case.method.basis,
             volumetric_strain=case.method.volumetric_strain,
         ),
-        base=make_body(elastic, case.base_material),
+        base=make_body(LAWS[case.base_material.law], case.base_material),
         equilibrate=StageSetup(
             make_body(first_law, case.material), make_settings(case, discretization, stages.equilibrate.damping)
         ),
@@ -196,14 +196,15 @@ def _stack(horizontal: np.ndarray, y: np.ndarray) -> np.ndarray:
 def assign_k0(case: Case, discretization: Discretization, points: Points) -> None:
     """Geostatic stress: vertical from the weight above, horizontal K0 times that; the base also carries the column.
 
-    In the base, K0 = nu / (1 - nu) of confined linear elasticity.
+    In an elastic base, K0 = nu / (1 - nu) of confined linear elasticity.
     """
     gravity, ratio = case.geometry.gravity, case.stages.k0
     nu = case.base_material.poissons_ratio
+    base_ratio = ratio if case.geometry.base == "granular" else nu / (1.0 - nu)
     x, y, *z = points.x.T
     beyond = np.logical_or.reduce(discretization.beyond_column((x, *z)))
     is_base = points.kind == BASE
     load = np.where(beyond, 0.0, case.material.density * (discretization.h_i - np.maximum(y, 0.0)))
     vertical = -gravity * (load + np.where(is_base, case.base_material.density * -y, 0.0))
-    horizontal = np.where(is_base, nu / (1.0 - nu), ratio) * vertical
+    horizontal = np.where(is_base, base_ratio, ratio) * vertical
     points.sigma = np.stack([horizontal, vertical, horizontal, *3 * [np.zeros_like(vertical)]], axis=1)

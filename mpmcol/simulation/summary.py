@@ -13,7 +13,7 @@ import psutil
 from mpmcol.case import case_hash, strength_of
 from mpmcol.experiments import profile_scores, score
 from mpmcol.io.glossary import ENERGY_UNITS
-from mpmcol.io.results import RESULT_SCHEMA, measure_snapshot, measure_stop_time
+from mpmcol.io.results import RESULT_SCHEMA, erosion_of, measure_snapshot, measure_stop_time
 from mpmcol.io.snapshot import Snapshot
 from mpmcol.mpm.solver import Solver
 from mpmcol.provenance import versions
@@ -58,6 +58,7 @@ def summarize(status: str, simulation: Simulation, final: Snapshot) -> dict[str,
         "ns_per_point_step": progress.wall_s["collapse"] / max(collapse_steps * len(model.points), 1) * 1e9,
         "peak_memory_bytes": peak_memory(),
         "energy_unit": ENERGY_UNITS[geometry.model][1],
+        "erosion": asdict(erosion_of(final, recorder.shape)) if geometry.base == "granular" else None,
         "ledger": recorder.energy_ledger(),
         "dissipation": asdict(shares) if (shares := dissipation_of(simulation)) else None,
         "stress": asdict(stress) if (stress := stress_quality_of(simulation, final)) else None,

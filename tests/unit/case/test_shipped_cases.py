@@ -14,6 +14,7 @@ SHIPPED = [
     "channel-loose",
     "coarse-channel",
     "cylinder",
+    "granular-bed",
     "lube-channel",
     "lube-channel-dense",
     "lube-channel-loose",
