@@ -28,6 +28,8 @@ def case_hash(case: Case) -> str:
     """
     content = case.model_dump(mode="json", by_alias=True, exclude={"title", "output", "score"})
     content["geometry"] |= {"aspect": None, "height": case.geometry.h_i}
+    if not case.layers:
+        del content["layers"]
     if case.geometry.dimension == 2:  # keys without a meaning in 2D
         del content["geometry"]["section"], content["geometry"]["depth"]
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:12]

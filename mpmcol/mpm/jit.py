@@ -142,7 +142,7 @@ def make_unpack(size: int) -> Callable[[Any], tuple[float, ...]]:
     @overload(unpack)
     def compiled_unpack(values: Any) -> Callable[[Any], tuple[float, ...]]:
         def implementation(values: Any) -> Any:
-            return to_fixed_tuple(values, size)
+            return to_fixed_tuple(values, size)  # type: ignore[call-arg]
 
         return implementation
 
