@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 from math import hypot
 from typing import Any
 
-from mpmcol.case import Case, strength_of
-from mpmcol.experiments import EXPERIMENTS, Experiment, column_kind, find_experiment, mark
+from mpmcol.case import Case, experiment_of, strength_of
+from mpmcol.experiments import EXPERIMENTS, Experiment, column_kind, mark
 from mpmcol.io.results import Results
 from mpmcol.studies.pareto.score import BETA, ZETA
 from mpmcol.studies.pareto.studied import StudiedError, studied_error
@@ -34,7 +34,7 @@ def applicable_experiment(case: Case) -> tuple[Experiment | None, str]:
     It has been made with this kind of column, a similar material, and this aspect ratio.
     """
     geometry, strength = case.geometry, strength_of(case)
-    own = find_experiment(case.score.experiment, geometry.model, geometry.section)
+    own = experiment_of(case)
     kind = column_kind(geometry.model, geometry.section)
     others = [one for one in EXPERIMENTS.values() if one.model == kind and one.kind == "laboratory"]
     for one in (own, *others):

@@ -14,6 +14,7 @@ SHIPPED = [
     "channel-loose",
     "coarse-channel",
     "cylinder",
+    "inclined-channel",
     "lube-channel",
     "lube-channel-dense",
     "lube-channel-loose",
