@@ -46,6 +46,8 @@ class ColumnShape:
     @property
     def range_label(self) -> str:
         """Direction in which the sections differ, for tables and charts."""
+        if self.slope_deg:
+            return "from upslope to downslope"
         return "around the axis" if self.is_round else "along x"
 
     @property

@@ -58,7 +58,7 @@ def _parameters(shape: Mapping[str, Any], material: Mapping[str, Any]) -> list[s
     per_cell = round((float(shape["spacing"]) / float(shape["point_size"])) ** dimension)
     lengths = [f"${name}$ = {length_text(float(shape[key]))}" for name, key in LENGTHS.items()]
     slope = float(shape.get("slope_deg", 0.0))
-    inclined = [rf"base inclined by {slope:g}$\degree$"] if slope else []
+    inclined = [rf"base inclined by {slope:g}$\degree${' along x' if dimension == 3 else ''}"] if slope else []
     return [MODELS[shape["model"]], *inclined, *lengths, f"{per_cell} points per cell", *_material_text(material)]
 
 

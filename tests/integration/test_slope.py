@@ -117,6 +117,10 @@ def test_a_full_column_runs_farther_downslope(tmp_path: Path) -> None:
     mean = np.average(last["position"], axis=0, weights=last["mass"])
     assert mean[0] > 0.01 and abs(mean[2]) < 1e-6
     assert abs(results.summary["ledger"]["residual"]) < 1e-9 * results.summary["dissipation"]["released"]
+    assert (
+        f"{upslope:.3f} to {downslope:.3f} from upslope to downslope" in invoke("measure", str(results.folder)).output
+    )
+    assert r"base inclined by 20$\degree$ along x" in heading_of(results.case, results.shape).caption
 
 
 def test_the_slopes_of_a_sweep() -> None:
