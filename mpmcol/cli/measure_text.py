@@ -33,7 +33,7 @@ def _deposit_lines(measured: Measured) -> list[str]:
     undisturbed, angle, energy = measurement.undisturbed_radius, measurement.repose_angle_deg, measured.energy_released
     kind = shape.release if shape.dimension == 2 else shape.section
     return [
-        f"{shape.model}, {kind}, a = {shape.a:.3g}, r_i = {length_text(shape.r_i)}",
+        f"{shape.model}, {kind}, a = {shape.a:.3g}, r_i = {length_text(shape.r_i)}{shape.slope_text}",
         *(_front_line(name, measured) for name in measurement.front),
         f"{'spread of zeta':<20} {measurement.spread:9.3f}",
         f"{'height':<20} {_length(measurement.height, shape)}   beta {measurement.beta:7.3f}",

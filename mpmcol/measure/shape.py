@@ -51,6 +51,11 @@ class ColumnShape:
         return "around the axis" if self.is_round else "along x"
 
     @property
+    def slope_text(self) -> str:
+        """The slope as an addition to a list of lengths; "" on a horizontal base."""
+        return f", slope {self.slope_deg:g} deg" if self.slope_deg else ""
+
+    @property
     def angle(self) -> float:
         """Range of azimuth of the model, rad; 1 in 2D, where masses are per radian or per metre."""
         start, end = AZIMUTHS.get(self.model, (0.0, 1.0))

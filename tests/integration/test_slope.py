@@ -75,6 +75,7 @@ def test_laws_of_a_horizontal_base_are_not_compared(slope: Results) -> None:
     assert {entry["error"] for entry in slope.summary["errors"]} == {None}
     assert slope.summary["profile_scores"] == []
     printed = invoke("measure", str(slope.folder)).output
+    assert "r_i = 200 mm, slope 10 deg" in printed
     assert "for a horizontal base; here it slopes by 10 deg" in printed
     angle = slope.measure().repose_angle_deg
     assert angle is not None and f"{angle:.1f} deg to the base, {angle + 10.0:.1f} deg to the horizontal" in printed
