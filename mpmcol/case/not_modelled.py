@@ -14,11 +14,13 @@ _ANSWERS = {
         'friction with floor and walls is not modelled: geometry.base is an elastic layer, a "granular" bed or, as '
         '"rigid", a floor without slip, and walls are smooth'
     ),
-    "slope|sloped|inclination|inclined|incline|tilt|tilted": "slopes are not modelled: the floor is horizontal",
+    "slope(?!_deg)|sloped|inclination|inclined|incline|tilt|tilted": (
+        "the slope of the base is geometry.slope_deg, in degrees"
+    ),
     "water|pore|fluid|saturation|saturated|permeability|moisture|suction|drained|undrained": (
         "pore fluid is not modelled: the material is dry"
     ),
-    "layer|layers|layering|stratum|strata": "layers are not modelled: the column is of one material, on a base of another",
+    "layer|layers|layering|stratum|strata": "layers are not modelled: the column is of one material",
     "obstacle|obstacles|barrier|barriers|baffle|pillar": "obstacles are not modelled",
     "viscosity|viscous|inertial|rheology|mu_i|mu_s|mu_0|mu_2|mus|mu2|i_?0|d50|grain_(size|diameter)|rate_dependent": (
         "dependence on the rate of strain, such as mu(I), is not modelled; friction is material.friction_deg"

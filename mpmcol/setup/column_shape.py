@@ -19,4 +19,5 @@ def column_shape(case: Case, discretization: Discretization) -> ColumnShape:
         point_size=discretization.point_size,
         section=case.geometry.section,
         depth=discretization.depth,
+        slope_deg=case.geometry.slope_deg,
     )

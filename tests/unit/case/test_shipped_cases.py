@@ -15,6 +15,7 @@ SHIPPED = [
     "coarse-channel",
     "cylinder",
     "granular-bed",
+    "inclined-channel",
     "lube-channel",
     "lube-channel-dense",
     "lube-channel-loose",
