@@ -94,6 +94,16 @@ CONSTRAINTS = (
         'must be "one-sided" with {1}',
     ),
     Constraint(
+        ("geometry.slope_deg", "geometry.model"),
+        lambda slope, model: slope == 0.0 or model in ("plane", "full"),
+        'must be 0 with {1}: a slope is not symmetric about the axis of the column; use "plane" or "full"',
+    ),
+    Constraint(
+        ("geometry.slope_deg", "geometry.release"),
+        lambda slope, release: slope == 0.0 or release == "one-sided",
+        'must be 0 with {1}: the two sides of a slope differ; use "one-sided"',
+    ),
+    Constraint(
         ("geometry.section", "geometry.model"),
         lambda section, model: section == "cylinder" or model in _3D,
         'must be "cylinder" with {1}',

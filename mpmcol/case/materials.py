@@ -48,15 +48,21 @@ def default_base_law(base: Any, law: str) -> str:
 def with_inherited_keys(base_material: Mapping[str, Any], material: Mapping[str, Any], base: Any) -> dict[str, Any]:
     """The base's material with the keys of that of the column: all with the same law, else the elastic ones."""
     law = base_material.get("law", default_base_law(base, str(material.get("law"))))
-    shared = material if material.get("law") == law else elastic.Elasticity.model_fields
-    inherited = {key: material[key] for key in shared if key in material}
-    return {**inherited, "law": law, **base_material}
+    return {**_shared(material, law), "law": law, **base_material}
 
 
 def with_column_material(layer: Any, material: Mapping[str, Any]) -> Any:
     """A layer as given, with the keys of the column's material that its own does not replace."""
     own = layer.get("material", {}) if isinstance(layer, dict) else None
-    return {**layer, "material": {**material, **own}} if isinstance(own, dict) else layer
+    if not isinstance(own, dict):
+        return layer
+    return {**layer, "material": {**_shared(material, own.get("law", material.get("law"))), **own}}
+
+
+def _shared(material: Mapping[str, Any], law: Any) -> dict[str, Any]:
+    """Keys of a material that one with this law has as well."""
+    keys = material if material.get("law") == law else elastic.Elasticity.model_fields
+    return {key: material[key] for key in keys if key in material}
 
 
 def check_layers(layers: tuple[LayerTable, ...], law: str, height: float, most: int) -> None:

@@ -14,7 +14,9 @@ _ANSWERS = {
         'friction with floor and walls is not modelled: geometry.base is an elastic layer, a "granular" bed or, as '
         '"rigid", a floor without slip, and walls are smooth'
     ),
-    "slope|sloped|inclination|inclined|incline|tilt|tilted": "slopes are not modelled: the floor is horizontal",
+    "slope(?!_deg)|sloped|inclination|inclined|incline|tilt|tilted": (
+        "the slope of the base is geometry.slope_deg, in degrees"
+    ),
     "water|pore|fluid|saturation|saturated|permeability|moisture|suction|drained|undrained": (
         "pore fluid is not modelled: the material is dry"
     ),

@@ -9,6 +9,7 @@ from pydantic_core import PydanticCustomError
 
 from mpmcol.case.constraints import violations
 from mpmcol.case.materials import LayerTable, Material, check_layers, with_column_material, with_inherited_keys
+from mpmcol.case.slope import slope_factor
 from mpmcol.case.tables import (
     GeometryTable,
     GridTable,
@@ -24,6 +25,7 @@ from mpmcol.mpm.constitutive import elastic
 from mpmcol.units import Table, option
 
 MOST_LAYERS = {2: 14, 3: 2}  # by dimension: cells of a tile times materials are numbered in a byte
+MAX_TIME_FACTOR = 10.0  # default of stages.collapse.max_time_factor on a horizontal base
 
 
 class Case(Table):
@@ -90,14 +92,19 @@ class Case(Table):
     @field_validator("stages", mode="before")
     @classmethod
     def _resolve_from_material(cls, stages: Any, info: ValidationInfo) -> Any:
-        """Resolve the defaults of stages that depend on the material."""
-        material = info.data.get("material")
+        """Resolve the defaults of stages that depend on the material and on the slope."""
+        material, geometry = info.data.get("material"), info.data.get("geometry")
         given = stages.model_dump(exclude_none=True) if isinstance(stages, StagesTable) else stages
-        if material is None or not isinstance(given, dict):
+        if material is None or geometry is None or not isinstance(given, dict):
             return given
         filled = {"k0": _active_ratio(material), **given}
-        if isinstance(equilibrate := given.get("equilibrate", {}), dict):
-            filled["equilibrate"] = {"law": material.law, **equilibrate}
+        defaults = {
+            "equilibrate": {"law": material.law},
+            "collapse": {"max_time_factor": MAX_TIME_FACTOR * slope_factor(geometry.slope_deg, material)},
+        }
+        for stage, values in defaults.items():
+            if isinstance(own := given.get(stage, {}), dict):
+                filled[stage] = {**values, **own}
         return filled
 
     @property

@@ -63,6 +63,25 @@ class GeometryTable(Table):
         "height of the domain above the base; default: sized for the height of the column", "m", None, gt=0
     )
     gravity: float = quantity("gravitational acceleration g", "m/s2", 9.81, gt=0)
+    slope_deg: float = quantity(
+        "inclination of the base, downward along x; the column stands normal to the base; plane one-sided and full "
+        "models",
+        "deg",
+        0.0,
+        ge=0,
+        lt=90,
+    )
+
+    @property
+    def gravity_vector(self) -> tuple[float, float, float]:
+        """Acceleration along x (downslope), y (normal to the base) and z, m/s2."""
+        slope = math.radians(self.slope_deg)
+        return self.gravity * math.sin(slope), -self.gravity * math.cos(slope), 0.0
+
+    @property
+    def normal_gravity(self) -> float:
+        """Component of g normal to the base, toward it, m/s2."""
+        return -self.gravity_vector[1]
 
     @property
     def shape(self) -> str:
@@ -202,7 +221,9 @@ class CollapseTable(Table):
 
     damping: float = quantity("local damping coefficient alpha_d", "", 0.05, ge=0, lt=1)
     end: Literal["rest", "time"] = option("end at rest, or after the maximum duration", "rest")
-    max_time_factor: float = quantity("maximum duration in units of sqrt(h_i / g)", "", 10.0, gt=0)
+    max_time_factor: float = quantity(
+        "maximum duration in units of sqrt(h_i / g); default: 10, on a slope up to five times as long", "", None, gt=0
+    )
 
 
 class StagesTable(Table):
@@ -235,7 +256,9 @@ class OutputTable(Table):
     """Files that a run writes."""
 
     snapshots: Annotated[int, Field(ge=1)] = option(
-        "number of snapshots until 6 sqrt(h_i / g) after release, equally spaced; then at the same interval", 20
+        "number of snapshots until 6 sqrt(h_i / g) after release, on a slope up to five times as long, equally spaced; "
+        "then at the same interval",
+        20,
     )
     times: tuple[Annotated[float, _RELEASE_TIME, BeforeValidator(_RELEASE_TIME)], ...] | None = option(
         "times of the snapshots after release, increasing; replaces snapshots", None

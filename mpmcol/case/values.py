@@ -32,4 +32,6 @@ def case_hash(case: Case) -> str:
         del content["layers"]
     if case.geometry.dimension == 2:  # keys without a meaning in 2D
         del content["geometry"]["section"], content["geometry"]["depth"]
+    if case.geometry.slope_deg == 0.0:  # without effect: the hash is that of a case without the key
+        del content["geometry"]["slope_deg"]
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:12]

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from mpmcol.experiments import find_experiment, mark
+from mpmcol.case import experiment_of
+from mpmcol.experiments import mark
 from mpmcol.io.results import Results
 from mpmcol.studies.judgement import judge
 from mpmcol.units import length_scale, length_text
@@ -24,7 +25,7 @@ def summary_table(results: Results) -> str:
 
 def _measured(results: Results) -> Iterator[str]:
     summary, shape = results.summary, results.shape
-    experiment = find_experiment(results.case.score.experiment, shape.model, shape.section)
+    experiment = experiment_of(results.case)
     errors = {
         (score["quantity"], score["front_definition"]): score
         for score in summary["errors"]

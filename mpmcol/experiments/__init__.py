@@ -5,6 +5,7 @@ To add an experiment, write a module in `records` that satisfies `ExperimentReco
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, Protocol
 
 from numpy.typing import ArrayLike
@@ -90,7 +91,7 @@ _LONGEST_RUNOUT = {
     "axisymmetric": lajeunesse_2004.EXPERIMENT.laws[0],
     "box": bougouin_lacaze_2018.EXPERIMENT.laws[0],
 }
-_NO_EXPERIMENT_ON_BOXES = Experiment(
+_NO_EXPERIMENT = Experiment(
     name="none",
     title="no published collapse of a box",
     model="box",
@@ -101,15 +102,20 @@ _NO_EXPERIMENT_ON_BOXES = Experiment(
 )
 
 
-def find_experiment(name: str, model: str, section: str = "cylinder") -> Experiment:
+def find_experiment(name: str, model: str, section: str = "cylinder", slope_deg: float = 0.0) -> Experiment:
     """Experiment of a name; "paper" is the paper's own for the model, or one without laws for a box.
+
+    On a slope (degrees) it is one without laws: all experiments have a horizontal base.
 
     Raises:
         UsageError: there is no such experiment, or it is for another kind of column.
     """
+    if slope_deg:
+        title = f"no published law for a slope of {slope_deg:g} deg, all are for a horizontal base"
+        return replace(_NO_EXPERIMENT, title=title)  # of the kind "box", of which charts know no other law either
     kind = column_kind(model, section)
     if name == "paper" and kind == "box":
-        return _NO_EXPERIMENT_ON_BOXES
+        return _NO_EXPERIMENT
     experiment = EXPERIMENTS.get(f"paper-{kind}" if name == "paper" else name)
     if experiment is None:
         raise UsageError(f"there is no experiment {name!r}; {suggestion(name, ['paper', *EXPERIMENTS])}")
@@ -148,9 +154,20 @@ def profile_score(profile_x: ArrayLike, profile_y: ArrayLike, experiment: Experi
 
 
 def profile_scores(
-    profile_x: ArrayLike, profile_y: ArrayLike, model: str, r_i: float, h_i: float, section: str = "cylinder"
+    profile_x: ArrayLike,
+    profile_y: ArrayLike,
+    model: str,
+    r_i: float,
+    h_i: float,
+    section: str = "cylinder",
+    slope_deg: float = 0.0,
 ) -> list[ProfileScore]:
-    """Compare a deposit profile (m) with every digitised surface for this kind and size of column, each once."""
+    """Compare a deposit profile (m) with every digitised surface for this kind and size of column, each once.
+
+    On a slope (degrees) with none: all have a horizontal base.
+    """
+    if slope_deg:
+        return []
     once = {  # under the first name
         experiment.profiles: experiment
         for experiment in reversed(EXPERIMENTS.values())

@@ -59,8 +59,8 @@ class Snapshot:
     "velocity" (n, 3) m/s, "displacement" since the release (n, 3) m, "stress" (n, 6: xx yy zz xy yz xz) Pa, tension
     positive, "pressure" and "shear_stress" (n) of the mean stress of a cell, Pa, "volume_ratio" (n) J,
     "opening_strain" (n), "mass" (n) and "volume" (n) per metre in plane strain, per radian in axisymmetry, of the
-    modelled part in 3D, "material" (n) 0 column, 1 base, 2 and more its layers, "id" (n), and the history variables of the constitutive
-    law by name.
+    modelled part in 3D, "material" (n) 0 column, 1 base, 2 and more the layers of the column, "id" (n), and the history
+    variables of the constitutive law by name.
     """
 
     time: float

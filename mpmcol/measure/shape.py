@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import pi
+from math import cos, pi, radians
 
 import numpy as np
 
@@ -33,6 +33,7 @@ class ColumnShape:
     section: str = "cylinder"  # of a 3D column: "cylinder" | "box"
     depth: float | None = None  # half-depth of a box in z; r_i if None
     layers: tuple[Layer, ...] = ()  # of the column
+    slope_deg: float = 0.0  # inclination of the base, downward along x, degrees
 
     @property
     def a(self) -> float:
@@ -57,7 +58,14 @@ class ColumnShape:
     @property
     def range_label(self) -> str:
         """Direction in which the sections differ, for tables and charts."""
+        if self.slope_deg:
+            return "from upslope to downslope"
         return "around the axis" if self.is_round else "along x"
+
+    @property
+    def slope_text(self) -> str:
+        """The slope as an addition to a list of lengths; "" on a horizontal base."""
+        return f", slope {self.slope_deg:g} deg" if self.slope_deg else ""
 
     @property
     def angle(self) -> float:
@@ -84,14 +92,14 @@ class ColumnShape:
         return quarters * self.r_i * self.half_depth if self.dimension == 3 else self.r_i
 
     def potential_energy(self, gravity: float) -> float:
-        """Potential energy of the modelled column as released, relative to the base.
+        """Potential energy of the modelled column as released, relative to a thin layer at its place on the base.
 
         J; per metre of width in plane strain, per radian in axisymmetry.
         """
         moment = self.density * self.h_i**2 / 2.0
         for layer in self.layers:
             moment += (layer.density - self.density) * (min(layer.upper, self.h_i) ** 2 - layer.lower**2) / 2.0
-        return moment * gravity * self.footprint
+        return moment * gravity * cos(radians(self.slope_deg)) * self.footprint
 
     def uniform_mass(self, mass: np.ndarray, material: np.ndarray) -> np.ndarray:
         """Masses (n,) that points would have with the density of the column: heights are mass over this density.

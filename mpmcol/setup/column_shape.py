@@ -21,4 +21,5 @@ def column_shape(case: Case, discretization: Discretization) -> ColumnShape:
         section=case.geometry.section,
         depth=discretization.depth,
         layers=tuple(Layer(layer.from_, layer.to, layer.material.density) for layer in case.layers),
+        slope_deg=case.geometry.slope_deg,
     )

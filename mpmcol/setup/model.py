@@ -141,11 +141,12 @@ def make_body(law: Any, material: Any) -> Body:
 
 def make_settings(case: Case, discretization: Discretization, damping: float) -> Settings:
     """Parameters of the method from the keys of [method], for a stage with this damping."""
-    method = case.method
+    method, (gravity_x, gravity_y, gravity_z) = case.method, case.geometry.gravity_vector
     taylor, flip = TRANSFER_COEFFICIENTS[method.transfer]
     return Settings(
-        gravity_x=0.0,
-        gravity_y=-case.geometry.gravity,
+        gravity_x=gravity_x,
+        gravity_y=gravity_y,
+        gravity_z=gravity_z,
         alpha_d=damping,
         cfl=case.time.cfl,
         taylor=taylor,
@@ -157,7 +158,7 @@ def make_settings(case: Case, discretization: Discretization, damping: float) ->
         axisymmetric=discretization.faces[0][0] == AXIS,
         axis_gap=axis_gap(case),
         open_low_sides=discretization.is_full,
-        free_speed=free_speed(case.geometry.gravity, discretization.h_i + discretization.base),
+        free_speed=free_speed(case.geometry.gravity, largest_drop(case, discretization)),
         exponential_volume=method.volume_update == "exponential",
         **(stress_filter_settings(case, discretization) if method.stress_filter == "flow" else {}),
     )
@@ -176,6 +177,12 @@ def stress_filter_settings(case: Case, discretization: Discretization) -> dict[s
 def free_speed(gravity: float, height: float) -> float:
     """Speed limit, m/s, of material that falls at most `height`: points faster than it and their waves are invalid."""
     return FALL_MARGIN * math.sqrt(2.0 * gravity * height)
+
+
+def largest_drop(case: Case, discretization: Discretization) -> float:
+    """Height that material can fall, from the top of the column to the lowest corner of the domain, m."""
+    slope, length = math.radians(case.geometry.slope_deg), discretization.cells[0] * discretization.h
+    return (discretization.h_i + discretization.base) * math.cos(slope) + length * math.sin(slope)
 
 
 def make_points(case: Case, discretization: Discretization) -> Points:
@@ -204,9 +211,11 @@ def _stack(horizontal: np.ndarray, y: np.ndarray) -> np.ndarray:
 def assign_k0(case: Case, discretization: Discretization, points: Points) -> None:
     """Geostatic stress: vertical from the weight above, horizontal K0 times that; the base also carries the column.
 
-    In an elastic base, K0 = nu / (1 - nu) of confined linear elasticity.
+    In an elastic base, K0 = nu / (1 - nu) of confined linear elasticity. On a slope these are the stresses normal to
+    the base and along it. The equilibration adds those that carry the weight along the slope, which the gate and the
+    shear stress at the base share.
     """
-    gravity, ratio = case.geometry.gravity, case.stages.k0
+    gravity, ratio = case.geometry.normal_gravity, case.stages.k0
     nu = case.base_material.poissons_ratio
     base_ratio = ratio if case.geometry.base == "granular" else nu / (1.0 - nu)
     x, y, *z = points.x.T

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 from math import ceil, degrees, pi, sqrt
 
 from mpmcol.case import Case
+from mpmcol.case.slope import ENDLESS_REMEDY, endless_flow
 from mpmcol.errors import UsageError
 from mpmcol.setup.domain import LEAST_CELLS, default_length, expected_front, usable
 from mpmcol.setup.time_step import time_step_warnings
@@ -43,7 +44,7 @@ def require_stiff_column(case: Case) -> None:
 def elastic_shortening(case: Case) -> float:
     """Change of height over height by the own weight of a column confined by its gate, rho g h_i / (2 E_oed)."""
     geometry, oedometric = case.geometry, case.material.wave_speed**2  # over density
-    return 0.5 * geometry.gravity * geometry.h_i / oedometric
+    return 0.5 * geometry.normal_gravity * geometry.h_i / oedometric
 
 
 def soft_column(case: Case, h: float) -> str | None:
@@ -160,9 +161,15 @@ def short_domain(case: Case, h: float) -> str | None:
         return None
     return (
         f"geometry.domain_length = {length:g} m: its last {LEAST_CELLS} cells are not usable, so that "
-        f"{usable(length, h):.4g} m are left, and fronts of experiments reach {front:.4g} m; set "
+        f"{usable(length, h):.4g} m are left, and the front is expected at up to {front:.4g} m; set "
         f"{default_length(case, h):.4g} m, or omit it"
     )
+
+
+def slope_without_rest(case: Case, h: float) -> str | None:
+    """The flow of a run that ends at rest has to stop."""
+    cause = endless_flow(case)
+    return f"{cause}; {ENDLESS_REMEDY}" if cause and case.stages.collapse.end == "rest" else None
 
 
 CHECKS: tuple[Callable[[Case, float], str | None], ...] = (
@@ -175,4 +182,5 @@ CHECKS: tuple[Callable[[Case, float], str | None], ...] = (
     endless_dilatancy,
     soft_column,
     short_domain,
+    slope_without_rest,
 )

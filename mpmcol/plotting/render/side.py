@@ -12,6 +12,7 @@ from matplotlib.patches import Rectangle
 from matplotlib.ticker import MaxNLocator
 
 from mpmcol.io.snapshot import Snapshot
+from mpmcol.plotting.profiles import draw_gravity
 from mpmcol.plotting.render.coloring import Coloring
 from mpmcol.plotting.render.frame import (
     BASE_COLOR,
@@ -52,7 +53,7 @@ class SideView(View):
         axes.plot([0, right], [0, 0], **EDGE)
 
     def draw_before(self, axes: Axes) -> None:
-        """Draw the column at release (dashed), the gate, the wall (solid) or axis of symmetry (dash-dot), and axes."""
+        """Draw the column at release (dashed), gate, wall (solid) or axis of symmetry (dash-dot), gravity, and axes."""
         left, _, _, top = self.extent
         r_i, h_i = float(self.meta["r_i"]), float(self.meta["h_i"])
         symmetric = self.meta["model"] == "axisymmetric" or self._is_half
@@ -61,6 +62,7 @@ class SideView(View):
         axes.plot([0, r_i], [h_i, h_i], **RELEASED)
         axes.plot([r_i, r_i], [0, top], **GATE_STYLE)
         axes.plot([0, 0], [0, top], linestyle="dashdot" if symmetric else "solid", **EDGE)
+        draw_gravity(axes, float(self.meta.get("slope_deg", 0.0)), SMALL_SIZE)
         axes.text(r_i, top, " gate", size=SMALL_SIZE, color=GATE_STYLE["color"], va="top")
         self._add_ticks(axes)
 

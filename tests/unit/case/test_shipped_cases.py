@@ -15,6 +15,8 @@ SHIPPED = [
     "coarse-channel",
     "cylinder",
     "granular-bed",
+    "inclined-channel",
+    "layered-column",
     "lube-channel",
     "lube-channel-dense",
     "lube-channel-loose",

@@ -29,6 +29,7 @@ UNFIT = [  # overrides of SAND, beginning of the warning, what it proposes
     (["material.density=2.65"], "material.density = 2.65 kg/m3", "material.density=2.65 g/cm3"),
     (["material.dilatancy_deg=10"], "material.dilatancy_deg = 10", "material.dilatancy_deg=0"),
     (["material.youngs_modulus=1e5"], "material.youngs_modulus = 100000 Pa", "material.youngs_modulus=1.1e+06"),
+    (["geometry.slope_deg=30"], "geometry.slope_deg = 30: the flow does not stop", "stages.collapse.end=time"),
     (["geometry.domain_length=0.3"], "geometry.domain_length = 0.3 m", "geometry.domain_length=0.398"),
 ]
 SOFTENING = [
