@@ -33,6 +33,15 @@ def test_keys_that_are_not_given_are_those_of_the_column(write: Write) -> None:
     assert case.materials == (case.material, case.base_material, weak.material, light.material)
 
 
+def test_an_override_changes_a_key_of_one_layer(write: Write) -> None:
+    case = load_case(write(LAYERS), ["layers.1.material.density=1600", "layers.0.to=0.04"])
+    assert (case.layers[0].to, case.layers[1].material.density) == (0.04, 1600.0)
+    problem = only_problem(write(LAYERS), "layers.0.to=-1")
+    assert problem.file == "--set layers.0.to=-1" and "[[layers]] 1: to = -1" in problem.message
+    for key in ("layers.7.to", "layers.x.to", "layers.0"):
+        assert only_problem(write(LAYERS), f"{key}=1").message
+
+
 def test_a_resolved_case_has_the_layers_and_the_hash_depends_on_them(write: Write) -> None:
     case, uniform = load_case(write(LAYERS)), load_case(write(GOOD))
     assert load_case(write(resolved_toml(case))) == case
