@@ -42,7 +42,7 @@ QUICK = Effort(5, 3, 10_000)
 
 def vector_steps(solver: Solver, steps: int) -> np.ndarray:
     """Step a sorted solver without sorting it again; seconds per phase of VECTOR_PHASES (steps, 5)."""
-    column, base = solver.bodies
+    column, base, *_ = solver.bodies
     times = np.zeros((steps, len(timed.VECTOR_PHASES) + 1))
     timed.make_vector_steps(solver.points.dimension, column.law, base.law)(solver.state(), times)
     return np.diff(times, axis=1)
@@ -50,7 +50,7 @@ def vector_steps(solver: Solver, steps: int) -> np.ndarray:
 
 def plain_steps(solver: Solver, state: PlainState, steps: int) -> np.ndarray:
     """Step the plain copy `state` of a solver; seconds per phase of PLAIN_PHASES (steps, 5)."""
-    column, base = solver.bodies
+    column, base, *_ = solver.bodies
     times = np.zeros((steps, len(timed.PLAIN_PHASES) + 1))
     timed.make_plain_steps(solver.points.dimension, column.law, base.law)(state, times)
     return np.diff(times, axis=1)

@@ -14,7 +14,7 @@ from mpmcol.bench.clock import seconds
 from mpmcol.bench.plain_loops import common, transfer_2d, transfer_3d
 from mpmcol.mpm.boundary import particle_limits
 from mpmcol.mpm.constitutive import ConstitutiveLaw
-from mpmcol.mpm.jit import driver, phase, prange, variant
+from mpmcol.mpm.jit import driver, make_unpack, phase, prange, variant
 from mpmcol.mpm.kernels.grid_update import clear, update_grid
 from mpmcol.mpm.kernels.loop import DT, sum_nodes, sum_points
 from mpmcol.mpm.kernels.particle_update import make_update_points
@@ -64,6 +64,8 @@ def make_plain_steps(dimension: int, column_law: ConstitutiveLaw, base_law: Cons
     """The plain loops with a clock reading before and after each of PLAIN_PHASES."""
     update_stress = common.make_update_stress(dimension, column_law, base_law)
     p2g, g2p = PLAIN_TRANSFERS[dimension].p2g, PLAIN_TRANSFERS[dimension].g2p
+    Params = column_law.PARAMS
+    unpack = make_unpack(len(Params._fields))
 
     @driver
     @variant(dimension, column_law, base_law)
@@ -85,7 +87,9 @@ def make_plain_steps(dimension: int, column_law: ConstitutiveLaw, base_law: Cons
             times[k, 3] = seconds()
             g2p(points, grid, tiles, settings, dt)
             times[k, 4] = seconds()
-            update_stress(points, tiles, settings, column, base, c2_column, c2_base, dt, tile_report)
+            update_stress(
+                points, tiles, settings, Params(*unpack(column[0])), base, c2_column[0], c2_base, dt, tile_report
+            )
             clock[DT] = settings.cfl * grid.h / tile_report[:, 0].max()
             times[k, 5] = seconds()
 

@@ -12,15 +12,16 @@ from pydantic_core import ErrorDetails
 
 from mpmcol.case import fields
 from mpmcol.case.constraints import ViolatedConstraint, violations
+from mpmcol.case.materials import default_base_law, with_inherited_keys
 from mpmcol.case.not_modelled import answer_to
 from mpmcol.case.problem import MOST_COUNTED, Problem, set_option
-from mpmcol.case.reference import MATERIALS, field_at, fields_at, key_names
-from mpmcol.case.schema import default_base_law, with_inherited_keys
+from mpmcol.case.reference import MATERIALS, field_at, fields_at, heading, key_names
 from mpmcol.case.source import CaseInput
-from mpmcol.case.toml_lines import KeyPath
+from mpmcol.case.toml_lines import KeyPath, value_at
 from mpmcol.mpm.constitutive import LAWS
 
 # errors that follow from others, or that are reported as violations with their locations
+_WITH_LAW = {table[-1] for table in MATERIALS}
 _DERIVED_ERRORS = ("constraints", "default_factory_not_called")
 
 
@@ -48,10 +49,11 @@ def find_problems(given: CaseInput, invalid: ValidationError) -> list[Problem]:
 
 
 def _without_derived(located: list[tuple[KeyPath, ErrorDetails]]) -> list[tuple[KeyPath, ErrorDetails]]:
-    """Without keys of the base that are missing because what they follow from is invalid."""
+    """Without keys of base and layers that are missing because what they follow from is invalid."""
     if not any(key[0] in ("geometry", "material") for key, _ in located):
         return located
-    return [(key, error) for key, error in located if key[0] != "base_material" or error["type"] != "missing"]
+    inherits = ("base_material", "layers")
+    return [(key, error) for key, error in located if key[0] not in inherits or error["type"] != "missing"]
 
 
 def _complete(tables: dict[str, Any], invalid_keys: set[KeyPath]) -> dict[str, Any]:
@@ -79,10 +81,12 @@ def _value(tables: dict[str, Any], table: str, key: str) -> Any:
 
 def _key_path(error: ErrorDetails) -> KeyPath:
     """Key of an error, without the law that pydantic inserts into the keys of materials."""
-    location = tuple(str(part) for part in error["loc"] if not isinstance(part, int))
-    if error["type"].startswith("union_tag"):
-        return (*location, "law")
-    return (location[0], *location[2:]) if location[:1] in MATERIALS else location
+    parts = list(error["loc"])
+    while isinstance(parts[-1], int):  # an item of an array of values
+        parts.pop()
+    before = [None, *parts]
+    location = tuple(str(part) for last, part in zip(before, parts, strict=False) if last not in _WITH_LAW)
+    return (*location, "law") if error["type"].startswith("union_tag") else location
 
 
 def _nearest_key(key: KeyPath, law: str) -> KeyPath | None:
@@ -105,13 +109,24 @@ def _qualified(key: KeyPath, field: FieldInfo | None = None) -> str:
     *table, name = key
     if field and fields.expected(field) == "a table":
         return f"[{'.'.join(key)}]"
-    return f"[{'.'.join(table)}] {name}" if table else name
+    return f"{_table_name(tuple(table))} {name}" if table else name
+
+
+def _table_name(table: KeyPath) -> str:
+    """A table as in a case file, with the number of the item in an array of tables."""
+    array, *rest = table
+    if not rest:
+        return heading(table)
+    number, *inside = rest
+    if not number.isdecimal():
+        return f"[{'.'.join(table)}]"
+    return " ".join([heading((array,)), f"{int(number) + 1}:", *inside])
 
 
 def _unknown_key(given: CaseInput, key: KeyPath, intended: KeyPath | None, law: str) -> Problem:
     *table, name = key
     quoted = f"unknown key {fields.shown(name)}"
-    message = f"[{'.'.join(table)}] {quoted}" if table else quoted
+    message = f"{_table_name(tuple(table))} {quoted}" if table else quoted
     if intended:
         field = field_at(intended, law)
         hint = f'did you mean "{intended[-1]}"?   ({field.description}: {fields.expected(field)})'
@@ -123,7 +138,7 @@ def _unknown_key(given: CaseInput, key: KeyPath, intended: KeyPath | None, law: 
 
 def _answer(given: CaseInput, key: KeyPath) -> str | None:
     """The answer to a key for what is not modelled; to an unknown table, by its keys as well."""
-    value = _value_at(given.tables, key)
+    value = value_at(given.tables, key)
     keys = [key, *((*key, str(name)) for name in value)] if isinstance(value, dict) else [key]
     return next(filter(None, map(answer_to, keys)), None)
 
@@ -144,19 +159,13 @@ def _bad_value(given: CaseInput, key: KeyPath, error: ErrorDetails, law: str) ->
     if error["type"] in ("missing", "union_tag_not_found"):
         message = f"{_qualified(key, field)} is missing: expected {expected}"
         return _problem(given, key, message, str(field.description), key)
-    value, last = _value_at(given.tables, key), error["loc"][-1]
+    value, last = value_at(given.tables, key), error["loc"][-1]
     item = f", item {last + 1}: {fields.shown(error['input'])}" if isinstance(last, int) else ""
     reason = error["msg"] if error["type"] in ("quantity", "value_error") else f"expected {expected}"
     near = fields.nearest(value, map(str, fields.allowed(field))) if isinstance(value, str) else None
     is_float = isinstance(value, float) and not fields.number_of(field)  # where 4.0 is wrong and 4 is right
     message = f"{_qualified(key)} = {value if is_float else fields.shown(value)}{item}: {reason}"
     return _problem(given, key, message, f'did you mean "{near}"?' if near else "", key)
-
-
-def _value_at(tables: Any, key: KeyPath) -> Any:
-    for name in key:
-        tables = tables[name]
-    return tables
 
 
 def _valid_values(
@@ -167,6 +176,8 @@ def _valid_values(
         key = (*at, name)
         if key in invalid_keys or (name not in tables and field.is_required()):
             continue
+        if fields.item_table(field):
+            continue  # checked where the array is read
         if key in MATERIALS or fields.subtable(field):
             yield from _valid_values(tables.get(name, {}), invalid_keys, law, key)
         else:

@@ -34,6 +34,12 @@ def subtable(field: FieldInfo) -> type[Table] | None:
     return kind if isinstance(kind, type) and issubclass(kind, Table) else None
 
 
+def item_table(field: FieldInfo) -> type[Table] | None:
+    """Table that each item of an array holds; None for other keys."""
+    items = get_args(value_type(field))[:1] if get_origin(value_type(field)) is tuple else ()
+    return next((item for item in items if isinstance(item, type) and issubclass(item, Table)), None)
+
+
 def number_of(field: FieldInfo) -> Number | None:
     """Unit and bounds of a quantity; None for other keys."""
     return next((part for part in field.metadata if isinstance(part, Number)), None)
@@ -62,6 +68,8 @@ def expected(field: FieldInfo) -> str:
         return number.expected
     if item := item_number(field):
         return f"an array, each item {item.expected}"
+    if item_table(field):
+        return "an array of tables"
     if values := allowed(field):
         return " or ".join(", ".join(map(shown, values)).rsplit(", ", 1))
     at_least = minimum(field)

@@ -61,6 +61,8 @@ def resolved_toml(case: Case, derived: Mapping[str, str | float] | None = None) 
     """
     tables = case.model_dump(by_alias=True, exclude_none=True)
     tables["material"] = {"law": case.material.law} | tables["material"]
+    if not case.layers:
+        del tables["layers"]
     comments = [f"# {name} = {value}" for name, value in (derived or {}).items()]
     return tomli_w.dumps(tables) + "\n".join(["", "# derived:", *comments, ""] if comments else [])
 

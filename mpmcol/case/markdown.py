@@ -8,7 +8,7 @@ from pydantic.fields import FieldInfo
 
 from mpmcol.case import fields
 from mpmcol.case.load import load_case
-from mpmcol.case.reference import default_value, field_at, fields_at, key_names, laws_with
+from mpmcol.case.reference import default_value, field_at, fields_at, heading, key_names, laws_with
 from mpmcol.case.source import shipped_cases
 from mpmcol.mpm.constitutive import LAWS
 
@@ -22,15 +22,18 @@ def markdown_reference() -> str:
     sections = [
         ("## Shipped cases", _CASE_COLUMNS, map(_case_row, shipped_cases())),
         ("## Keys at the top of the file", _KEY_COLUMNS, _key_rows(())),
-        *((f"## [{name}]", _KEY_COLUMNS, _key_rows(tuple(name.split(".")))) for name in tables),
+        *(
+            (f"## {heading(tuple(name.split('.')))}", _KEY_COLUMNS, _key_rows(tuple(name.split("."))))
+            for name in tables
+        ),
     ]
     return "\n".join(line for section in sections for line in _section(*section))
 
 
-def _section(heading: str, columns: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> Iterator[str]:
-    table = heading.removeprefix("## ").strip("[]")
+def _section(title: str, columns: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> Iterator[str]:
+    table = title.removeprefix("## ").strip("[]")
     about = [str(field_at(tuple(table.split(".")), "").description) + ".", ""] if table in key_names() else []
-    yield from (heading, "", *(line[:1].upper() + line[1:] for line in about))
+    yield from (title, "", *(line[:1].upper() + line[1:] for line in about))
     yield from (_row(columns), "|" + "---|" * len(columns), *map(_row, rows), "")
 
 

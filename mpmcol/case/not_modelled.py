@@ -20,7 +20,7 @@ _ANSWERS = {
     "water|pore|fluid|saturation|saturated|permeability|moisture|suction|drained|undrained": (
         "pore fluid is not modelled: the material is dry"
     ),
-    "layer|layers|layering|stratum|strata": "layers are not modelled: the column is of one material",
+    "layer|layering|stratum|strata": "layers of the column are [[layers]]",
     "obstacle|obstacles|barrier|barriers|baffle|pillar": "obstacles are not modelled",
     "viscosity|viscous|inertial|rheology|mu_i|mu_s|mu_0|mu_2|mus|mu2|i_?0|d50|grain_(size|diameter)|rate_dependent": (
         "dependence on the rate of strain, such as mu(I), is not modelled; friction is material.friction_deg"

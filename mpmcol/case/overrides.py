@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from mpmcol.case.problem import Problem, case_error, set_option
 from mpmcol.case.toml_lines import KeyPath, TomlError, parse
 
 # an override of one of these removes the other
@@ -45,18 +46,31 @@ def _parsed(text: str) -> Any:
 
 
 def apply_overrides(tables: dict[str, Any], overrides: Mapping[KeyPath, Override]) -> None:
-    """Set the new values in `tables`, in place."""
+    """Set the new values in `tables`, in place. Raises CaseError for an item that an array of tables does not have."""
     for key, override in overrides.items():
         *path, name = key
-        table = tables
+        table: Any = tables
         for part in path:
-            if not isinstance(table.get(part), dict):
-                table[part] = {}
-            table = table[part]
+            table = _inside(table, part, override)
+        if isinstance(table, list):
+            table = _inside(table, name, override)
         table[name] = override.value
         other = _ALTERNATIVES.get(key)
         if other and (*path, other) not in overrides:
             table.pop(other, None)
+
+
+def _inside(table: Any, part: str, override: Override) -> Any:
+    """The table or array of tables at a part of the key; a new table where there is neither."""
+    if not isinstance(table, list):
+        if not isinstance(table.get(part), (dict, list)):
+            table[part] = {}
+        return table[part]
+    if part.isdecimal() and int(part) < len(table) and isinstance(table[int(part)], dict) and part != override.key[-1]:
+        return table[int(part)]
+    items = f"items 0 to {len(table) - 1}" if table else "no items"
+    message = f'"{part}" is no item of {override.key[0]} whose key can be set; it has {items}'
+    raise case_error([Problem(set_option(override.argument), None, ".".join(override.key), message, "")])
 
 
 def merge_cases(parent: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:

@@ -25,6 +25,9 @@ MATERIALS = {
         default=None,
         description="constitutive law; default: elastic, or that of material for a granular base",
     ),
+    ("layers", "material"): FieldInfo(
+        annotation=LawName, default=None, description="constitutive law; default: that of material, and no other"
+    ),
 }
 _EXTENDS = FieldInfo(
     annotation=str,
@@ -35,7 +38,11 @@ _EXTENDS = FieldInfo(
 
 @cache
 def fields_at(table: tuple[str, ...], law: str) -> dict[str, FieldInfo]:
-    """Fields of a table by name; () is the top level; the keys of materials depend on the law."""
+    """Fields of a table by name; () is the top level; the keys of materials depend on the law.
+
+    An index of an item in an array of tables is ignored.
+    """
+    table = without_indices(table)
     if not table:
         return {"extends": _EXTENDS, **fields.fields(Case)}
     if table in MATERIALS:
@@ -44,8 +51,19 @@ def fields_at(table: tuple[str, ...], law: str) -> dict[str, FieldInfo]:
         return {"law": MATERIALS[table]} | given | {"law": MATERIALS[table]} if given else {}
     *parent, name = table
     field = fields_at(tuple(parent), law).get(name)
-    inside = fields.subtable(field) if field else None
+    inside = (fields.subtable(field) or fields.item_table(field)) if field else None
     return fields.fields(inside) if inside else {}
+
+
+def without_indices(key: tuple[str, ...]) -> tuple[str, ...]:
+    """A key without the indices of items in arrays of tables."""
+    return tuple(name for name in key if not name.isdecimal())
+
+
+def heading(key: tuple[str, ...]) -> str:
+    """A table as in a case file: [grid], or [[layers]] for an array of tables."""
+    name = ".".join(without_indices(key))
+    return f"[[{name}]]" if fields.item_table(field_at(without_indices(key), "")) else f"[{name}]"
 
 
 def _optional(field: FieldInfo) -> FieldInfo:
@@ -86,7 +104,7 @@ def explain(key: str = "") -> str:
         raise UsageError(f"there is no key {fields.shown(key)}.{hint_for(key)} (mpmcol explain lists all keys)")
     path = tuple(key.split("."))
     inside = [name for name in names if name.startswith(key + ".")]
-    title = f"[{key}]" if inside else key
+    title = heading(path) if inside else key
     lines = [f"{title}   {field_at(path, '').description}"] if inside else [key, *_details(path)]
     return "\n".join([*lines, *(line for name in inside for line in _indented(name))])
 
@@ -132,34 +150,36 @@ def _default(field: FieldInfo) -> str:
 
 def json_schema() -> dict[str, Any]:
     """JSON schema of a case file: draft 4 without references, as TOML editors require it."""
-    schema = _table_schema(fields_at((), ""))
+    schema = _table_schema(())
     required = schema.pop("required")
     schema["anyOf"] = [{"required": ["extends"]}, {"required": required}]
     return {"$schema": "http://json-schema.org/draft-04/schema#", "title": "mpmcol case", **schema}
 
 
-def _table_schema(fields: dict[str, FieldInfo]) -> dict[str, Any]:
-    required = [name for name, field in fields.items() if field.is_required()]
-    properties = {name: _field_schema(name, field) for name, field in fields.items()}
+def _table_schema(table: tuple[str, ...], law: str = "") -> dict[str, Any]:
+    keys = fields_at(table, law)
+    required = [name for name, field in keys.items() if field.is_required()]
+    properties = {name: _field_schema((*table, name), field) for name, field in keys.items()}
     schema = {"type": "object", "properties": properties, "additionalProperties": False}
     return schema | ({"required": required} if required else {})
 
 
-def _material_schema(name: str, law: str) -> dict[str, Any]:
-    schema = _table_schema(fields_at((name,), law))
+def _material_schema(table: tuple[str, ...], law: str) -> dict[str, Any]:
+    schema = _table_schema(table, law)
     schema["properties"]["law"]["enum"] = [law]
     return schema
 
 
-def _field_schema(name: str, field: FieldInfo) -> dict[str, Any]:
-    if (name,) in MATERIALS:
-        described: dict[str, Any] = {"description": field.description}
-        # the law of the base may be omitted: several laws can then match
-        match = "oneOf" if MATERIALS[name,].is_required() else "anyOf"
-        return described | {match: [_material_schema(name, law) for law in LAWS]}
-    table = fields.subtable(field)
-    if table:
-        return {"description": field.description, **_table_schema(fields.fields(table))}
+def _field_schema(key: tuple[str, ...], field: FieldInfo) -> dict[str, Any]:
+    described: dict[str, Any] = {"description": field.description}
+    if key in MATERIALS:
+        # a law that may be omitted: several laws can then match
+        match = "oneOf" if MATERIALS[key].is_required() else "anyOf"
+        return described | {match: [_material_schema(key, law) for law in LAWS]}
+    if fields.subtable(field):
+        return described | _table_schema(key)
+    if fields.item_table(field):
+        return described | {"type": "array", "items": _table_schema(key)}
     schema = {"description": f"{field.description} ({fields.expected(field)})", **_value_schema(field)}
     plain = field.default not in (None, PydanticUndefined) and field.default != float("inf")
     return schema | ({"default": field.default} if plain else {})

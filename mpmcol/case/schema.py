@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
+from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from mpmcol.case.constraints import violations
+from mpmcol.case.materials import LayerTable, Material, check_layers, with_column_material, with_inherited_keys
 from mpmcol.case.slope import slope_factor
 from mpmcol.case.tables import (
     GeometryTable,
@@ -21,33 +21,11 @@ from mpmcol.case.tables import (
     integer,
 )
 from mpmcol.case.values import leaf_values
-from mpmcol.mpm.constitutive import LAWS, elastic
+from mpmcol.mpm.constitutive import elastic
 from mpmcol.units import Table, option
 
+MOST_LAYERS = {2: 14, 3: 2}  # by dimension: cells of a tile times materials are numbered in a byte
 MAX_TIME_FACTOR = 10.0  # default of stages.collapse.max_time_factor on a horizontal base
-
-if TYPE_CHECKING:
-
-    class Material(elastic.Elasticity):
-        """Keys that the materials of all laws have."""
-
-        law: str
-else:
-    _materials = tuple(law.Material for law in LAWS.values())
-    Material = Annotated[Union[_materials], Field(discriminator="law")]  # noqa: UP007
-
-
-def default_base_law(base: Any, law: str) -> str:
-    """Law of the base if the case names none: that of the column, `law`, for a granular bed."""
-    return law if base == "granular" else "elastic"
-
-
-def with_inherited_keys(base_material: Mapping[str, Any], material: Mapping[str, Any], base: Any) -> dict[str, Any]:
-    """The base's material with the keys of that of the column: all with the same law, else the elastic ones."""
-    law = base_material.get("law", default_base_law(base, str(material.get("law"))))
-    shared = material if material.get("law") == law else elastic.Elasticity.model_fields
-    inherited = {key: material[key] for key in shared if key in material}
-    return {**inherited, "law": law, **base_material}
 
 
 class Case(Table):
@@ -64,6 +42,9 @@ class Case(Table):
         default_factory=dict,
         validate_default=True,
         description="material of the base; keys that are not given are those of material",
+    )
+    layers: tuple[LayerTable, ...] = option(
+        "layers of the column with other parameters, on which the rest of the column lies or which lie in it", ()
     )
     method: MethodTable = option("variants of the material point method", MethodTable())
     time: TimeTable = option("time step", TimeTable())
@@ -91,6 +72,23 @@ class Case(Table):
             return {"law": "elastic", **base_material}
         return with_inherited_keys(base_material, material.model_dump(), geometry.base)
 
+    @field_validator("layers", mode="before")
+    @classmethod
+    def _resolve_layers(cls, layers: Any, info: ValidationInfo) -> Any:
+        """Resolve the keys of the layers that follow from the material of the column."""
+        material = info.data.get("material")
+        if not isinstance(layers, list):
+            return layers
+        return tuple(with_column_material(layer, material.model_dump() if material else {}) for layer in layers)
+
+    @field_validator("layers", mode="after")
+    @classmethod
+    def _check_layers(cls, layers: tuple[LayerTable, ...], info: ValidationInfo) -> tuple[LayerTable, ...]:
+        geometry, material = info.data.get("geometry"), info.data.get("material")
+        if geometry is not None and material is not None:
+            check_layers(layers, material.law, geometry.h_i, MOST_LAYERS[geometry.dimension])
+        return layers
+
     @field_validator("stages", mode="before")
     @classmethod
     def _resolve_from_material(cls, stages: Any, info: ValidationInfo) -> Any:
@@ -108,6 +106,11 @@ class Case(Table):
             if isinstance(own := given.get(stage, {}), dict):
                 filled[stage] = {**values, **own}
         return filled
+
+    @property
+    def materials(self) -> tuple[elastic.Elasticity, ...]:
+        """Materials by kind of the points: column, base, layers of the column."""
+        return (self.material, self.base_material, *(layer.material for layer in self.layers))
 
     @model_validator(mode="after")
     def _check_constraints(self) -> Case:

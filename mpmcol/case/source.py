@@ -14,7 +14,7 @@ from typing import Any
 from mpmcol.case.fields import nearest, shortened
 from mpmcol.case.overrides import Override, apply_overrides, merge_cases
 from mpmcol.case.problem import Problem, case_error
-from mpmcol.case.toml_lines import SYNTAX_ERROR, KeyPath, TomlError, locate, parse
+from mpmcol.case.toml_lines import SYNTAX_ERROR, KeyPath, TomlError, locate, parse, value_at
 from mpmcol.errors import CaseError
 
 MAX_FILE_SIZE = 200_000  # bytes
@@ -123,11 +123,10 @@ def read_chain(source: str | Path) -> list[Source]:
 
 
 def _has(tables: dict[str, Any], key: KeyPath) -> bool:
-    table: Any = tables
-    for name in key:
-        if not isinstance(table, dict) or name not in table:
-            return False
-        table = table[name]
+    try:
+        value_at(tables, key)
+    except KeyError:
+        return False
     return True
 
 

@@ -11,7 +11,7 @@ def strength_of(case: Case) -> Strength:
     material, geometry = case.material, case.geometry
     friction = getattr(material, "friction_deg", None) or getattr(material, "friction_residual_deg", None)
     weight = material.density * geometry.gravity * geometry.h_i
-    return Strength(friction, getattr(material, "cohesion", 0.0) / weight, geometry.slope_deg)
+    return Strength(friction, getattr(material, "cohesion", 0.0) / weight, geometry.slope_deg, bool(case.layers))
 
 
 def experiment_of(case: Case) -> Experiment:

@@ -79,11 +79,17 @@ def _error_line(text: str) -> int | None:
 def locate(text: str) -> Iterator[tuple[KeyPath, int]]:
     """Line on which each key and table begins, for a text that is valid as a whole.
 
-    In a text that takes too long to search, the last keys are omitted.
+    The path of an item of an array contains its index: ("layers", "0", "from"). In a text that takes too long to
+    search, the last keys are omitted.
     """
     seen: set[KeyPath] = set()
+    headers: dict[KeyPath, int] = {}  # number of [[headers]] of each array so far
+    lines = text.split("\n")
     for line, tables in _statements(text):
-        for path in _paths(tables or {}):
+        if lines[line - 1].lstrip().startswith("[[") and tables:
+            (path,) = (path for path in _array_paths(tables))
+            headers[path] = headers.get(path, 0) + 1
+        for path in _paths(tables or {}, headers):
             if path not in seen:
                 seen.add(path)
                 yield path, line
@@ -111,8 +117,37 @@ def _statements(text: str) -> Iterator[tuple[int, dict[str, Any] | None]]:
         header, start = statement if is_header else header, end
 
 
-def _paths(tables: dict[str, Any], prefix: KeyPath = ()) -> Iterator[KeyPath]:
+def _array_paths(tables: dict[str, Any], prefix: KeyPath = ()) -> Iterator[KeyPath]:
+    """Paths of arrays, which contain nothing else, as a [[header]] gives them."""
     for name, value in tables.items():
-        yield (*prefix, name)
         if isinstance(value, dict):
-            yield from _paths(value, (*prefix, name))
+            yield from _array_paths(value, (*prefix, name))
+        else:
+            yield (*prefix, name)
+
+
+def _paths(tables: dict[str, Any], headers: dict[KeyPath, int], prefix: KeyPath = ()) -> Iterator[KeyPath]:
+    for name, value in tables.items():
+        path = (*prefix, name)
+        yield path
+        if isinstance(value, dict) and path not in headers:
+            yield from _paths(value, headers, path)
+            continue
+        # a statement below a [[header]] belongs to the last item
+        items = value if isinstance(value, list) else [value]
+        for k, item in enumerate(items, headers.get(path, 1) - 1):
+            if isinstance(item, dict):
+                yield (*path, str(k))
+                yield from _paths(item, headers, (*path, str(k)))
+
+
+def value_at(tables: Any, key: KeyPath) -> Any:
+    """The value of a key, whose parts are names or indices. Raises KeyError."""
+    for name in key:
+        if isinstance(tables, dict) and name in tables:
+            tables = tables[name]
+        elif isinstance(tables, list) and name.isdecimal() and int(name) < len(tables):
+            tables = tables[int(name)]
+        else:
+            raise KeyError(name)
+    return tables

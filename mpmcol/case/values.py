@@ -13,11 +13,17 @@ if TYPE_CHECKING:
 
 
 def leaf_values(keys: Table, prefix: str = "") -> dict[str, Any]:
-    """Values of all keys by their dotted names, for example "stages.collapse.damping"."""
+    """Values of all keys by their dotted names, for example "stages.collapse.damping" or "layers.0.to"."""
     values: dict[str, Any] = {}
     for name, field in type(keys).model_fields.items():
         value, path = getattr(keys, name), prefix + (field.alias or name)
-        values |= leaf_values(value, path + ".") if isinstance(value, Table) else {path: value}
+        if isinstance(value, Table):
+            values |= leaf_values(value, path + ".")
+        elif isinstance(value, tuple) and any(isinstance(item, Table) for item in value):
+            for number, item in enumerate(value):
+                values |= leaf_values(item, f"{path}.{number}.")
+        else:
+            values[path] = value
     return values
 
 
@@ -28,6 +34,8 @@ def case_hash(case: Case) -> str:
     """
     content = case.model_dump(mode="json", by_alias=True, exclude={"title", "output", "score"})
     content["geometry"] |= {"aspect": None, "height": case.geometry.h_i}
+    if not case.layers:
+        del content["layers"]
     if case.geometry.dimension == 2:  # keys without a meaning in 2D
         del content["geometry"]["section"], content["geometry"]["depth"]
     if case.geometry.slope_deg == 0.0:  # without effect: the hash is that of a case without the key

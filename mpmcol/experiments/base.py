@@ -105,6 +105,7 @@ class Strength:
     friction_deg: float | None  # residual, of a softening material; None without a yield surface
     cohesion: float  # relative to rho g h_i
     slope_deg: float = 0.0  # of the base
+    has_layers: bool = False  # of different materials
 
 
 @dataclass(frozen=True)
@@ -142,6 +143,8 @@ class Experiment:
     def misfit(self, strength: Strength) -> str:
         """Why the column's material or base does not resemble that of the experiment; "" if both do."""
         lo, hi = self.friction_deg
+        if strength.has_layers:
+            return "for a column of one material; here it has layers"
         if strength.slope_deg:
             return f"for a horizontal base; here it slopes by {strength.slope_deg:g} deg"
         if strength.cohesion > MAX_COHESION:

@@ -133,7 +133,9 @@ def _numbers_text(value: Any) -> str:
 
 def measure_snapshot(snapshot: Snapshot, shape: ColumnShape) -> Measurement:
     """Measure the column's points of a snapshot; points with a non-finite position are left out."""
-    return measure(*_measured(snapshot, snapshot.column), shape)
+    position, mass, displacement = _measured(snapshot, snapshot.column)
+    material = snapshot.arrays["material"][snapshot.column]
+    return measure(position, shape.uniform_mass(mass, material), displacement, shape)
 
 
 def erosion_of(snapshot: Snapshot, shape: ColumnShape) -> Erosion:

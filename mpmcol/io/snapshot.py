@@ -42,8 +42,9 @@ COMPONENTS = {"velocity": "x y z", "displacement": "x y z", "stress": "xx yy zz 
 DESCRIPTIONS = {  # field data for viewers, which do not show HDF5 attributes
     "stress_components": COMPONENTS["stress"].split(),
     "stress_sign": ["tension positive"],
-    "material_ids": ["0 column", "1 base"],
+    "material_ids": ["0 column", "1 base", "2 first layer of the column"],
 }
+BASE_MATERIAL = 1
 ATTRIBUTES = {"velocity": "Vectors", "stress": "Tensors", "id": "GlobalIds"}
 DAMAGE = (OSError, KeyError, ValueError, TypeError, AttributeError, IndexError, RuntimeError, MemoryError)
 
@@ -58,8 +59,8 @@ class Snapshot:
     "velocity" (n, 3) m/s, "displacement" since the release (n, 3) m, "stress" (n, 6: xx yy zz xy yz xz) Pa, tension
     positive, "pressure" and "shear_stress" (n) of the mean stress of a cell, Pa, "volume_ratio" (n) J,
     "opening_strain" (n), "mass" (n) and "volume" (n) per metre in plane strain, per radian in axisymmetry, of the
-    modelled part in 3D, "material" (n) 0 column and 1 base, "id" (n), and the history variables of the constitutive
-    law by name.
+    modelled part in 3D, "material" (n) 0 column, 1 base, 2 and more the layers of the column, "id" (n), and the history
+    variables of the constitutive law by name.
     """
 
     time: float
@@ -76,7 +77,7 @@ class Snapshot:
     @property
     def column(self) -> np.ndarray:
         """Mask (n) of the points of the column; all others are points of the base."""
-        return self.arrays["material"] == 0
+        return self.arrays["material"] != BASE_MATERIAL
 
     @property
     def displacement_magnitude(self) -> np.ndarray:

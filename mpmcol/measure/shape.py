@@ -5,7 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import cos, pi, radians
 
+import numpy as np
+
 AZIMUTHS = {"quarter": (0.0, pi / 2.0), "full": (-pi, pi)}  # range of azimuth of the 3D models, rad
+
+
+@dataclass(frozen=True)
+class Layer:
+    """A layer of the column as released: heights of its ends above the base (m) and density (kg/m3)."""
+
+    lower: float
+    upper: float
+    density: float
 
 
 @dataclass(frozen=True)
@@ -17,10 +28,11 @@ class ColumnShape:
     r_i: float  # width, radius, or half-width in x of a box
     h_i: float
     spacing: float  # grid node spacing h
-    density: float  # at release
+    density: float  # at release, of the column without its layers
     point_size: float  # distance between neighbouring points at the start
     section: str = "cylinder"  # of a 3D column: "cylinder" | "box"
     depth: float | None = None  # half-depth of a box in z; r_i if None
+    layers: tuple[Layer, ...] = ()  # of the column
     slope_deg: float = 0.0  # inclination of the base, downward along x, degrees
 
     @property
@@ -84,4 +96,17 @@ class ColumnShape:
 
         J; per metre of width in plane strain, per radian in axisymmetry.
         """
-        return self.density * gravity * cos(radians(self.slope_deg)) * self.footprint * self.h_i**2 / 2.0
+        moment = self.density * self.h_i**2 / 2.0
+        for layer in self.layers:
+            moment += (layer.density - self.density) * (min(layer.upper, self.h_i) ** 2 - layer.lower**2) / 2.0
+        return moment * gravity * cos(radians(self.slope_deg)) * self.footprint
+
+    def uniform_mass(self, mass: np.ndarray, material: np.ndarray) -> np.ndarray:
+        """Masses (n,) that points would have with the density of the column: heights are mass over this density.
+
+        material: 0 for the column, 2 and more for its layers, (n,).
+        """
+        if not self.layers:
+            return mass
+        densities = np.array([self.density, np.nan, *(layer.density for layer in self.layers)])
+        return mass * (self.density / densities[material])

@@ -38,11 +38,12 @@ class Grid(NamedTuple):
 class Tiles(NamedTuple):
     """Order of sorted points: tile t holds points start[t] to start[t + 1], those of the base from split[t] on.
 
-    Points from start[n_tiles] are inactive.
+    Before them are those of the column, by material. Points from start[n_tiles] are inactive.
     """
 
     start: np.ndarray  # (n_tiles + 1,)
     split: np.ndarray  # (n_tiles,)
+    layers: np.ndarray  # (n_tiles, n_materials + 1) first point of each material of the column, then split
     grouped: np.ndarray  # (n_tiles,) grouped[group_start[g] : group_start[g + 1]] are tiles that share no node
     group_start: np.ndarray  # (n_groups + 1,)
     active: np.ndarray  # (n_active,) address in `nodes` of each tile that points can reach
@@ -52,7 +53,7 @@ class Tiles(NamedTuple):
 def no_tiles() -> Tiles:
     """The order of no points: kernels can be compiled with it."""
     none = np.zeros(0, np.int64)
-    return Tiles(none, none, none, none, none, np.zeros(0, np.uint8))
+    return Tiles(none, none, np.zeros((0, 2), np.int64), none, none, none, np.zeros(0, np.uint8))
 
 
 @device

@@ -26,7 +26,8 @@ os.environ.setdefault("GOMP_SPINCOUNT", "1000")
 import numba
 from numba import prange as prange
 from numba.core.caching import FunctionCache
-from numba.extending import register_jitable
+from numba.extending import overload, register_jitable
+from numba.np.unsafe.ndarray import to_fixed_tuple
 
 from mpmcol.errors import UsageError
 from mpmcol.mpm.cache_folder import cache_root
@@ -130,6 +131,22 @@ def variant(*frozen: Any) -> Callable[[F], F]:
 def device(function: F) -> F:
     """A formula: plain Python when called from Python, inlined when called from a kernel."""
     return register_jitable(forceinline=True, **CALLED_BY_KERNELS, **_FLAGS)(function)
+
+
+def make_unpack(size: int) -> Callable[[Any], tuple[float, ...]]:
+    """A formula that gives the `size` numbers of an array as a tuple."""
+
+    def unpack(values: Any) -> tuple[float, ...]:
+        return tuple(values.tolist())
+
+    @overload(unpack)
+    def compiled_unpack(values: Any) -> Callable[[Any], tuple[float, ...]]:
+        def implementation(values: Any) -> Any:
+            return to_fixed_tuple(values, size)  # type: ignore[call-arg]
+
+        return implementation
+
+    return unpack
 
 
 def phase(function: F) -> F:

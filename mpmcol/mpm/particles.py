@@ -22,7 +22,7 @@ from mpmcol.mpm.lanes import (
     X,
 )
 
-COLUMN, BASE = 0, 1  # kinds of points
+COLUMN, BASE, LAYER = range(3)  # kinds of points; from LAYER on, those of the layers of the column
 
 
 class Points:
@@ -76,7 +76,7 @@ class Points:
 
     @property
     def kind(self) -> np.ndarray:
-        """COLUMN or BASE (n,)."""
+        """COLUMN, BASE, or LAYER + k of the points of layer k (n,)."""
         return self.rows[:, KIND]
 
     @property

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -34,16 +35,26 @@ class Body(NamedTuple):
 
 
 class Solver:
-    """One simulation: points, grid, laws of column and base, clock and ledger."""
+    """One simulation: points, grid, laws of column, base and layers of the column, clock and ledger.
+
+    The layers have the law of the column with other parameters.
+    """
 
     def __init__(
-        self, points: Points, grid: Grid, settings: Settings, column: Body, base: Body, scheme: Scheme = PAPER
+        self,
+        points: Points,
+        grid: Grid,
+        settings: Settings,
+        column: Body,
+        base: Body,
+        scheme: Scheme = PAPER,
+        layers: Sequence[Body] = (),
     ) -> None:
         self.points = points
         self.grid = grid
         self.settings = settings
         self.scheme = scheme
-        self.bodies = (column, base)
+        self.bodies = (column, base, *layers)  # by kind of the points
         self.clock = np.zeros(loop.CLOCK)
         self.ledger = np.zeros(loop.LEDGER)
         self.tiles: Tiles | None = None
@@ -71,7 +82,7 @@ class Solver:
 
     def reset_time_step(self) -> None:
         """Set the time step of Eq. 35-36 from the present state."""
-        c2 = np.where(self.points.kind == BASE, self.bodies[BASE].wave_speed2, self.bodies[COLUMN].wave_speed2)
+        c2 = np.array([body.wave_speed2 for body in self.bodies])[self.points.kind.astype(np.intp)]
         speed = np.sqrt(c2 * self.points.J) + np.linalg.norm(self.points.v, axis=1)
         self.clock[loop.DT] = self.settings.cfl * self.grid.h / speed.max()
 
@@ -86,7 +97,8 @@ class Solver:
     def sort(self) -> None:
         """Put the points in order of tiles, inactive ones last, and list the tiles that active points can reach."""
         size = RECORD_SIZE[self.points.dimension]
-        self.set_tiles(Tiles(*sort_points(self.points.rows.reshape(-1), size, self.grid, *self.buffers, self.margin)))
+        rows, materials = self.points.rows.reshape(-1), len(self.bodies) - 1
+        self.set_tiles(Tiles(*sort_points(rows, size, self.grid, *self.buffers, self.margin, materials)))
         self.clock[loop.TRAVELLED] = 0.0
 
     def set_tiles(self, tiles: Tiles) -> None:
@@ -117,13 +129,19 @@ class Solver:
 
     def state(self) -> State:
         """What the compiled loop reads and writes; it takes steps only with sorted points."""
-        column, base = self.bodies
+        column, base, *layers = self.bodies
+        materials = (column, *layers)
         return State(
             rows=self.points.rows.reshape(-1),
             grid=self.grid,
             tiles=self.tiles or no_tiles(),
             settings=self.settings,
-            bodies=Bodies(column.params, base.params, column.wave_speed2, base.wave_speed2),
+            bodies=Bodies(
+                np.array([body.params for body in materials]),
+                base.params,
+                np.array([body.wave_speed2 for body in materials]),
+                base.wave_speed2,
+            ),
             smallest_mass=self.smallest_mass,
             node_report=self.node_report,
             tile_report=self.tile_report,
@@ -133,8 +151,8 @@ class Solver:
 
     def _call(self, end: float, steps: int) -> int:
         """Call the compiled loop once."""
-        column, base = self.bodies
-        time_loop = loop.make_time_loop(self.points.dimension, column.law, base.law, self.scheme)
+        laws = self.bodies[COLUMN].law, self.bodies[BASE].law
+        time_loop = loop.make_time_loop(self.points.dimension, *laws, self.scheme)
         return int(time_loop(self.state(), end, steps))
 
     def _adapt_call(self, steps: int, seconds: float) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from mpmcol.case import Case
 from mpmcol.measure import ColumnShape
+from mpmcol.measure.shape import Layer
 from mpmcol.setup.discretization import Discretization
 
 
@@ -19,5 +20,6 @@ def column_shape(case: Case, discretization: Discretization) -> ColumnShape:
         point_size=discretization.point_size,
         section=case.geometry.section,
         depth=discretization.depth,
+        layers=tuple(Layer(layer.from_, layer.to, layer.material.density) for layer in case.layers),
         slope_deg=case.geometry.slope_deg,
     )

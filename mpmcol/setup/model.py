@@ -13,7 +13,7 @@ from mpmcol.case import Case
 from mpmcol.mpm.boundary import AXIS, GATE, Boundary, apply_boundaries, face
 from mpmcol.mpm.constitutive import LAWS, elastic
 from mpmcol.mpm.grid import TILE, Grid, allocate_grid, node_coordinates
-from mpmcol.mpm.particles import BASE, Points
+from mpmcol.mpm.particles import BASE, LAYER, Points
 from mpmcol.mpm.settings import Scheme, Settings
 from mpmcol.mpm.solver import Body
 from mpmcol.setup.discretization import Discretization, discretize
@@ -31,9 +31,10 @@ ON_NODE = 1e-6  # in h: tolerance for a node to lie on an edge
 
 @dataclass(frozen=True)
 class StageSetup:
-    """What differs between stages: law of the column, parameters of the method, and extent of the active base."""
+    """What differs between stages: law of the column and its layers, method, and extent of the active base."""
 
     column: Body
+    layers: tuple[Body, ...]
     settings: Settings
     margin: int = 0  # tiles around the column beyond which the base is inactive; 0: all of it is active
 
@@ -87,10 +88,10 @@ def build_model(case: Case) -> Model:
         ),
         base=make_body(LAWS[case.base_material.law], case.base_material),
         equilibrate=StageSetup(
-            make_body(first_law, case.material), make_settings(case, discretization, stages.equilibrate.damping)
+            *column_bodies(first_law, case), make_settings(case, discretization, stages.equilibrate.damping)
         ),
         collapse=StageSetup(
-            make_body(law, case.material),
+            *column_bodies(law, case),
             make_settings(case, discretization, stages.collapse.damping),
             active_margin(discretization) if case.method.deactivate_base else 0,
         ),
@@ -126,6 +127,11 @@ def make_boundaries(grid: Grid, discretization: Discretization, gate_opening: fl
 def active_margin(discretization: Discretization) -> int:
     """Tiles around the column in which the base stays active: as wide as the base is thick."""
     return math.ceil(discretization.base / discretization.h / TILE - ON_NODE)
+
+
+def column_bodies(law: Any, case: Case) -> tuple[Body, tuple[Body, ...]]:
+    """The column and its layers, with this law."""
+    return make_body(law, case.material), tuple(make_body(law, layer.material) for layer in case.layers)
 
 
 def make_body(law: Any, material: Any) -> Body:
@@ -187,10 +193,12 @@ def make_points(case: Case, discretization: Discretization) -> Points:
     points = Points(len(column) + len(below), discretization.dimension)
     points.x[:] = np.concatenate([column, below])
     points.kind[len(column) :] = BASE
+    for number, layer in enumerate(case.layers):
+        points.kind[: len(column)][(column[:, 1] >= layer.from_) & (column[:, 1] < layer.to)] = LAYER + number
     area = size ** (discretization.dimension - 1)
     sizes = np.where(points.kind == BASE, area * size, area * dy)
     points.V0[:] = discretization.geometry.volumes(sizes, points.x)
-    points.m[:] = points.V0 * np.where(points.kind == BASE, case.base_material.density, case.material.density)
+    points.m[:] = points.V0 * np.array([material.density for material in case.materials])[points.kind.astype(np.intp)]
     return points
 
 
@@ -213,7 +221,16 @@ def assign_k0(case: Case, discretization: Discretization, points: Points) -> Non
     x, y, *z = points.x.T
     beyond = np.logical_or.reduce(discretization.beyond_column((x, *z)))
     is_base = points.kind == BASE
-    load = np.where(beyond, 0.0, case.material.density * (discretization.h_i - np.maximum(y, 0.0)))
+    load = np.where(beyond, 0.0, mass_above(case, discretization.h_i, np.maximum(y, 0.0)))
     vertical = -gravity * (load + np.where(is_base, case.base_material.density * -y, 0.0))
     horizontal = np.where(is_base, base_ratio, ratio) * vertical
     points.sigma = np.stack([horizontal, vertical, horizontal, *3 * [np.zeros_like(vertical)]], axis=1)
+
+
+def mass_above(case: Case, height: float, y: np.ndarray) -> np.ndarray:
+    """Mass of the column per area above positions y, kg/m2: that of its material, and what the layers differ by."""
+    mass = case.material.density * (height - y)
+    for layer in case.layers:
+        thickness = np.clip(min(layer.to, height) - np.maximum(y, layer.from_), 0.0, None)
+        mass += (layer.material.density - case.material.density) * thickness
+    return mass

@@ -6,7 +6,7 @@ import numpy as np
 
 from mpmcol.case import Case
 from mpmcol.mpm.kernels import loop
-from mpmcol.mpm.particles import BASE, Points
+from mpmcol.mpm.particles import Points
 from mpmcol.mpm.solver import Solver
 
 Energies = dict[str, float]
@@ -14,9 +14,9 @@ Energies = dict[str, float]
 
 def stored_energies(case: Case, points: Points) -> Energies:
     """Potential, kinetic and elastic energy of all points, J (per metre or per radian in two dimensions)."""
-    (xx, yy, zz, xy, yz, xz), is_base = points.sigma.T, points.kind == BASE
-    bulk = np.where(is_base, case.base_material.bulk_modulus, case.material.bulk_modulus)
-    shear = np.where(is_base, case.base_material.shear_modulus, case.material.shear_modulus)
+    (xx, yy, zz, xy, yz, xz), kind = points.sigma.T, points.kind.astype(np.intp)
+    bulk = np.array([material.bulk_modulus for material in case.materials])[kind]
+    shear = np.array([material.shear_modulus for material in case.materials])[kind]
     p = (xx + yy + zz) / 3.0
     deviator = (xx - p) ** 2 + (yy - p) ** 2 + (zz - p) ** 2 + 2.0 * (xy**2 + yz**2 + xz**2)
     gravity_x, gravity_y, _ = case.geometry.gravity_vector

@@ -6,13 +6,13 @@ fast or outside the domain (`failure.py`). A new check is a function and an entr
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from mpmcol.mpm.grid import NODE, Grid
-from mpmcol.mpm.particles import BASE, COLUMN
+from mpmcol.mpm.particles import COLUMN
 from mpmcol.mpm.solver import Solver
 from mpmcol.simulation.failure import (
     LOWER_TIME_STEP,
@@ -134,24 +134,30 @@ def time_step(state: CheckedState, limit: float) -> Violation | None:
     if ratio >= limit:
         return None
     points = solver.points
-    speed = np.sqrt(solver.bodies[COLUMN].wave_speed2 * points.J) + np.linalg.norm(points.v, axis=1)
+    c2 = np.array([body.wave_speed2 for body in solver.bodies])[points.kind.astype(np.intp)]
+    speed = np.sqrt(c2 * points.J) + np.linalg.norm(points.v, axis=1)
     return Violation("the time step collapsed, normalised by that of waves and free fall", ratio, int(speed.argmax()))
 
 
 def outside_surface(state: CheckedState, limit: float) -> Violation | None:
-    """The stress of no point of the column is outside a constant yield surface."""
-    return None if state.solver.bodies[COLUMN].law.STATE else _outside(state, limit)
+    """The stress of no point is outside a constant yield surface."""
+    return _outside(state, limit, (kind for kind, body in enumerate(state.solver.bodies) if not body.law.STATE))
 
 
 def outside_softened_surface(state: CheckedState, limit: float) -> Violation | None:
     """The same for a law with history, whose surface moves after the return mapping by the softening of one step."""
-    return _outside(state, limit) if state.solver.bodies[COLUMN].law.STATE else None
+    return _outside(state, limit, (kind for kind, body in enumerate(state.solver.bodies) if body.law.STATE))
 
 
-def _outside(state: CheckedState, limit: float) -> Violation | None:
+def _outside(state: CheckedState, limit: float, kinds: Iterable[int]) -> Violation | None:
+    """The first violation among points of these kinds."""
+    return next(filter(None, (_outside_of_kind(state, limit, kind) for kind in kinds)), None)
+
+
+def _outside_of_kind(state: CheckedState, limit: float, kind: int) -> Violation | None:
     solver, floor = state.solver, STRESS_FLOOR * state.stress
-    law, params = solver.bodies[COLUMN].law, solver.bodies[COLUMN].params
-    rows = np.flatnonzero(solver.points.kind != BASE)
+    law, params = solver.bodies[kind].law, solver.bodies[kind].params
+    rows = np.flatnonzero(solver.points.kind == kind)
     s1, s2, s3 = principal_stresses(*(component[rows] for component in solver.points.sigma.T))
     history = np.array([values[rows] for values in solver.points.history.T])
     scale = limit * (np.maximum(np.abs(s1), np.abs(s3)) + floor)

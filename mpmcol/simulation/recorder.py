@@ -75,7 +75,8 @@ class Recorder:
         started = time.perf_counter()
         points, solver = self.solver.points, self.solver
         column = (points.kind != BASE) & np.isfinite(sum(points.x.T))  # after a failure some may not be finite
-        measured = measure(points.x[column], points.m[column], None, self.shape)
+        mass = self.shape.uniform_mass(points.m[column], points.kind[column].astype(np.intp))
+        measured = measure(points.x[column], mass, None, self.shape)
         J_min, J_max = points.J.min(), points.J.max()
         self.extreme_J = [min(self.extreme_J[0], J_min), max(self.extreme_J[1], J_max)]
         row: dict[str, Any] = {

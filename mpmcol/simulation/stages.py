@@ -172,7 +172,7 @@ class Stages:
         """Set law and parameters of a stage, and compile or load its kernels."""
         progress, solver = self.simulation.progress, self.solver
         solver.settings = setup.settings._replace(cfl=progress.cfl_factor * setup.settings.cfl)
-        solver.bodies = (setup.column, self.model.base)
+        solver.bodies = (setup.column, self.model.base, *setup.layers)
         solver.margin = setup.margin
         self.simulation.show_progress(f"{name}: preparing kernels (compiled once, then cached)", 0.0)
         with progress.timed("compile"):

@@ -50,8 +50,8 @@ class PlannedRun:
     @property
     def steps(self) -> int:
         """Estimated number of time steps."""
-        base, column = self.case.base_material, self.case.material
-        dt = self.case.time.cfl * self.discretization.h / max(base.wave_speed, column.wave_speed)
+        fastest = max(material.wave_speed for material in self.case.materials)
+        dt = self.case.time.cfl * self.discretization.h / fastest
         return max(round(sum(durations(self.case, self.discretization)[0]) / dt), 1)
 
     @property

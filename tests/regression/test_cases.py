@@ -28,6 +28,7 @@ COARSE = {
     "bui-rods": ("grid.spacing=0.01",),
     "granular-bed": ("grid.spacing=0.0075", "geometry.aspect=1"),
     "inclined-channel": ("grid.spacing=0.02",),
+    "layered-column": ("grid.spacing=0.01", "geometry.aspect=1"),
     **OF_PAPER,
     **{twin: OF_PAPER[f"lube-{twin}"] for twin in TWINS},
 }
@@ -47,6 +48,7 @@ EXPECTED: dict[str, tuple[int, float, float, float, float]] = {
     "quickstart": (4754, 2.223691557, 2.223691557, 2.160848521, 0.369080814),
     "granular-bed": (2317, 1.028753042, 1.028753042, 1.028753042, 0.933558176),
     "bui-rods": (1654, 0.654307258, 0.654307258, 0.6443832, 0.998293409),
+    "layered-column": (1758, 1.094432895, 1.094432895, 1.094432895, 0.861452289),
     "inclined-channel": (1094, 0.886340247, 0.886340247, 0.886340247, 0.87517582),
 }
 

@@ -18,6 +18,7 @@ SMALL_CASES = {  # name -> shipped case and overrides, to be cut short with SHOR
     "slope": ("inclined-channel", "grid.spacing=0.02"),
     "axisymmetric": ("lube-cylinder", "grid.spacing=0.0139"),
     "base deactivated": ("lube-cylinder", "grid.spacing=0.0139", "method.deactivate_base=true"),
+    "layers": ("layered-column", "grid.spacing=0.015"),
     "granular bed": ("granular-bed", "grid.spacing=0.015"),
     "quarter": ("quarter", "grid.spacing=0.0194", "geometry.aspect=0.4", "stages.initial_stress=k0"),
     "musl": ("cylinder", "grid.spacing=0.0194", "method.stress_order=musl", "method.transfer=apic"),

@@ -45,7 +45,7 @@ def sorted_points(d: int) -> tuple[Points, Points, Grid, Tiles]:
     before, grid = mixed_points(d), allocate_grid(ORIGIN[:d], H, CELLS[d])
     after, zeros = Points(len(before), d), sort_buffers(grid)
     after.rows[:] = before.rows
-    tiles = Tiles(*sort_points(after.rows.reshape(-1), RECORD_SIZE[d], grid, *zeros, 0))
+    tiles = Tiles(*sort_points(after.rows.reshape(-1), RECORD_SIZE[d], grid, *zeros, 0, 1))
     assert not any(np.any(each) for each in zeros)
     return before, after, grid, tiles
 
@@ -123,7 +123,7 @@ def test_only_tiles_next_to_points_are_active() -> None:
     for d, expected in ((2, 9), (3, 27)):
         grid, point = allocate_grid((0.0,) * d, H, (40,) * d), Points(1, d)
         point.x[:] = 2.0 * H * TILE + 2.0 * H
-        active = Tiles(*sort_points(point.rows.reshape(-1), RECORD_SIZE[d], grid, *sort_buffers(grid), 0)).active
+        active = Tiles(*sort_points(point.rows.reshape(-1), RECORD_SIZE[d], grid, *sort_buffers(grid), 0, 1)).active
         assert len(active) == expected
         assert grid.ax[8] + grid.ay[8] + (grid.az[8] if d == 3 else 0) in active
 
@@ -170,7 +170,7 @@ def test_many_tiles_are_grouped_in_bands(d: int) -> None:
     centres = np.stack(np.meshgrid(*(axis,) * d, indexing="ij"), axis=-1).reshape(-1, d)
     points = Points(len(centres), d)
     points.x[:] = centres
-    tiles = Tiles(*sort_points(points.rows.reshape(-1), RECORD_SIZE[d], grid, *sort_buffers(grid), 0))
+    tiles = Tiles(*sort_points(points.rows.reshape(-1), RECORD_SIZE[d], grid, *sort_buffers(grid), 0, 1))
     position = (points.x / (H * TILE)).astype(int)
     assert sorted(tiles.grouped) == list(range(len(centres)))
     layers = [position[tiles.grouped[first:stop]] for first, stop in pairwise(tiles.group_start)]

@@ -27,11 +27,15 @@ class ConstitutiveLaw(Hashable, Protocol):
     def Material(self) -> type[Elasticity]:
         """Keys of the [material] table of a case file, with units, bounds and defaults."""
 
-    def make_params(self, material: Any) -> Any:
-        """Parameters of a `Material`: a NamedTuple of floats, among them bulk_modulus and shear_modulus (Pa).
+    @property
+    def PARAMS(self) -> Any:
+        """Class of the parameters: a NamedTuple of floats, among them bulk_modulus and shear_modulus (Pa).
 
-        Its class needs a name that no other law uses: Numba's disk cache identifies compiled code by it.
+        It needs a name that no other law uses: Numba's disk cache identifies compiled code by it.
         """
+
+    def make_params(self, material: Any) -> Any:
+        """Parameters of a `Material`."""
 
     def may_yield(self, s1: Any, s3: Any, history: Any, params: Any) -> Any:
         """A number above zero wherever `return_map` may change the stress."""

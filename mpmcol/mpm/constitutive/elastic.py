@@ -48,6 +48,9 @@ class ElasticParams(NamedTuple):
     shear_modulus: float
 
 
+PARAMS = ElasticParams
+
+
 def make_params(material: Elasticity) -> ElasticParams:
     """Elastic moduli of any material."""
     return ElasticParams(material.bulk_modulus, material.shear_modulus)

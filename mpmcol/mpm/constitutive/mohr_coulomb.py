@@ -49,6 +49,9 @@ class MohrCoulombParams(NamedTuple):
     apex: float
 
 
+PARAMS = MohrCoulombParams
+
+
 def make_params(material: Material) -> MohrCoulombParams:
     """Flow numbers of the angles, and the mean stress at the apex."""
     phi, psi = radians(material.friction_deg), radians(material.dilatancy_deg)

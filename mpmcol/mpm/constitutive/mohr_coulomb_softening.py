@@ -62,6 +62,9 @@ class SofteningParams(NamedTuple):
     weakest_n_phi: float
 
 
+PARAMS = SofteningParams
+
+
 def make_params(material: Material) -> SofteningParams:
     """Angles in radians, peak values as the excess over the residual ones."""
     phi_r, psi_r = math.radians(material.friction_residual_deg), math.radians(material.dilatancy_residual_deg)

@@ -44,7 +44,7 @@ def is_sort_cached() -> bool:
 def compile_sort() -> None:
     """Compile the sort, or load it from the cache, and sort one point."""
     rows, grid = np.zeros(RECORD_SIZE[2]), allocate_grid((0.0, 0.0), 1.0, (8, 8))
-    sort_points(rows, RECORD_SIZE[2], grid, *sort_buffers(grid), 0)
+    sort_points(rows, RECORD_SIZE[2], grid, *sort_buffers(grid), 0, 1)
 
 
 if __name__ == "__main__":

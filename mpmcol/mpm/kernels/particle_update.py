@@ -9,7 +9,7 @@ import numpy as np
 
 from mpmcol.mpm.boundary import Box, column_box, particle_limits
 from mpmcol.mpm.constitutive import ConstitutiveLaw
-from mpmcol.mpm.jit import device, phase, prange, variant
+from mpmcol.mpm.jit import device, make_unpack, phase, prange, variant
 from mpmcol.mpm.kernels.interpolation import make_interpolate, restore_columns, save_columns
 from mpmcol.mpm.kernels.stress import NO_FAULT, make_update_stress
 from mpmcol.mpm.kernels.transfer import make_transfer
@@ -26,9 +26,9 @@ SPEED, TRAVEL, WORK, NODE_WORK, FAULT, FILTER, TILE_REPORT = range(7)
 class Bodies(NamedTuple):
     """Parameters of the laws of column and base, and the squares of their wave speeds (m2/s2), Eq. 36."""
 
-    column: Any
+    column: np.ndarray  # (n_materials, n) those of each material of the column, in the order of PARAMS of its law
     base: Any
-    c2_column: float
+    c2_column: np.ndarray  # (n_materials,)
     c2_base: float
 
 
@@ -48,10 +48,10 @@ def make_update_points(
 
         Reads: nodes (v~, a). Writes: rows, report (n_tiles, 6). Eq. (26)-(34), and c_p + |v_p| of Eq. (35)-(36).
         """
-        nodes, start, split, cells = grid.nodes, tiles.start, tiles.split, tiles.cells
+        nodes, start, layers, cells = grid.nodes, tiles.start, tiles.layers, tiles.cells
         box, everywhere = column_box(grid, settings), Box(-np.inf, np.inf, np.inf, -np.inf, np.inf)
         limits, inv_h = particle_limits(grid, settings), 1.0 / grid.h
-        for t in prange(len(split)):
+        for t in prange(len(layers)):
             first, stop = start[t], start[t + 1]
             travel, node_work = splat(0.0), splat(0.0)
             averages = np.empty(stop - first + LANES)
@@ -66,8 +66,8 @@ def make_update_points(
                 travel, node_work = maximum(travel, abs(displacement)), node_work + work
             report[t, TRAVEL], report[t, NODE_WORK] = inv_h * largest_axis(travel), sum_axes(node_work)
             update_tile_stress(
-                rows, cells, first, split[t], stop, column, base, c2_column, c2_base, settings, box, everywhere, dt,
-                averages, report[t],
+                rows, cells, layers[t], stop, column, base, c2_column, c2_base, settings, box, everywhere, dt, averages,
+                report[t],
             )  # fmt: skip
             if affine:
                 for p in range(first, stop):
@@ -79,23 +79,30 @@ def make_update_points(
 def make_update_tile_stress(
     dimension: int, column_law: ConstitutiveLaw, base_law: ConstitutiveLaw, scheme: Scheme
 ) -> Callable[..., None]:
-    """The stress update of the points of a tile, first those of the column, then those of the base."""
+    """The stress update of the points of a tile, first those of each material of the column, then those of the base."""
     update_column = make_update_stress(dimension, column_law, scheme.volumetric_strain)
     update_base = make_update_stress(dimension, base_law, scheme.volumetric_strain)
+    Params = column_law.PARAMS
+    unpack = make_unpack(len(Params._fields))
 
     @device
     @variant(dimension, column_law, base_law, *scheme)
     def update_tile_stress(
-        rows, cells, first, split, stop, column, base, c2_column, c2_base, settings, box, everywhere, dt, averages,
-        report,
+        rows, cells, layers, stop, column, base, c2_column, c2_base, settings, box, everywhere, dt, averages, report
     ):  # fmt: skip
-        """Update points `first` to `stop`, of which those of the base start at `split`.
+        """Update points to `stop`: those of material k of the column from layers[k], of the base from the last of them.
 
         averages: of the filtered stress at these points, Pa. Writes WORK, SPEED, FAULT and FILTER of the report.
         """
-        work, speed, fault, lost = update_column(
-            rows, cells, first, split, column, settings, box, c2_column, dt, averages
-        )
+        first, split = layers[0], layers[len(column)]
+        work, speed, lost, fault = 0.0, 0.0, 0.0, NO_FAULT
+        for k in range(len(column)):
+            work_k, speed_k, fault_k, lost_k = update_column(
+                rows, cells, layers[k], layers[k + 1], Params(*unpack(column[k])), settings, box, c2_column[k], dt,
+                averages[layers[k] - first :],
+            )  # fmt: skip
+            work, speed, lost = work + work_k, max(speed, speed_k), lost + lost_k
+            fault = fault if fault != NO_FAULT else fault_k
         base_work, base_speed, base_fault, base_lost = update_base(
             rows, cells, split, stop, base, settings, everywhere, c2_base, dt, averages[split - first :]
         )

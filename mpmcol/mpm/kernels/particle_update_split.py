@@ -79,9 +79,9 @@ def make_update_stresses(
 
         Reads: nodes (v, q), pending. Writes: rows, report (n_tiles, 6). Eq. (28)-(34), c_p + |v_p| of Eq. (35)-(36).
         """
-        nodes, start, split, cells = grid.nodes, tiles.start, tiles.split, tiles.cells
+        nodes, start, layers, cells = grid.nodes, tiles.start, tiles.layers, tiles.cells
         box, everywhere = column_box(grid, settings), Box(-np.inf, np.inf, np.inf, -np.inf, np.inf)
-        for t in prange(len(split)):
+        for t in prange(len(layers)):
             first, stop = start[t], start[t + 1]
             matrices, averages = np.empty(matrix_size * (stop - first)), np.empty(stop - first + LANES)
             for p in range(first, stop):
@@ -95,8 +95,8 @@ def make_update_stresses(
                 if flat:
                     rows[o + L_ZZ] = extract(mean, VX) / rows[o + X] if settings.axisymmetric else 0.0
             update_tile_stress(
-                rows, cells, first, split[t], stop, column, base, c2_column, c2_base, settings, box, everywhere, dt,
-                averages, report[t],
+                rows, cells, layers[t], stop, column, base, c2_column, c2_base, settings, box, everywhere, dt, averages,
+                report[t],
             )  # fmt: skip
             for p in range(first, stop):
                 restore_columns(rows, p * size, dimension, matrices, matrix_size * (p - first))

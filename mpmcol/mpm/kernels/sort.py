@@ -13,6 +13,7 @@ from mpmcol.mpm.grid import TILE, Grid, tile_coordinates, tile_count
 from mpmcol.mpm.jit import device, kernel, prange
 from mpmcol.mpm.kernels.deactivation import hold_nodes, mark_active
 from mpmcol.mpm.lanes import KIND, X, Y, Z
+from mpmcol.mpm.particles import BASE
 from mpmcol.mpm.shape_functions.quadratic import base_node
 from mpmcol.mpm.simd import LANES, load, store
 
@@ -20,8 +21,12 @@ BAND = 512  # tiles; their nodes take 0.5 MiB in two dimensions, 2 MiB in three
 
 
 @kernel
-def sort_points(rows: np.ndarray, size: int, grid: Grid, count: np.ndarray, mark: np.ndarray, margin: int):
+def sort_points(
+    rows: np.ndarray, size: int, grid: Grid, count: np.ndarray, mark: np.ndarray, margin: int, materials: int
+):
     """Sort the records in `rows`, of `size` doubles each, by tile, kind and cell; returns the arrays of `Tiles`.
+
+    materials: number of those of the column; the points of the base follow those of all of them.
 
     Tiles more than `margin` tiles from the column are inactive: their points come last (margin 0: all are active).
     Reads: rows. Writes: rows, fixed if `margin` > 0, count (n_tiles,) and mark (n_tiles,) as scratch, zero on entry and
@@ -32,31 +37,33 @@ def sort_points(rows: np.ndarray, size: int, grid: Grid, count: np.ndarray, mark
     buckets = TILE**3 if grid.n_z > 1 else TILE**2
     tile_of, bucket_of = np.empty(n, np.int32), np.empty(n, np.uint8)
     for p in prange(n):
-        tile_of[p], bucket_of[p] = _locate(rows, p * size, grid, tiles, buckets)
+        tile_of[p], bucket_of[p] = _locate(rows, p * size, grid, tiles, buckets, materials)
     if margin > 0:
-        mark_active(tile_of, bucket_of, buckets, margin, tiles, mark)
+        mark_active(tile_of, bucket_of, materials * buckets, margin, tiles, mark)
     occupied, n_active = _occupied(tile_of, count, margin, mark)
     start = _starts(occupied, count)
     by_tile = np.empty(n, np.int32)
     for p in range(n):
         by_tile[count[tile_of[p]]] = p
         count[tile_of[p]] += 1
-    order, split = tile_of, np.empty(len(occupied), np.int64)  # reuses the memory of tile_of
+    order = tile_of  # reuses its memory
+    layers = np.empty((len(occupied), materials + 1), np.int64)
     cells = np.empty(n, np.uint8)
     for t in prange(len(occupied)):
-        split[t] = _sort_tile(by_tile, bucket_of, buckets, start[t], start[t + 1], order, cells)
+        _sort_tile(by_tile, bucket_of, buckets, start[t], start[t + 1], order, cells, layers[t])
         count[occupied[t]] = 0
     _permute(rows, size, order)
     grouped, group_start = _group(occupied[:n_active], tiles)
     active = _reachable(occupied[:n_active], grid, tiles, mark)
     if margin > 0:
         hold_nodes(active, occupied[n_active:], grid, tiles, mark)
-    return start[: n_active + 1], split[:n_active], grouped, group_start, active, cells
+    split = layers[:n_active, materials].copy()
+    return start[: n_active + 1], split, layers[:n_active], grouped, group_start, active, cells
 
 
 @device
-def _locate(rows, o, grid, tiles, buckets):
-    """Tile of a point and its bucket in the tile: cells of column points, then cells of base points."""
+def _locate(rows, o, grid, tiles, buckets, materials):
+    """Tile of a point and its bucket in the tile: cells of each material of the column, then cells of the base."""
     i = base_node((rows[o + X] - grid.origin_x) / grid.h, grid.n_x)
     j = base_node((rows[o + Y] - grid.origin_y) / grid.h, grid.n_y)
     k = base_node((rows[o + Z] - grid.origin_z) / grid.h, grid.n_z) if grid.n_z > 1 else 0
@@ -64,7 +71,9 @@ def _locate(rows, o, grid, tiles, buckets):
     cell = (i % TILE) * TILE + j % TILE
     if grid.n_z > 1:
         cell = cell * TILE + k % TILE
-    return tile, int(rows[o + KIND]) * buckets + cell
+    kind = int(rows[o + KIND])
+    place = materials if kind == BASE else max(kind - 1, 0)
+    return tile, place * buckets + cell
 
 
 @device
@@ -103,20 +112,20 @@ def _starts(occupied, count):
 
 
 @device
-def _sort_tile(by_tile, bucket_of, buckets, start, stop, order, cells):
-    """Counting sort of the points of a tile by bucket, stored in `cells`; returns where those of the base start."""
-    position = np.zeros(2 * buckets + 1, np.int64)
+def _sort_tile(by_tile, bucket_of, buckets, start, stop, order, cells, layers):
+    """Counting sort of the points of a tile by bucket, stored in `cells`; `layers` receives where materials start."""
+    position = np.zeros(len(layers) * buckets + 1, np.int64)
     for k in range(start, stop):
         position[bucket_of[by_tile[k]] + 1] += 1
     position[0] = start
-    for bucket in range(2 * buckets):
+    for bucket in range(len(layers) * buckets):
         position[bucket + 1] += position[bucket]
-    split = position[buckets]
+    for k in range(len(layers)):
+        layers[k] = position[k * buckets]
     for k in range(start, stop):
         bucket = bucket_of[by_tile[k]]
         order[position[bucket]], cells[position[bucket]] = by_tile[k], bucket
         position[bucket] += 1
-    return split
 
 
 @device

@@ -18,7 +18,7 @@ ASKED = {  # key -> part of the answer
     "geometry.inclination_deg": "geometry.slope_deg",
     "water.level": "pore fluid is not modelled",
     "material.pore_pressure": "pore fluid is not modelled",
-    "geometry.layers": "layers are not modelled",
+    "geometry.layer": "layers of the column are [[layers]]",
     "obstacle": "obstacles are not modelled",
     "material.mu_s": "rate of strain, such as mu(I), is not modelled",
     "material.grain_diameter": "rate of strain, such as mu(I), is not modelled",

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from mpmcol.case import key_names, markdown_reference, shipped_cases
+from mpmcol.case.reference import heading
 from tests.support.cli import invoke
 
 DOCUMENT = Path(__file__).parents[3] / "cases" / "README.md"
@@ -28,9 +29,9 @@ def test_the_command_prints_the_reference() -> None:
 @pytest.mark.parametrize("key", key_names())
 def test_every_key_is_listed_in_its_table(key: str) -> None:
     table, _, name = key.rpartition(".")
-    heading = f"## [{table}]\n" if table else "## Keys at the top of the file\n"
+    title = f"## {heading(tuple(table.split('.')))}\n" if table else "## Keys at the top of the file\n"
     is_table = any(other.startswith(key + ".") for other in key_names())
-    _, _, rest = markdown_reference().partition(f"## [{key}]\n" if is_table else heading)
+    _, _, rest = markdown_reference().partition(f"## {heading(tuple(key.split('.')))}\n" if is_table else title)
     section = rest.partition("\n## ")[0]
     assert section if is_table else f"\n| `{name}` | " in section
 

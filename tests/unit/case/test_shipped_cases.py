@@ -16,6 +16,7 @@ SHIPPED = [
     "cylinder",
     "granular-bed",
     "inclined-channel",
+    "layered-column",
     "lube-channel",
     "lube-channel-dense",
     "lube-channel-loose",

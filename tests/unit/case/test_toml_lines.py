@@ -17,4 +17,25 @@ def test_lines_of_all_kinds_of_statements() -> None:
         ("d", "i", "j"): 12,
         ("d", "i", "j", "k"): 12,
         ("l",): 13,
+        ("l", "0"): 13,
+    }
+
+
+def test_lines_of_arrays_of_tables() -> None:
+    text = "[[l]]\na.b = 1\n# [[l]]\n\n[[l]]\na = 2\n[l.c]\nd = 3\n[e]\nf = [\n{ g = 1 }, { g = 2 }]\n"
+    assert dict(locate(text)) == {
+        ("l",): 1,
+        ("l", "0"): 1,
+        ("l", "0", "a"): 2,
+        ("l", "0", "a", "b"): 2,
+        ("l", "1"): 5,
+        ("l", "1", "a"): 6,
+        ("l", "1", "c"): 7,
+        ("l", "1", "c", "d"): 8,
+        ("e",): 9,
+        ("e", "f"): 10,
+        ("e", "f", "0"): 10,
+        ("e", "f", "0", "g"): 10,
+        ("e", "f", "1"): 10,
+        ("e", "f", "1", "g"): 10,
     }

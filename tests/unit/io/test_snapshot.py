@@ -108,7 +108,7 @@ def test_single_file_in_pyvista(run, pyvista, monkeypatch: pytest.MonkeyPatch):
         assert mesh.field_data["TimeValue"] == [snapshot.time]
         assert list(mesh.field_data["stress_components"]) == ["xx", "yy", "zz", "xy", "yz", "xz"]
         assert list(mesh.field_data["stress_sign"]) == ["tension positive"]
-        assert list(mesh.field_data["material_ids"]) == ["0 column", "1 base"]
+        assert list(mesh.field_data["material_ids"]) == ["0 column", "1 base", "2 first layer of the column"]
         assert {"position m", "stress Pa", "mass kg/m"} <= set(mesh.field_data["units"])
 
 
@@ -140,7 +140,7 @@ def test_every_step_through_the_series(run, pyvista, monkeypatch: pytest.MonkeyP
         mesh = reader.read()
         points = mesh[0] if isinstance(mesh, pyvista.MultiBlock) else mesh
         assert_same_mesh(points, snapshot)
-        assert list(points.field_data["material_ids"]) == ["0 column", "1 base"]
+        assert list(points.field_data["material_ids"]) == ["0 column", "1 base", "2 first layer of the column"]
 
 
 def test_a_moved_run_still_opens(run, pyvista, tmp_path_factory: pytest.TempPathFactory):
