@@ -11,8 +11,8 @@ _FLOOR = "base|basal|bed|bottom|boundary|contact|floor|gate|ground|interface|wal
 # patterns of whole parts of a key, between dots and underscores -> answer; the first that matches applies
 _ANSWERS = {
     rf"({_FLOOR})_(material_)?(friction|mu|roughness|slip)|(friction|mu|roughness|slip)_({_FLOOR})": (
-        'friction with floor and walls is not modelled: geometry.base is an elastic layer or, as "rigid", a floor '
-        "without slip, and walls are smooth"
+        'friction with floor and walls has its own table: friction.floor with geometry.base = "rigid", and '
+        "friction.back_wall"
     ),
     "slope|sloped|inclination|inclined|incline|tilt|tilted": "slopes are not modelled: the floor is horizontal",
     "water|pore|fluid|saturation|saturated|permeability|moisture|suction|drained|undrained": (

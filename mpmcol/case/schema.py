@@ -9,6 +9,7 @@ from pydantic_core import PydanticCustomError
 
 from mpmcol.case.constraints import violations
 from mpmcol.case.tables import (
+    FrictionTable,
     GeometryTable,
     GridTable,
     MethodTable,
@@ -52,6 +53,7 @@ class Case(Table):
         default_factory=_elastic_part,
         description="material of the elastic base; default: density and elastic constants of material",
     )
+    friction: FrictionTable = option("Coulomb friction of floor and walls", FrictionTable())
     method: MethodTable = option("variants of the material point method", MethodTable())
     time: TimeTable = option("time step", TimeTable())
     stages: StagesTable = Field(default=StagesTable(), validate_default=True, description="stages of the run")

@@ -24,10 +24,14 @@ def leaf_values(keys: Table, prefix: str = "") -> dict[str, Any]:
 def case_hash(case: Case) -> str:
     """Twelve hexadecimal digits that identify the simulation.
 
-    Title, output and score have no influence, nor has the choice between height and aspect.
+    Title, output and score have no influence, nor have the choice between height and aspect and keys without a value
+    in the table friction.
     """
     content = case.model_dump(mode="json", by_alias=True, exclude={"title", "output", "score"})
     content["geometry"] |= {"aspect": None, "height": case.geometry.h_i}
     if case.geometry.dimension == 2:  # keys without a meaning in 2D
         del content["geometry"]["section"], content["geometry"]["depth"]
+    content["friction"] = {key: value for key, value in content["friction"].items() if value is not None}
+    if not content["friction"]:
+        del content["friction"]
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:12]

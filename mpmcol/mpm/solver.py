@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mpmcol.mpm.constitutive import ConstitutiveLaw
+from mpmcol.mpm.contact import Contacts, no_contacts
 from mpmcol.mpm.grid import Grid, Tiles, no_tiles
 from mpmcol.mpm.jit import compiled_calls
 from mpmcol.mpm.kernels import loop
@@ -34,13 +35,21 @@ class Body(NamedTuple):
 
 
 class Solver:
-    """One simulation: points, grid, laws of column and base, clock and ledger."""
+    """One simulation: points, grid, walls, laws of column and base, clock and ledger."""
 
     def __init__(
-        self, points: Points, grid: Grid, settings: Settings, column: Body, base: Body, scheme: Scheme = PAPER
+        self,
+        points: Points,
+        grid: Grid,
+        settings: Settings,
+        column: Body,
+        base: Body,
+        scheme: Scheme = PAPER,
+        contacts: Contacts | None = None,
     ) -> None:
         self.points = points
         self.grid = grid
+        self.contacts = contacts or no_contacts()
         self.settings = settings
         self.scheme = scheme
         self.bodies = (column, base)
@@ -121,6 +130,7 @@ class Solver:
         return State(
             rows=self.points.rows.reshape(-1),
             grid=self.grid,
+            contacts=self.contacts,
             tiles=self.tiles or no_tiles(),
             settings=self.settings,
             bodies=Bodies(column.params, base.params, column.wave_speed2, base.wave_speed2),

@@ -52,7 +52,7 @@ def estimate(case: Case, threads: int | None = None) -> Estimate:
     require_stiff_column(case)
     model = build_model(case)
     stage = model.equilibrate
-    solver = Solver(model.points, model.grid, stage.settings, stage.column, model.base, model.scheme)
+    solver = Solver(model.points, model.grid, stage.settings, stage.column, model.base, model.scheme, model.contacts)
     started = time.perf_counter()
     solver.prepare()
     compile_seconds = time.perf_counter() - started

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from mpmcol.case import Case
+from mpmcol.mpm.contact import friction_work, has_friction
 from mpmcol.mpm.kernels import loop
 from mpmcol.mpm.particles import BASE, Points
 from mpmcol.mpm.solver import Solver
@@ -30,10 +31,11 @@ def stored_energies(case: Case, points: Points) -> Energies:
 def energy_ledger(case: Case, solver: Solver, initial: Energies) -> Energies:
     """Energies and work since the ledger was started with the `initial` stored energies, J.
 
-    potential + kinetic + elastic + plastic + filter + damping + walls + transfer = constant, up to `residual`.
-    `filter` is the elastic energy that the stress filter takes, `plastic` the stress work that is neither stored nor
+    potential + kinetic + elastic + plastic + filter + damping + walls + wall_friction + transfer = constant, up to
+    `residual`; wall_friction is missing without walls that have it. `filter` is the elastic energy that the stress filter takes, `plastic` the stress work that is neither stored nor
     taken by it; `transfer` is what P2G and G2P take from the kinetic energy of the points and from their stress work.
     """
+    friction = {"wall_friction": friction_work(solver.contacts)} if has_friction(solver.contacts) else {}
     now, sums = stored_energies(case, solver.points), solver.ledger
     plastic = sums[loop.L_WORK] - sums[loop.L_FILTER] - (now["elastic"] - initial["elastic"])
     transfer = sums[loop.L_GRID] - (now["kinetic"] - initial["kinetic"])
@@ -41,7 +43,8 @@ def energy_ledger(case: Case, solver: Solver, initial: Energies) -> Energies:
     lost = {
         "filter": sums[loop.L_FILTER],
         "damping": sums[loop.L_DAMPING],
-        "walls": sums[loop.L_WALLS],
+        "walls": sums[loop.L_WALLS] - sum(friction.values()),
+        **friction,
         "transfer": transfer,
     }
     residual = sum(now.values()) - sum(initial.values()) + plastic + sum(lost.values())

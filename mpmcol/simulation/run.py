@@ -140,7 +140,7 @@ def start(
 ) -> Simulation:
     """A simulation at its start; its folder holds the resolved case."""
     stage = model.equilibrate
-    solver = Solver(model.points, model.grid, stage.settings, stage.column, model.base, model.scheme)
+    solver = Solver(model.points, model.grid, stage.settings, stage.column, model.base, model.scheme, model.contacts)
     recorder = Recorder(case, model, solver, folder, threads)
     recorder.open()
     recorder.start_ledger()
