@@ -169,7 +169,7 @@ CONSTRAINTS = (
     *(
         Constraint(
             (key, "method.wall_impulse"),
-            lambda value, impulse: value in (None, False) or impulse,
+            lambda value, impulse: value is None or value is False or impulse,
             "needs the reaction of walls, not {1}: set method.wall_impulse = true",
         )
         for key in ("friction.floor", "friction.back_wall", "output.wall_forces")

@@ -11,7 +11,7 @@ from pydantic_core import PydanticCustomError
 from mpmcol.case.constraints import FILTER_STRENGTH
 from mpmcol.experiments import EXPERIMENTS
 from mpmcol.mpm.constitutive import LAWS
-from mpmcol.units import Number, Table, option, quantity, to_unit
+from mpmcol.units import Number, Table, option, quantity
 
 if TYPE_CHECKING:
     LawName: TypeAlias = str
@@ -171,38 +171,26 @@ class MethodTable(Table):
         return {"stress_filter": "none" if data.get("kernel_correction") is False else "flow", **data}
 
 
-def _tangent(value: Any) -> Any:
-    """The tangent of a value that is an angle with a unit; any other value as it is."""
-    try:
-        return math.tan(to_unit(value, "rad")) if isinstance(value, str) and not _is_number(value) else value
-    except ValueError:
-        return value
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
-
-
-def coefficient(description: str) -> Any:
-    """Declare an optional coefficient of friction: a number, or a friction angle such as "22 deg"."""
-    field = quantity(f'{description}; or a friction angle such as "22 deg"', "", None, ge=0, le=10)
-    field.metadata.append(BeforeValidator(_tangent))
-    return field
-
-
 class FrictionTable(Table):
     """Coulomb friction of floor and walls, from which material may separate."""
 
-    floor: float | None = coefficient(
-        "friction coefficient mu of the rigid floor, 0 for a frictionless one; default: a floor without slip"
+    floor: float | None = quantity(
+        'coefficient mu of the rigid floor, or a friction angle such as "22 deg"; 0: frictionless; default: a floor '
+        "without slip",
+        "",
+        None,
+        ge=0,
+        le=10,
+        is_tangent=True,
     )
-    back_wall: float | None = coefficient(
-        "friction coefficient of the wall at x = 0 of a one-sided plane column; default: a smooth wall from which "
-        "material does not separate"
+    back_wall: float | None = quantity(
+        "coefficient of the wall at x = 0 of a one-sided plane column, or a friction angle; default: a smooth wall "
+        "from which material does not separate",
+        "",
+        None,
+        ge=0,
+        le=10,
+        is_tangent=True,
     )
 
 

@@ -14,13 +14,13 @@ class Dissipation:
 
     released: float  # J (per metre or per radian in two dimensions)
     friction: float  # plastic work
-    wall_friction: float  # friction on floor and walls
     damping: float  # local damping, Eq. 23
     walls: float  # without their friction
     transfer: float
     filter: float
     remaining: float  # kinetic, and elastic energy gained
     smooth_damping: float  # what damping takes from a smooth flow: 2 alpha_d times the largest kinetic energy
+    wall_friction: float = 0.0  # friction on floor and walls
 
     @property
     def numerical(self) -> float:

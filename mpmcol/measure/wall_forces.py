@@ -17,18 +17,22 @@ def column(wall: str, axis: str) -> str:
 
 
 def peak_forces(history: Mapping[str, np.ndarray], window: float) -> dict[str, Any] | None:
-    """The force on each wall at release, at the end, and its largest value between; None before the second row after it, or without forces.
+    """The force on each wall at release and at the end, and the largest one; None without forces.
+
+    Also None if the history after the release is shorter than the window.
 
     history: columns of history.csv; forces are means since the previous row. window: least time over which a force is
     averaged, s. Returns, by wall, magnitudes of the resultant (N, per metre or radian in two dimensions): "at_release",
     "peak", with "time", the end of its averaging (s), and "window", its duration (s), and "at_end".
     """
+    walls = dict.fromkeys(name.split(".")[1] for name in history if name.startswith("force."))
+    if not walls:
+        return None
     rows = history["stage"] != "equilibrate"
     time = history["time"][rows]
     first = np.searchsorted(time, time - window, side="right") - 1  # row at which the averaging begins
     last = np.flatnonzero(first >= 0)
-    walls = dict.fromkeys(name.split(".")[1] for name in history if name.startswith("force."))
-    if not walls or not len(last):
+    if not len(last):
         return None
     first, duration, peaks = first[last], time[last] - time[first[last]], {}
     for wall in walls:

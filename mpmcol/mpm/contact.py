@@ -45,7 +45,7 @@ def make_contacts(grid: Grid, boundaries: Iterable[Boundary]) -> Contacts:
     side, friction = np.zeros((2, len(address), 3))
     for each in walls:
         rows = np.broadcast_to(each.nodes, shape)[marked]
-        wall[rows, each.axis] = each.wall
+        wall[rows, each.axis] = NO_WALL if each.wall is None else each.wall
         if each.type == CONTACT:
             side[rows, each.axis] = 1.0 if each.side else -1.0
             friction[rows, each.axis] = each.friction
@@ -129,9 +129,7 @@ def touch_walls(
     contact = splat(has_friction)
     start = where_positive(contact, free, v)
     v_after, pressed = start, zero
-    rest = vector(
-        0.0, int(walls[slot, 0] < 0), int(walls[slot, 1] < 0), int(walls[slot, 2] < 0), 0.0, 0.0, 0.0, 0.0
-    )
+    rest = vector(0.0, int(walls[slot, 0] < 0), int(walls[slot, 1] < 0), int(walls[slot, 2] < 0), 0.0, 0.0, 0.0, 0.0)
     for axis in AXES:
         if walls[slot, axis] < 0:
             continue

@@ -32,8 +32,9 @@ def energy_ledger(case: Case, solver: Solver, initial: Energies) -> Energies:
     """Energies and work since the ledger was started with the `initial` stored energies, J.
 
     potential + kinetic + elastic + plastic + filter + damping + walls + wall_friction + transfer = constant, up to
-    `residual`; wall_friction is missing without walls that have it. `filter` is the elastic energy that the stress filter takes, `plastic` the stress work that is neither stored nor
-    taken by it; `transfer` is what P2G and G2P take from the kinetic energy of the points and from their stress work.
+    `residual`; wall_friction is missing without walls that have it. `filter` is the elastic energy that the stress
+    filter takes, `plastic` the stress work that is neither stored nor taken by it; `transfer` is what P2G and G2P take
+    from the kinetic energy of the points and from their stress work.
     """
     friction = {"wall_friction": friction_work(solver.contacts)} if has_friction(solver.contacts) else {}
     now, sums = stored_energies(case, solver.points), solver.ledger

@@ -31,7 +31,9 @@ def compile_kernels(source: str, overrides: Sequence[str] = ()) -> None:
 
     model = build_model(load_case(source, overrides))
     for stage in (model.equilibrate, model.collapse):
-        Solver(model.points, model.grid, stage.settings, stage.column, model.base, model.scheme, model.contacts).prepare()
+        Solver(
+            model.points, model.grid, stage.settings, stage.column, model.base, model.scheme, model.contacts
+        ).prepare()
 
 
 if __name__ == "__main__":

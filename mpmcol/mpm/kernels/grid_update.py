@@ -81,7 +81,8 @@ def update_grid(
 def find_velocities(grid: Grid, contacts: Contacts, tiles: Tiles, smallest_mass: float) -> None:
     """Velocity from momentum, zero where a boundary holds it, for a stress update without motion.
 
-    Walls with friction act as in `update_grid`, on the velocity alone. Reads: nodes (m, mv, m q), fixed. Writes: nodes (m, v, q). Eq. (21).
+    Walls with friction act as in `update_grid`, on the velocity alone. Reads: nodes (m, mv, m q), fixed, contacts.
+    Writes: nodes (m, v, q). Eq. (21).
     """
     nodes, fixed, slot, active, size = grid.nodes, grid.fixed, contacts.slot, tiles.active, grid.tile_doubles
     floor = MASS_FLOOR * smallest_mass

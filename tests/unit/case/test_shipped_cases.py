@@ -14,6 +14,7 @@ SHIPPED = [
     "channel-loose",
     "coarse-channel",
     "cylinder",
+    "frictional-floor",
     "lube-channel",
     "lube-channel-dense",
     "lube-channel-loose",
