@@ -180,6 +180,19 @@ CONSTRAINTS = (
         "needs a wall at x = 0, which only a one-sided plane column has, not {1}, {2}: remove it",
     ),
     Constraint(
+        ("friction.side_walls", "geometry.model"),
+        lambda mu, model: mu is None or model == "plane",
+        "needs a channel in plane strain, not {1}: remove it",
+    ),
+    *(
+        Constraint(
+            keys,
+            lambda one, other: one is None or other is not None,
+            "is given, but {1}: give both, or neither",
+        )
+        for keys in itertools.permutations(("friction.side_walls", "friction.channel_width"))
+    ),
+    Constraint(
         ("output.wall_forces", "method.deactivate_base"),
         lambda forces, deactivate: not forces or not deactivate,
         "must be false with {1}: an inactive base transmits no forces to the floor",

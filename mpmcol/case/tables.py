@@ -192,6 +192,16 @@ class FrictionTable(Table):
         le=10,
         is_tangent=True,
     )
+    side_walls: float | None = quantity(
+        "coefficient of the side walls of a channel that is modelled in plane strain, or a friction angle; needs "
+        "channel_width; default: smooth",
+        "",
+        None,
+        ge=0,
+        le=10,
+        is_tangent=True,
+    )
+    channel_width: float | None = quantity("distance W between the side walls", "m", None, gt=0)
 
 
 class TimeTable(Table):

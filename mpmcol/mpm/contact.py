@@ -2,6 +2,7 @@
 
 A marked node (`CONTACT_BIT` of its mask) has a row in a table: for each axis the wall whose normal has that axis, and
 the sums of its impulses. Rows are written by one tile each, so that sums do not depend on the number of threads.
+The side walls of a channel in plane strain act on the points instead (`mpmcol.mpm.kernels.side_walls`).
 """
 
 from __future__ import annotations
@@ -22,16 +23,19 @@ FRICTION_WORK, SUMS = 9, 10  # of a row: the impulse on the wall with normal axi
 
 
 class Contacts(NamedTuple):
-    """Table of the nodes on walls that have friction or whose impulse is recorded."""
+    """Table of the nodes on walls that have friction or whose impulse is recorded, and the side walls of a channel."""
 
     slot: np.ndarray  # (n_addresses,) int32: row of a marked node; empty without walls
     wall: np.ndarray  # (n, 3) int8: number of the wall whose normal is along the axis, or NO_WALL
     side: np.ndarray  # (n, 3): sign of the direction into a wall with friction; 0 for others
     friction: np.ndarray  # (n, 3): coefficient mu
-    sums: np.ndarray  # (n, SUMS): impulses on the walls (N s) and work of friction (J) since the start of the ledger
+    # (n + 1, SUMS): impulses on the walls (N s) and work of friction (J) since the start of the ledger; the last row is
+    # that of the side walls
+    sums: np.ndarray
+    side_friction: float  # 2 mu / W of the side walls of a channel of width W, 1/m; 0: none
 
 
-def make_contacts(grid: Grid, boundaries: Iterable[Boundary]) -> Contacts:
+def make_contacts(grid: Grid, boundaries: Iterable[Boundary], side_friction: float = 0.0) -> Contacts:
     """The table of all nodes of boundaries with the number of a wall; it must comprise all that are ever marked."""
     walls = [each for each in boundaries if each.wall is not None]
     shape = grid_shape(grid)
@@ -49,34 +53,39 @@ def make_contacts(grid: Grid, boundaries: Iterable[Boundary]) -> Contacts:
         if each.type == CONTACT:
             side[rows, each.axis] = 1.0 if each.side else -1.0
             friction[rows, each.axis] = each.friction
-    return Contacts(slot, wall, side, friction, np.zeros((len(address), SUMS)))
+    return Contacts(slot, wall, side, friction, np.zeros((len(address) + 1, SUMS)), side_friction)
 
 
 def no_contacts() -> Contacts:
     """The table of a model without such walls."""
     none = np.zeros((0, 3))
-    return Contacts(np.zeros(0, np.int32), np.zeros((0, 3), np.int8), none, none, np.zeros((0, SUMS)))
+    return Contacts(np.zeros(0, np.int32), np.zeros((0, 3), np.int8), none, none, np.zeros((1, SUMS)), 0.0)
 
 
 def wall_impulses(contacts: Contacts, walls: int) -> np.ndarray:
     """Impulse (walls, 3) on each of the first `walls` walls since the start of the ledger, N s."""
-    impulses = contacts.sums[:, :FRICTION_WORK].reshape(-1, 3, 3)
+    impulses = contacts.sums[:-1, :FRICTION_WORK].reshape(-1, 3, 3)
     return np.array([impulses[contacts.wall == number].sum(axis=0) for number in range(walls)]).reshape(walls, 3)
 
 
 def has_friction(contacts: Contacts) -> bool:
     """Whether any wall is one with friction."""
-    return bool(contacts.side.any())
+    return bool(contacts.side.any() or contacts.side_friction)
 
 
 def friction_sums(contacts: Contacts) -> np.ndarray:
-    """Work of friction (n,) at each node of walls with friction since the start of the ledger, J."""
-    return np.ascontiguousarray(contacts.sums[contacts.side.any(axis=1), FRICTION_WORK])
+    """Work of friction (n,) since the start of the ledger at each node of walls with it, and on the side walls, J."""
+    return contacts.sums[np.append(contacts.side.any(axis=1), contacts.side_friction > 0.0), FRICTION_WORK]
 
 
 def friction_work(contacts: Contacts) -> float:
     """Work of friction on all walls since the start of the ledger, J."""
     return float(friction_sums(contacts).sum())
+
+
+def side_work(contacts: Contacts) -> float:
+    """Work of friction on the side walls since the start of the ledger, J."""
+    return float(contacts.sums[-1, FRICTION_WORK])
 
 
 @device

@@ -22,7 +22,7 @@ from mpmcol.setup.geometry import VERTICAL
 from mpmcol.setup.memory import require_memory_for
 from mpmcol.setup.stability_limit import TRANSFER_COEFFICIENTS
 from mpmcol.setup.time_step import axis_gap
-from mpmcol.setup.walls import FACES, GATE_WALL, as_wall
+from mpmcol.setup.walls import FACES, GATE_WALL, as_wall, side_friction
 
 POSITION_FACTORS = {"trapezoid": 0.5, "paper": 1.0, "end": 0.0}
 FALL_MARGIN = 2.0  # particles ejected by others are faster than free fall
@@ -83,7 +83,7 @@ def build_model(case: Case) -> Model:
         discretization=discretization,
         points=points,
         grid=grid,
-        contacts=make_contacts(grid, make_boundaries(grid, discretization, gate_opening=0.0)),
+        contacts=make_contacts(grid, make_boundaries(grid, discretization, gate_opening=0.0), side_friction(case)),
         scheme=Scheme(
             stress_order=case.method.stress_order,
             affine=case.method.transfer == "apic",

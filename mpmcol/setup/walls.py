@@ -34,3 +34,9 @@ def as_wall(boundary: Boundary, name: str, walls: tuple[Wall, ...]) -> Boundary:
         if wall.name == name:
             return boundary._replace(wall=number, friction=wall.friction or 0.0)
     return boundary
+
+
+def side_friction(case: Case) -> float:
+    """2 mu / W of the side walls of a channel of width W, 1/m; 0 without friction."""
+    friction = case.friction
+    return 2.0 * (friction.side_walls or 0.0) / (friction.channel_width or 1.0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from mpmcol.case import Case
-from mpmcol.mpm.contact import friction_work, has_friction
+from mpmcol.mpm.contact import friction_work, has_friction, side_work
 from mpmcol.mpm.kernels import loop
 from mpmcol.mpm.particles import BASE, Points
 from mpmcol.mpm.solver import Solver
@@ -37,14 +37,15 @@ def energy_ledger(case: Case, solver: Solver, initial: Energies) -> Energies:
     from the kinetic energy of the points and from their stress work.
     """
     friction = {"wall_friction": friction_work(solver.contacts)} if has_friction(solver.contacts) else {}
+    on_sides = side_work(solver.contacts)  # taken from the points, not from the nodes
     now, sums = stored_energies(case, solver.points), solver.ledger
     plastic = sums[loop.L_WORK] - sums[loop.L_FILTER] - (now["elastic"] - initial["elastic"])
-    transfer = sums[loop.L_GRID] - (now["kinetic"] - initial["kinetic"])
+    transfer = sums[loop.L_GRID] - (now["kinetic"] - initial["kinetic"]) - on_sides
     transfer += sums[loop.L_NODE_WORK] - sums[loop.L_WORK]
     lost = {
         "filter": sums[loop.L_FILTER],
         "damping": sums[loop.L_DAMPING],
-        "walls": sums[loop.L_WALLS] - sum(friction.values()),
+        "walls": sums[loop.L_WALLS] - sum(friction.values()) + on_sides,
         **friction,
         "transfer": transfer,
     }

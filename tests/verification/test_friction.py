@@ -4,21 +4,33 @@ from __future__ import annotations
 
 from functools import cache
 from math import cos, radians, sin, tan
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from mpmcol.failure_modes.toolkit import G, advance_steps, advance_to, elastic_body, lattice, make_solver, points_at
+import mpmcol
+from mpmcol.failure_modes.toolkit import (
+    G,
+    advance_steps,
+    advance_to,
+    elastic_body,
+    kinetic_energy,
+    lattice,
+    make_solver,
+    points_at,
+)
 from mpmcol.mpm.boundary import CONTACT, NO_SLIP, Boundary, BoundaryType, apply_boundaries, face
 from mpmcol.mpm.contact import Contacts, friction_work, make_contacts, wall_impulses
 from mpmcol.mpm.grid import allocate_grid
 from mpmcol.mpm.kernels.loop import L_DAMPING, L_GRID, L_NODE_WORK, L_WALLS
-from mpmcol.mpm.particles import Points
+from mpmcol.mpm.particles import BASE, COLUMN, Points
 from mpmcol.mpm.settings import Settings
 from mpmcol.mpm.solver import Solver
 
 H, SIDE, STIFF = 0.1, 0.4, 1e7  # m, m, Pa
 SLOPE, MU = radians(24.0), tan(radians(15.0))
+WIDTH, PRESSURE = 0.5, 1000.0  # m, Pa
 PLATE = Settings(gravity_x=G * sin(SLOPE), gravity_y=-G * cos(SLOPE), cfl=0.4)
 LEVEL = Settings(gravity_y=-G, cfl=0.4)
 WEIGHTLESS = Settings(gravity_y=0.0, cfl=0.4)
@@ -170,3 +182,40 @@ def test_with_large_friction_a_floor_equals_one_without_slip(d: int) -> None:
         points.append((solver.points.x[order], wall_impulses(solver.contacts, 2)))
     np.testing.assert_allclose(points[0][0], points[1][0], rtol=1e-12)
     np.testing.assert_allclose(points[0][1], points[1][1], rtol=1e-9, atol=1e-9)
+
+
+def block_between_side_walls(mu: float, speed: float) -> Solver:
+    """A weightless block with a stress across the channel only, which moves without deformation."""
+    solver = block(2, WEIGHTLESS, 0.0, low=0.3)
+    points, stress = solver.points, np.zeros((len(solver.points), 6))
+    stress[:, 2] = -PRESSURE
+    points.sigma, points.kind[:] = stress, COLUMN
+    points.v[:, 0] = speed
+    solver.bodies = (solver.bodies[BASE], solver.bodies[BASE])
+    solver.contacts = solver.contacts._replace(side_friction=2.0 * mu / WIDTH)
+    return solver
+
+
+def test_side_walls_decelerate_a_block_by_the_friction_of_the_pressure_on_them() -> None:
+    """a = -(2 mu / W) p / rho until it stops, where it remains; the work is the loss of kinetic energy."""
+    solver = block_between_side_walls(0.4, speed=1.0)
+    points, mass = solver.points, solver.points.m.sum()
+    deceleration = 2.0 * 0.4 / WIDTH * PRESSURE / (mass / (points.V0.sum()))
+    advance_to(solver, 0.5 / deceleration)
+    assert momentum(points)[0] / mass == pytest.approx(1.0 - deceleration * solver.time, rel=1e-12)
+    assert friction_work(solver.contacts) == pytest.approx(0.5 * mass - kinetic_energy(points), rel=1e-12)
+    advance_to(solver, 2.0 / deceleration)
+    assert np.abs(solver.points.v).max() < 1e-15
+    assert friction_work(solver.contacts) == pytest.approx(0.5 * mass, rel=1e-12)
+
+
+def test_a_column_between_side_walls_with_friction_falls_slower_and_its_ledger_closes(tmp_path: Path) -> None:
+    case = ("coarse-channel", "grid.spacing=0.015", "output.snapshots=1", "stages.collapse.max_time_factor=3")
+    free, held = (
+        mpmcol.run(mpmcol.load_case(case[0], [*case[1:], *more]), tmp_path / str(len(more)), threads=1).summary
+        for more in ([], ["friction.side_walls=20 deg", "friction.channel_width=0.04"])
+    )
+    assert held["front"]["front_height"] < 0.97 * free["front"]["front_height"]
+    assert abs(held["ledger"]["residual"]) < 1e-10 * held["ledger"]["potential"]
+    assert 0.05 < held["dissipation"]["wall_friction"] < 0.5
+    assert "wall_friction" not in free["ledger"]
