@@ -8,8 +8,8 @@ from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, mo
 from pydantic_core import PydanticCustomError
 
 from mpmcol.case.constraints import violations
+from mpmcol.case.friction import FrictionTable
 from mpmcol.case.tables import (
-    FrictionTable,
     GeometryTable,
     GridTable,
     MethodTable,

@@ -18,17 +18,14 @@ def slow_point(rows: np.ndarray, o: int, rate: float) -> float:
     """Reduce the velocity of the point whose record starts at `o`; return its loss of kinetic energy, J/m.
 
     rate: 2 mu dt / W (s/m) for a channel of width W. The walls exert the force -(2 mu / W) p v / |v| per volume with
-    the pressure p = -sigma_zz on them, at most that which stops the point within the step (Jop, Forterre & Pouliquen
-    2005, doi:10.1017/S0022112005005987, for the balance of forces).
+    the pressure p = -sigma_zz on them, at most that which stops the point within the step.
     """
-    speed = np.sqrt(rows[o + VX] * rows[o + VX] + rows[o + VY] * rows[o + VY])
-    change = rate * max(-rows[o + S_ZZ], 0.0) * rows[o + J] * rows[o + V0] / rows[o + M]
-    if not speed > 0.0:
-        return 0.0
-    remaining = max(1.0 - change / speed, 0.0)
+    v2 = rows[o + VX] * rows[o + VX] + rows[o + VY] * rows[o + VY]
+    impulse, momentum = rate * max(-rows[o + S_ZZ], 0.0) * rows[o + J] * rows[o + V0], rows[o + M] * np.sqrt(v2)
+    remaining = 1.0 - impulse / momentum if impulse < momentum else 0.0
     rows[o + VX] *= remaining
     rows[o + VY] *= remaining
-    return 0.5 * rows[o + M] * speed * speed * (1.0 - remaining * remaining)
+    return 0.5 * rows[o + M] * v2 * (1.0 - remaining * remaining)
 
 
 @phase
