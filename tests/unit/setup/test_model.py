@@ -8,6 +8,7 @@ from mpmcol.case import load_case
 from mpmcol.mpm.settings import PAPER, Scheme
 from mpmcol.setup.discretization import discretize
 from mpmcol.setup.model import build_model
+from mpmcol.setup.time_step import case_limit
 
 
 @pytest.mark.parametrize(
@@ -69,3 +70,17 @@ def test_the_limit_in_a_message_is_itself_stable(overrides: list[str]) -> None:
     limit = warning.partition("exceeds ")[2].partition(",")[0]
     warnings = discretize(load_case("lube-channel", [*overrides, f"time.cfl={limit}"])).warnings
     assert not any("cfl" in text for text in warnings)
+
+
+@pytest.mark.parametrize(
+    ("overrides", "limit", "where"),
+    [
+        (["geometry.model=plane"], 0.549, "the smooth wall and the wall with friction"),
+        (["geometry.model=quarter", "grid.points_per_cell=8"], 0.507, "two smooth walls and the wall with friction"),
+    ],
+)
+def test_a_particle_that_separates_from_a_floor_with_friction_limits_the_time_step(
+    overrides: list[str], limit: float, where: str
+) -> None:
+    """It is less stable than beside a smooth floor (0.566 in plane strain) or one without slip (0.628)."""
+    assert case_limit(load_case("frictional-floor", overrides)) == (pytest.approx(limit, abs=1e-3), f"next to {where}")
