@@ -53,6 +53,7 @@ class Number:
     unit: str
     bounds: dict[str, float]
     allow_inf: bool = False
+    is_tangent: bool = False  # an angle with its unit is replaced by its tangent
 
     @cached_property
     def interval(self) -> str:
@@ -63,7 +64,8 @@ class Number:
     @cached_property
     def expected(self) -> str:
         """Description of the accepted values, for example "a number > 0 and < 0.5, in Pa"."""
-        return f"a number {self.interval}".rstrip() + (f", in {self.unit}" if self.unit else "")
+        angle = ', or an angle such as "22 deg"' if self.is_tangent else ""
+        return f"a number {self.interval}".rstrip() + (f", in {self.unit}" if self.unit else "") + angle
 
     def __call__(self, value: Any) -> float | None:
         """Convert and check a value; None stays None. Raises PydanticCustomError with the reason."""
@@ -81,7 +83,7 @@ class Number:
 
     def _convert(self, value: Any) -> float:
         if isinstance(value, str):
-            return to_unit(value, self.unit)
+            return tangent(value) if self.is_tangent else to_unit(value, self.unit)
         if isinstance(value, bool) or not isinstance(value, (int, float)):
             raise ValueError
         return float(value)
@@ -104,6 +106,7 @@ def quantity(
     lt: float | None = None,
     le: float | None = None,
     allow_inf: bool = False,
+    is_tangent: bool = False,
 ) -> Any:
     """Declare a key for a physical quantity; without a default it is required.
 
@@ -115,9 +118,10 @@ def quantity(
         default: default value in `unit`, or None for an optional key.
         gt, ge, lt, le: bounds in `unit`.
         allow_inf: whether inf is accepted.
+        is_tangent: whether a string with an angle, such as "22 deg", is accepted and replaced by its tangent.
     """
     limits = {"gt": gt, "ge": ge, "lt": lt, "le": le}
-    number = Number(unit, {name: bound for name, bound in limits.items() if bound is not None}, allow_inf)
+    number = Number(unit, {name: bound for name, bound in limits.items() if bound is not None}, allow_inf, is_tangent)
     field: FieldInfo = Field(default=default, description=description, json_schema_extra={"unit": unit})
     field.metadata += [number, BeforeValidator(number)]
     return field
@@ -143,6 +147,14 @@ def to_unit(text: str, unit: str) -> float:
         raise ValueError(f'"{written}" cannot be converted to {unit or "a number without unit"}')
     # rounded to 15 digits, so that "2 mm" is exactly 0.002
     return number if written == unit else float(f"{number * factor / divisor:.15g}")
+
+
+def tangent(text: str) -> float:
+    """A number, or the tangent of an angle with its unit; raises ValueError with the reason."""
+    try:
+        return to_unit(text, "")
+    except ValueError:
+        return math.tan(to_unit(text, "rad"))
 
 
 def duration_text(seconds: float) -> str:

@@ -39,7 +39,7 @@ def make_vector_steps(dimension: int, column_law: ConstitutiveLaw, base_law: Con
 
         Reads: settings, bodies. Writes: rows, nodes, reports, clock, ledger, times. Eq. (13)-(36).
         """
-        rows, grid, tiles, settings, bodies, smallest_mass, node_report, tile_report, clock, ledger = state
+        rows, grid, contacts, tiles, settings, bodies, smallest_mass, node_report, tile_report, clock, ledger = state
         column, base, c2_column, c2_base = bodies
         for k in range(len(times)):
             dt = clock[DT]
@@ -48,7 +48,7 @@ def make_vector_steps(dimension: int, column_law: ConstitutiveLaw, base_law: Con
             times[k, 1] = seconds()
             p2g(rows, grid, tiles, settings)
             times[k, 2] = seconds()
-            update_grid(grid, tiles, settings, smallest_mass, dt, node_report)
+            update_grid(grid, contacts, tiles, settings, smallest_mass, dt, node_report)
             times[k, 3] = seconds()
             update_points(rows, grid, tiles, settings, column, base, c2_column, c2_base, dt, tile_report)
             times[k, 4] = seconds()

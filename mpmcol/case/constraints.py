@@ -179,6 +179,42 @@ CONSTRAINTS = (
         'must not be "apic" with {1}: APIC requires shape functions that sum to one next to walls',
     ),
     Constraint(
+        ("friction.floor", "geometry.base"),
+        lambda mu, base: mu is None or base == "rigid",
+        'needs a rigid floor, not {1}: set geometry.base = "rigid"',
+    ),
+    *(
+        Constraint(
+            (key, "method.wall_impulse"),
+            lambda value, impulse: value is None or value is False or impulse,
+            "needs the reaction of walls, not {1}: set method.wall_impulse = true",
+        )
+        for key in ("friction.floor", "friction.back_wall", "output.wall_forces")
+    ),
+    Constraint(
+        ("friction.back_wall", "geometry.model", "geometry.release"),
+        lambda mu, model, release: mu is None or (model == "plane" and release == "one-sided"),
+        "needs a wall at x = 0, which only a one-sided plane column has, not {1}, {2}: remove it",
+    ),
+    Constraint(
+        ("friction.side_walls", "geometry.model"),
+        lambda mu, model: mu is None or model == "plane",
+        "needs a channel in plane strain, not {1}: remove it",
+    ),
+    *(
+        Constraint(
+            keys,
+            lambda one, other: one is None or other is not None,
+            "is given, but {1}: give both, or neither",
+        )
+        for keys in itertools.permutations(("friction.side_walls", "friction.channel_width"))
+    ),
+    Constraint(
+        ("output.wall_forces", "method.deactivate_base"),
+        lambda forces, deactivate: not forces or not deactivate,
+        "must be false with {1}: an inactive base transmits no forces to the floor",
+    ),
+    Constraint(
         ("method.deactivate_base", "geometry.base"),
         lambda deactivate, base: not deactivate or base == "elastic",
         "must be false with {1}: a rigid floor has no material points, and a granular bed moves",

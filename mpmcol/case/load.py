@@ -59,7 +59,8 @@ def resolved_toml(case: Case, derived: Mapping[str, str | float] | None = None) 
         case: the case.
         derived: derived numbers (time step, number of points, ...), appended as comments.
     """
-    tables = case.model_dump(by_alias=True, exclude_none=True)
+    values = case.model_dump(by_alias=True, exclude_none=True)
+    tables = {key: value for key, value in values.items() if value != {}}
     tables["material"] = {"law": case.material.law} | tables["material"]
     if not case.layers:
         del tables["layers"]

@@ -7,12 +7,13 @@ import re
 from mpmcol.case.toml_lines import KeyPath
 
 _LONGEST = 200  # characters of a key that are searched
-_FLOOR = "base|basal|bed|bottom|boundary|contact|floor|gate|ground|interface|wall"
+_WALL = "base|basal|bed|bottom|boundary|contact|gate|ground|interface|wall"
+_FRICTION = "friction|mu|roughness|slip"
 # patterns of whole parts of a key, between dots and underscores -> answer; the first that matches applies
 _ANSWERS = {
-    rf"({_FLOOR})_(friction|mu|roughness|slip)|(friction|mu|roughness|slip)_({_FLOOR})": (
-        'friction with floor and walls is not modelled: geometry.base is an elastic layer, a "granular" bed or, as '
-        '"rigid", a floor without slip, and walls are smooth'
+    rf"(floor|{_WALL})_({_FRICTION})|friction_({_WALL})|(mu|roughness|slip)_(floor|{_WALL})": (
+        'friction with floor and walls is given in the table friction: friction.floor, with geometry.base = "rigid", '
+        "and friction.back_wall"
     ),
     "slope(?!_deg)|sloped|inclination|inclined|incline|tilt|tilted": (
         "the slope of the base is geometry.slope_deg, in degrees"

@@ -8,6 +8,7 @@ from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, mo
 from pydantic_core import PydanticCustomError
 
 from mpmcol.case.constraints import violations
+from mpmcol.case.friction import FrictionTable
 from mpmcol.case.materials import LayerTable, Material, check_layers, with_column_material, with_inherited_keys
 from mpmcol.case.slope import slope_factor
 from mpmcol.case.tables import (
@@ -46,6 +47,7 @@ class Case(Table):
     layers: tuple[LayerTable, ...] = option(
         "layers of the column with other parameters, on which the rest of the column lies or which lie in it", ()
     )
+    friction: FrictionTable = option("Coulomb friction of floor and walls", FrictionTable())
     method: MethodTable = option("variants of the material point method", MethodTable())
     time: TimeTable = option("time step", TimeTable())
     stages: StagesTable = Field(default=StagesTable(), validate_default=True, description="stages of the run")

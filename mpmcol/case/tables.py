@@ -264,6 +264,9 @@ class OutputTable(Table):
         "times of the snapshots after release, increasing; replaces snapshots", None
     )
     compression: Literal["none", "gzip"] = option("compression of the snapshot files", "none")
+    wall_forces: bool = option(
+        "record the forces on floor, back wall and gate: columns of history.csv, and peaks in result.json", False
+    )
 
     @field_validator("times", mode="before")
     @classmethod

@@ -30,7 +30,8 @@ def leaf_values(keys: Table, prefix: str = "") -> dict[str, Any]:
 def case_hash(case: Case) -> str:
     """Twelve hexadecimal digits that identify the simulation.
 
-    Title, output and score have no influence, nor has the choice between height and aspect.
+    Title, output and score have no influence, nor have the choice between height and aspect and keys without a value
+    in the table friction.
     """
     content = case.model_dump(mode="json", by_alias=True, exclude={"title", "output", "score"})
     content["geometry"] |= {"aspect": None, "height": case.geometry.h_i}
@@ -40,4 +41,7 @@ def case_hash(case: Case) -> str:
         del content["geometry"]["section"], content["geometry"]["depth"]
     if case.geometry.slope_deg == 0.0:  # without effect: the hash is that of a case without the key
         del content["geometry"]["slope_deg"]
+    content["friction"] = {key: value for key, value in content["friction"].items() if value is not None}
+    if not content["friction"]:
+        del content["friction"]
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:12]

@@ -82,9 +82,12 @@ def _cost(summary: dict[str, Any]) -> Iterator[str]:
 def _quality(summary: dict[str, Any]) -> Iterator[str]:
     """Where the energy went, and how quiet the stresses are."""
     if shares := summary.get("dissipation"):
-        names = ("friction", "damping", "walls", "transfer", "filter")
+        names = ["friction", "damping", "walls", "transfer", "filter"]
+        if shares.get("wall_friction"):
+            names.insert(1, "wall_friction")
         released = f"{shares['released']:.3g} {summary.get('energy_unit', 'J')}"
-        yield f"energy released, {released}: " + ", ".join(f"{name} {100.0 * shares[name]:.1f} %" for name in names)
+        parts = (f"{name.replace('_', ' ')} {100.0 * shares[name]:.1f} %" for name in names)
+        yield f"energy released, {released}: " + ", ".join(parts)
     if stress := summary.get("stress"):
         yield (
             f"pressure over the weight at the foot: 99 % below {stress['pressure_p99']:.2f}, at most "

@@ -17,7 +17,7 @@ from mpmcol.io.checksums import has_checksum
 from mpmcol.io.names import CHECKPOINT_FILES
 
 CHECKSUM_SIZE = hashlib.sha256().digest_size  # bytes at the end of a file
-FORMAT = 5  # a run resumes from checkpoints of this format only
+FORMAT = 6  # a run resumes from checkpoints of this format only
 VALUES = "meta"  # name of the array that holds the plain values as JSON
 
 

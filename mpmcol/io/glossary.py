@@ -6,13 +6,14 @@ joined by dots; a part in capitals varies. In 3D a front and its zeta have the p
 
 from __future__ import annotations
 
-ENERGY, TAU = "J", "sqrt(h_i/g)"
+ENERGY, FORCE, TAU = "J", "N", "sqrt(h_i/g)"
 ENERGY_UNITS = {  # by model: in headers, and in words
     "plane": ("J/m", "J per metre of width"),
     "axisymmetric": ("J/rad", "J per radian"),
     "quarter": ("J", "J of the quarter that is modelled"),
     "full": ("J", "J of the whole column"),
 }
+FORCE_UNITS = {"plane": "N/m", "axisymmetric": "N/rad", "quarter": "N", "full": "N"}
 RESULT, HISTORY, MEASURE, TABLE, SLOPES = "result.json", "history.csv", "measure", "table.csv", "slopes.csv"
 
 Names = dict[str, tuple[str, str]]  # name -> unit ("" without one; ENERGY depends on the model), meaning
@@ -45,7 +46,8 @@ _ENERGIES: Names = {
     "plastic": (ENERGY, "plastic work: dissipated by friction"),
     "filter": (ENERGY, "work taken by the stress filter"),
     "damping": (ENERGY, "work taken by local damping (Eq. 23)"),
-    "walls": (ENERGY, "work taken by walls, floor and gate"),
+    "walls": (ENERGY, "work taken by walls, floor and gate, without friction"),
+    "wall_friction": (ENERGY, "work of Coulomb friction on floor and walls; only in runs with it"),
     "transfer": (ENERGY, "work taken by the transfers between points and grid (P2G and G2P)"),
     "residual": (ENERGY, "change of the sum of all energies and works: zero to round-off"),
 }
@@ -94,11 +96,19 @@ _DISSIPATION: Names = {
     "released": (ENERGY, "potential energy released since the opening of the gate"),
     "friction": ("", "share of the released energy that went into plastic work"),
     "damping": ("", "share that local damping took (Eq. 23)"),
-    "walls": ("", "share that walls, floor and gate took"),
+    "wall_friction": ("", "share that went into Coulomb friction on floor and walls"),
+    "walls": ("", "share that walls, floor and gate took, without friction"),
     "transfer": ("", "share that the transfers between points and grid took"),
     "filter": ("", "share that the stress filter took"),
     "remaining": ("", "share that is still kinetic, and elastic energy gained"),
     "smooth_damping": ("", "share that local damping takes from a smooth flow"),
+}
+_WALL_FORCES: Names = {
+    "at_release": (FORCE, "magnitude of the force before the opening of the gate"),
+    "peak": (FORCE, "largest magnitude of the mean force over `window` since the release"),
+    "time": ("s", "time since release at the end of that window"),
+    "window": ("s", "time over which the peak force is averaged, at least 5 h/c"),
+    "at_end": (FORCE, "magnitude of the mean force of the last row of the history"),
 }
 _STRESS: Names = {
     "weight_at_foot": ("Pa", "largest weight per area at the foot of the deposit"),
@@ -155,6 +165,7 @@ _HISTORY: Names = {
     "J_min": ("", "smallest volume ratio J of all points"),
     "J_max": ("", "largest volume ratio J of all points"),
     "open_points": ("", "number of points that have separated"),
+    "force.WALL.AXIS": (FORCE, "mean force on a wall since the previous row (output.wall_forces), by component"),
     "grid_kinetic": (ENERGY, "kinetic energy at the nodes, by which rest is detected"),
     "unbalanced": ("", "unbalanced force at the nodes over the weight"),
 }
@@ -216,6 +227,8 @@ NAMES: dict[str, Names] = {  # file or command -> its names
         **_nested("ledger", _ENERGIES),
         "dissipation": ("", "where the released energy went; null before the release"),
         **_nested("dissipation", _DISSIPATION),
+        "wall_forces": ("", "largest forces on floor, back wall and gate; null without output.wall_forces"),
+        **_nested("wall_forces.WALL", _WALL_FORCES),
         "stress": ("", "quality of the stresses of single points"),
         **_nested("stress", _STRESS),
         **_nested("errors", _SCORE),

@@ -169,8 +169,7 @@ def read_history(path: Path) -> dict[str, np.ndarray]:
         with path.open(encoding="utf-8", newline="") as file:
             columns = [without_unit(column) for column in next(csv.reader(file), [])]
             rows = list(csv.DictReader(file, columns))
-        return {
-            name: np.array([row[name] if name == "stage" else float(row[name]) for row in rows]) for name in HISTORY
-        }
+        names = [*HISTORY, *(name for name in columns if name not in HISTORY)]
+        return {name: np.array([row[name] if name == "stage" else float(row[name]) for row in rows]) for name in names}
     except (OSError, KeyError, TypeError, ValueError, csv.Error):
         raise OutputError(f"{path} is missing or damaged; run the case again with --fresh") from None

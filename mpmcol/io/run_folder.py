@@ -114,8 +114,9 @@ def write_history(folder: Path, rows: Sequence[Mapping[str, Any]], model: str = 
     model: geometry.model, on which the unit of energies depends; without it the unit is J.
     """
     text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerow(header(HISTORY, HISTORY_FILE, model))
-    csv.DictWriter(text, HISTORY, lineterminator="\n").writerows(rows)
+    names = [*HISTORY, *(name for name in (rows[0] if rows else {}) if name not in HISTORY)]
+    csv.writer(text, lineterminator="\n").writerow(header(names, HISTORY_FILE, model))
+    csv.DictWriter(text, names, lineterminator="\n").writerows(rows)
     atomic_write(folder / HISTORY_FILE, text.getvalue().encode())
 
 

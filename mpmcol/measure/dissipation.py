@@ -15,15 +15,16 @@ class Dissipation:
     released: float  # J (per metre or per radian in two dimensions)
     friction: float  # plastic work
     damping: float  # local damping, Eq. 23
-    walls: float
+    walls: float  # without their friction
     transfer: float
     filter: float
     remaining: float  # kinetic, and elastic energy gained
     smooth_damping: float  # what damping takes from a smooth flow: 2 alpha_d times the largest kinetic energy
+    wall_friction: float = 0.0  # friction on floor and walls
 
     @property
     def numerical(self) -> float:
-        """Share of transfer, filter and walls: a wall that material does not slide along does no physical work."""
+        """Share of transfer, filter and walls: apart from their friction, walls at rest do no physical work."""
         return self.transfer + self.filter + self.walls
 
     @property
@@ -35,7 +36,7 @@ class Dissipation:
 def dissipation(history: Mapping[str, np.ndarray], alpha_d: float) -> Dissipation | None:
     """Shares at the end of a history; None before the release, or if nothing was released.
 
-    history: columns of history.csv. alpha_d: local damping of the collapse.
+    history: columns of history.csv; wall_friction may be missing. alpha_d: local damping of the collapse.
     """
     flow = history["stage"] != "equilibrate"
     if not flow.any():
@@ -44,11 +45,13 @@ def dissipation(history: Mapping[str, np.ndarray], alpha_d: float) -> Dissipatio
     released = float(rows["potential"][0] - rows["potential"][-1])
     if not released > 0.0:
         return None
-    last = {name: float(rows[name][-1]) / released for name in ("plastic", "damping", "walls", "transfer", "filter")}
+    names = ("plastic", "damping", "walls", "transfer", "filter")
+    last = {name: float(rows[name][-1]) / released for name in names}
     remaining = sum(float(rows[name][-1] - rows[name][0]) for name in ("kinetic", "elastic")) / released
     return Dissipation(
         released=released,
         friction=last.pop("plastic"),
+        wall_friction=float(rows["wall_friction"][-1]) / released if "wall_friction" in rows else 0.0,
         **last,
         remaining=remaining,
         smooth_damping=2.0 * alpha_d * float(rows["kinetic"].max()) / released,

@@ -1,6 +1,7 @@
 """Boundary conditions: the table of their types, the nodes that they act on, and their action in the grid update.
 
-A new type is a row of `TYPES` and, where it does more than hold velocity components, code in `constrain`.
+A new type is a row of `TYPES` and, where it does more than hold velocity components, code in `constrain` or, for walls
+with friction, in `mpmcol.mpm.contact`.
 """
 
 from __future__ import annotations
@@ -15,8 +16,10 @@ from mpmcol.mpm.jit import device
 from mpmcol.mpm.settings import Settings
 from mpmcol.mpm.simd import vector, where_positive
 
-# bits of a node's mask: components held by boundaries, and those held because of inactive points
-HELD_BITS, INACTIVE_BITS = 0b000111, 0b111000
+# bits of a node's mask: components held by boundaries, those held because of inactive points, and whether the node has
+# a row in the table of contacts
+HELD_BITS, INACTIVE_BITS, CONTACT_BIT = 0b0000111, 0b0111000, 0b1000000
+BOUNDARY_BITS = HELD_BITS | CONTACT_BIT
 
 # Least distance of particles from a face, in h. Closer to a wall, and closer to the axis, a single particle would be
 # stiffer than the default time step allows (`mpmcol.setup.stability_limit`).
@@ -27,30 +30,37 @@ class BoundaryType(NamedTuple):
     """One row of the table of boundaries."""
 
     name: str
-    holds: Literal["all", "normal", "none"]  # components of the nodal velocity
+    holds: Literal["all", "normal", "none"]  # components of the nodal velocity; the rest is free or has friction
     gap: float = 0.0  # least distance of particles, in h
     zone_cells: int = 0  # cells in front of the face whose nodes are held above the base
     stop_cells: int = 0  # column points closer than this many cells stop the run
 
 
 NO_SLIP = BoundaryType("no-slip floor", "all", WALL_GAP)
+CONTACT = BoundaryType("wall with friction", "none", WALL_GAP)  # Coulomb friction; material may separate from it
 ROLLER = BoundaryType("smooth wall", "normal", WALL_GAP)  # a smooth wall, or a plane of symmetry
 AXIS = BoundaryType("axis", "normal", AXIS_GAP)
 OPEN_END = BoundaryType("open end", "normal", WALL_GAP, zone_cells=4, stop_cells=2)  # the zone arrests single particles
 FREE = BoundaryType("free", "none", WALL_GAP, stop_cells=2)  # the top of the domain
 GATE = BoundaryType("gate", "normal")
 INACTIVE = BoundaryType("inactive points", "all")  # set by `mpmcol.mpm.kernels.deactivation`
-TYPES = (NO_SLIP, ROLLER, AXIS, OPEN_END, FREE, GATE, INACTIVE)
+TYPES = (NO_SLIP, CONTACT, ROLLER, AXIS, OPEN_END, FREE, GATE, INACTIVE)
 
 Faces = tuple[tuple[BoundaryType, BoundaryType], ...]  # of the domain: low and high face along each axis
 
 
 class Boundary(NamedTuple):
-    """A boundary of a case: its type, the axis of its normal (0 to 2), and the nodes that it acts on."""
+    """A boundary of a case: its type, the axis of its normal (0 to 2), and the nodes that it acts on.
+
+    A wall with a number has its impulse recorded, and must have one if it is a CONTACT.
+    """
 
     type: BoundaryType
     axis: int
     nodes: np.ndarray  # boolean, broadcastable to (n_x, n_y[, n_z])
+    side: int = 0  # 0: the wall is below its nodes along the axis, 1: above them
+    wall: int | None = None  # number of the wall
+    friction: float = 0.0  # coefficient of a CONTACT
 
     def held_axes(self, dimension: int) -> Iterable[int]:
         """Axes of the velocity components that are held."""
@@ -61,13 +71,17 @@ def face(grid: Grid, kind: BoundaryType, axis: int, side: int, cells: int = 0) -
     """A boundary on the low (side 0) or high (side 1) face of the domain and on the `cells` cells in front of it."""
     shape = grid_shape(grid)
     index = np.arange(shape[axis]).reshape([-1 if k == axis else 1 for k in range(len(shape))])
-    return Boundary(kind, axis, (shape[axis] - 1 - index if side else index) <= cells)
+    return Boundary(kind, axis, (shape[axis] - 1 - index if side else index) <= cells, side)
 
 
 def apply_boundaries(grid: Grid, boundaries: Iterable[Boundary]) -> None:
-    """Hold the nodes of these boundaries and release all others; nodes beside inactive points stay held."""
-    d = len(grid_shape(grid))
-    _set_held(grid, ((axis, each.nodes) for each in boundaries for axis in each.held_axes(d)))
+    """Hold the nodes of these boundaries and release all others; nodes beside inactive points stay held.
+
+    Nodes of walls with a number are marked; they need a row in the solver's table (`mpmcol.mpm.contact`).
+    """
+    d, boundaries = len(grid_shape(grid)), tuple(boundaries)
+    held = [(1 << axis, each.nodes) for each in boundaries for axis in each.held_axes(d)]
+    _set_bits(grid, held + [(CONTACT_BIT, each.nodes) for each in boundaries if each.wall is not None])
 
 
 def hold_components(grid: Grid, *masks: np.ndarray | bool) -> None:
@@ -75,13 +89,13 @@ def hold_components(grid: Grid, *masks: np.ndarray | bool) -> None:
 
     All other components are released; nodes beside inactive points stay held.
     """
-    _set_held(grid, enumerate(masks))
+    _set_bits(grid, ((1 << axis, nodes) for axis, nodes in enumerate(masks)))
 
 
-def _set_held(grid: Grid, held: Iterable[tuple[int, Any]]) -> None:
+def _set_bits(grid: Grid, marked: Iterable[tuple[int, Any]]) -> None:
     bits, shape = np.zeros(padded_shape(grid), np.uint8), grid_shape(grid)
-    for axis, nodes in held:
-        bits[tuple(slice(n) for n in shape)] |= np.broadcast_to(nodes, shape).astype(np.uint8) << axis
+    for bit, nodes in marked:
+        bits[tuple(slice(n) for n in shape)] |= np.broadcast_to(nodes, shape).astype(np.uint8) * np.uint8(bit)
     blocks = node_blocks(grid, grid.fixed)
     blocks[:] = bits.reshape(blocks.shape) | (blocks & INACTIVE_BITS)
 
@@ -93,7 +107,7 @@ def inactive_nodes(grid: Grid) -> np.ndarray:
 
 def set_inactive_nodes(grid: Grid, nodes: np.ndarray) -> None:
     """Hold exactly these nodes because of inactive points (all components), beside those that boundaries hold."""
-    grid.fixed[:] &= HELD_BITS
+    grid.fixed[:] &= BOUNDARY_BITS
     grid.fixed[nodes] |= INACTIVE_BITS
 
 

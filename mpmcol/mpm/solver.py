@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mpmcol.mpm.constitutive import ConstitutiveLaw
+from mpmcol.mpm.contact import Contacts, no_contacts
 from mpmcol.mpm.grid import Grid, Tiles, no_tiles
 from mpmcol.mpm.jit import compiled_calls
 from mpmcol.mpm.kernels import loop
@@ -35,7 +36,7 @@ class Body(NamedTuple):
 
 
 class Solver:
-    """One simulation: points, grid, laws of column, base and layers of the column, clock and ledger.
+    """One simulation: points, grid, walls, laws of column, base and layers of the column, clock and ledger.
 
     The layers have the law of the column with other parameters.
     """
@@ -49,9 +50,11 @@ class Solver:
         base: Body,
         scheme: Scheme = PAPER,
         layers: Sequence[Body] = (),
+        contacts: Contacts | None = None,
     ) -> None:
         self.points = points
         self.grid = grid
+        self.contacts = contacts or no_contacts()
         self.settings = settings
         self.scheme = scheme
         self.bodies = (column, base, *layers)  # by kind of the points
@@ -134,6 +137,7 @@ class Solver:
         return State(
             rows=self.points.rows.reshape(-1),
             grid=self.grid,
+            contacts=self.contacts,
             tiles=self.tiles or no_tiles(),
             settings=self.settings,
             bodies=Bodies(

@@ -175,7 +175,7 @@ def energy_chart(
     """Draw the potential energy released since the first time, the other energies, and the residual of the balance.
 
     All are in per cent of the potential energy of the column at release. `energies` has (n,) arrays in J under
-    "potential", "residual" and the keys of ENERGY_STYLES.
+    "potential", "residual" and the keys of ENERGY_STYLES; "wall_friction" may be missing.
     """
     figure = Figure(figsize=(8.0, 6.0), layout="constrained")
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[4, 1])
@@ -187,7 +187,8 @@ def energy_chart(
 
     upper.plot(tau, -change("potential"), color="black", linewidth=2.2, label="potential energy released")
     for name, style in ENERGY_STYLES.items():
-        upper.plot(tau, change(name), **style)
+        if name in energies:  # wall_friction only in runs with friction
+            upper.plot(tau, change(name), **style)
     residual = change("residual")
     lower.plot(tau, residual, color="black")
     largest = float(np.abs(residual).max())
@@ -203,7 +204,8 @@ def energy_chart(
     figure.align_ylabels()
     ends = [
         EndLabel(tau[-1], y := float(line.get_ydata()[-1]), f"{line.get_label()}, {y:.1f} %", line.get_color())
-        for line in upper.lines[: 1 + len(ENERGY_STYLES)]
+        for line in upper.lines
+        if not str(line.get_label()).startswith("_")
     ]
     label_ends(upper, ends)
     label_ends(lower, [EndLabel(tau[-1], float(residual[-1]), f"largest residual {largest:.1g} %", "black")])

@@ -64,6 +64,7 @@ ENERGY_STYLES: dict[str, dict[str, Any]] = {  # columns of the history
     "elastic": {"label": "elastic energy", "linestyle": (0, (1, 1)), "color": "0.5"},
     "transfer": {"label": "dissipated by transfer", "linestyle": (0, (6, 2, 1, 2, 1, 2)), "color": "#009e73"},
     "walls": {"label": "dissipated at walls", "linestyle": (0, (8, 3)), "color": "0.3"},
+    "wall_friction": {"label": "friction on walls", "linestyle": (0, (4, 1, 1, 1)), "color": "#56b4e9"},
 }
 
 

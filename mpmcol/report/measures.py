@@ -18,7 +18,7 @@ FRONT_NAMES = {
     "front_connected": "Runout, without a gap (front_connected)",
     "front_max": "Runout, farthest point (front_max)",
 }
-SHARES = ("friction", "damping", "walls", "transfer", "filter")
+SHARES = ("friction", "wall_friction", "damping", "walls", "transfer", "filter")
 HEIGHT, ANGLE, END = "Height at the wall or axis", "Angle of repose", "End of the run"
 TIME_UNIT = "sqrt(h_i/g)"
 
@@ -79,7 +79,7 @@ def energy_measures(results: Results) -> list[Measure]:
     shares, stress = (results.summary.get(name) or {} for name in ("dissipation", "stress"))
     foot = stress.get("weight_at_foot")
     return [
-        *(Measure(f"Dissipated by {name}", _percent(shares.get(name))) for name in SHARES),
+        *(Measure(f"Dissipated by {name.replace('_', ' ')}", _percent(shares.get(name))) for name in SHARES),
         Measure("Weight of the deposit at its foot", "" if foot is None else f"{1e-3 * foot:.3g} kPa"),
         Measure(
             "Pressure that 99 % of the points do not exceed, over this weight", _percent(stress.get("pressure_p99"))

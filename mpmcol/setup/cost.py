@@ -14,7 +14,7 @@ from mpmcol.mpm.jit import set_threads
 from mpmcol.mpm.solver import Solver
 from mpmcol.setup.discretization import Discretization
 from mpmcol.setup.memory import memory_bytes
-from mpmcol.setup.model import build_model
+from mpmcol.setup.model import build_model, make_solver
 from mpmcol.setup.unfit_settings import require_stiff_column
 
 # typical durations: transits of a wave until a column rests behind its gate, and sqrt(h_i / g) until a collapse rests
@@ -53,7 +53,7 @@ def estimate(case: Case, threads: int | None = None) -> Estimate:
     require_stiff_column(case)
     model = build_model(case)
     stage = model.equilibrate
-    solver = Solver(model.points, model.grid, stage.settings, stage.column, model.base, model.scheme, stage.layers)
+    solver = make_solver(model, stage)
     started = time.perf_counter()
     solver.prepare()
     compile_seconds = time.perf_counter() - started

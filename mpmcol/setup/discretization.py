@@ -13,6 +13,7 @@ from mpmcol.mpm.boundary import OPEN_END, Faces
 from mpmcol.setup.domain import domain_size
 from mpmcol.setup.geometry import GEOMETRIES, Geometry, domain_faces, points_per_axis
 from mpmcol.setup.unfit_settings import setting_warnings
+from mpmcol.setup.walls import Wall, recorded_walls
 
 ROUNDING = 5e-5  # relative change of a length above which a warning is issued: less is 0.00 %
 
@@ -23,6 +24,7 @@ class Discretization:
 
     shape: str  # name of the geometry
     faces: Faces  # boundary types of the faces of the domain
+    walls: tuple[Wall, ...]  # those with friction or recorded forces, in the order of their numbers
     h: float
     r_i: float
     h_i: float
@@ -132,6 +134,7 @@ def discretize(case: Case) -> Discretization:
     return Discretization(
         shape=geometry.shape,
         faces=domain_faces(case),
+        walls=recorded_walls(case),
         h=h,
         r_i=geometry.r_i,
         h_i=geometry.h_i,

@@ -62,7 +62,10 @@ def _half_width(case: Case) -> float:
 
 
 def _friction_runout_factor(case: Case) -> float:
-    """Runout relative to that of the reference sand: inversely proportional to tan(friction), at least 1."""
+    """Runout relative to that of the reference sand: inversely proportional to the least friction, at least 1."""
     material = case.material
     friction = getattr(material, "friction_residual_deg", getattr(material, "friction_deg", REFERENCE_FRICTION))
-    return max(tan(radians(REFERENCE_FRICTION)) / tan(radians(max(friction, LEAST_FRICTION))), 1.0)
+    least = tan(radians(max(friction, LEAST_FRICTION)))
+    if case.friction.floor is not None:
+        least = min(least, max(case.friction.floor, tan(radians(LEAST_FRICTION))))
+    return max(tan(radians(REFERENCE_FRICTION)) / least, 1.0)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpmcol.case import Case
-from mpmcol.mpm.boundary import AXIS, FREE, NO_SLIP, OPEN_END, ROLLER, BoundaryType, Faces
+from mpmcol.mpm.boundary import AXIS, CONTACT, FREE, NO_SLIP, OPEN_END, ROLLER, BoundaryType, Faces
 
 Coordinates = tuple[np.ndarray, ...]
 VERTICAL = 1  # axis
@@ -65,8 +65,11 @@ GEOMETRIES = {
 def domain_faces(case: Case) -> Faces:
     """Boundary types of the low and high face of the domain along x, y and, in three dimensions, z."""
     geometry = GEOMETRIES[case.geometry.shape]
-    side = (OPEN_END if case.geometry.model == "full" else geometry.symmetry, OPEN_END)
-    return (side, (NO_SLIP, FREE), side)[: geometry.dimension]
+    floor = NO_SLIP if case.friction.floor is None else CONTACT
+    low_side = OPEN_END if case.geometry.model == "full" else geometry.symmetry
+    if case.friction.back_wall is not None:
+        low_side = CONTACT
+    return ((low_side, OPEN_END), (floor, FREE), (low_side, OPEN_END))[: geometry.dimension]
 
 
 def points_per_axis(case: Case) -> int:

@@ -13,12 +13,15 @@ from mpmcol.setup.discretization import Discretization
 # record of a point and of the last valid state, sorting, its share of the nodes in use, and copies made for a snapshot
 BYTES_PER_POINT = {2: 800, 3: 1060}
 BYTES_PER_NODE = 5  # masks, and the arrays that they are made from
+BYTES_PER_SLOT, BYTES_PER_CONTACT = 4, 135  # with friction or recorded forces: of each node, and of each on the floor
 
 
 def memory_bytes(discretization: Discretization) -> int:
     """Memory in use, bytes: of the node records, only those near material are ever touched."""
     points = discretization.most_points * BYTES_PER_POINT[discretization.dimension]
-    return points + prod(discretization.cells) * BYTES_PER_NODE
+    cells, cells_up = prod(discretization.cells), discretization.cells_up
+    contacts = cells * BYTES_PER_SLOT + cells // cells_up * BYTES_PER_CONTACT if discretization.walls else 0
+    return points + cells * BYTES_PER_NODE + contacts
 
 
 def grid_bytes(discretization: Discretization) -> int:

@@ -10,22 +10,25 @@ from typing import Any
 import numpy as np
 
 from mpmcol.case import Case
-from mpmcol.mpm.boundary import AXIS, GATE, Boundary, apply_boundaries, face
+from mpmcol.mpm.boundary import AXIS, CONTACT, GATE, Boundary, apply_boundaries, face
 from mpmcol.mpm.constitutive import LAWS, elastic
+from mpmcol.mpm.contact import Contacts, make_contacts
 from mpmcol.mpm.grid import TILE, Grid, allocate_grid, node_coordinates
 from mpmcol.mpm.particles import BASE, LAYER, Points
 from mpmcol.mpm.settings import Scheme, Settings
-from mpmcol.mpm.solver import Body
+from mpmcol.mpm.solver import Body, Solver
 from mpmcol.setup.discretization import Discretization, discretize
 from mpmcol.setup.geometry import VERTICAL
 from mpmcol.setup.memory import require_memory_for
 from mpmcol.setup.stability_limit import TRANSFER_COEFFICIENTS
 from mpmcol.setup.time_step import axis_gap
+from mpmcol.setup.walls import FACES, GATE_WALL, as_wall, side_friction
 
 POSITION_FACTORS = {"trapezoid": 0.5, "paper": 1.0, "end": 0.0}
 FALL_MARGIN = 2.0  # particles ejected by others are faster than free fall
 FLOW_SHEAR_RATE = 0.3  # of g / c, the strain rate that the filter itself causes at walls and surfaces
 FILTER_OPENING = 0.01  # opening strain of points that the stress filter no longer changes
+GATE_REACH = 3.0  # in h: distance beyond the gate that points before it can reach
 ON_NODE = 1e-6  # in h: tolerance for a node to lie on an edge
 
 
@@ -46,6 +49,7 @@ class Model:
     discretization: Discretization
     points: Points
     grid: Grid
+    contacts: Contacts
     scheme: Scheme
     base: Body
     equilibrate: StageSetup
@@ -80,6 +84,7 @@ def build_model(case: Case) -> Model:
         discretization=discretization,
         points=points,
         grid=grid,
+        contacts=make_contacts(grid, make_boundaries(grid, discretization, gate_opening=0.0), side_friction(case)),
         scheme=Scheme(
             stress_order=case.method.stress_order,
             affine=case.method.transfer == "apic",
@@ -98,6 +103,13 @@ def build_model(case: Case) -> Model:
     )
 
 
+def make_solver(model: Model, stage: StageSetup) -> Solver:
+    """The solver of a model at the beginning of a stage."""
+    return Solver(
+        model.points, model.grid, stage.settings, stage.column, model.base, model.scheme, stage.layers, model.contacts
+    )
+
+
 def set_boundaries(grid: Grid, discretization: Discretization, gate_opening: float) -> None:
     """Apply all boundaries of a case to its grid, with the gate open up to `gate_opening` (m; inf: no gate)."""
     apply_boundaries(grid, make_boundaries(grid, discretization, gate_opening))
@@ -106,22 +118,25 @@ def set_boundaries(grid: Grid, discretization: Discretization, gate_opening: flo
 def make_boundaries(grid: Grid, discretization: Discretization, gate_opening: float) -> Iterator[Boundary]:
     """The faces of the domain, the zones of open ends above the base, and the gate above the base and its opening.
 
-    The gate holds the nodes at and beyond the initial surface of the column.
+    The gate holds the nodes at and beyond the initial surface of the column. On a floor with slip, zones and gate
+    include its nodes.
     """
-    tolerance = ON_NODE * discretization.h
+    tolerance, walls = ON_NODE * discretization.h, discretization.walls
     x, y, *z = node_coordinates(grid)
-    above_base = y > tolerance
+    above_base = y > (-tolerance if discretization.faces[VERTICAL][0] == CONTACT else tolerance)
     for axis, (low, high) in enumerate(discretization.faces):
         for side, kind in enumerate((low, high)):
-            yield face(grid, kind, axis, side)
+            yield as_wall(face(grid, kind, axis, side), FACES.get((axis, side), ""), walls)
             if kind.zone_cells:
                 zone = face(grid, kind, axis, side, kind.zone_cells)
                 yield zone._replace(nodes=zone.nodes & above_base)
     closed = above_base & (y > gate_opening - tolerance)
     horizontal_axes = [axis for axis in range(discretization.dimension) if axis != VERTICAL]
     beyond = discretization.beyond_column((x, *z), tolerance)
-    for axis, nodes in zip(horizontal_axes, beyond, strict=True):
+    far = discretization.beyond_column((x, *z), -GATE_REACH * discretization.h)
+    for axis, nodes, out_of_reach in zip(horizontal_axes, beyond, far, strict=True):
         yield Boundary(GATE, axis, nodes & closed)
+        yield as_wall(Boundary(GATE, axis, nodes & closed & ~out_of_reach), GATE_WALL, walls)
 
 
 def active_margin(discretization: Discretization) -> int:

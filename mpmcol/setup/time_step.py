@@ -33,7 +33,8 @@ def case_limit(case: Case) -> tuple[float, str]:
     """The largest time.cfl for which a single particle of the column is stable everywhere, and its critical position.
 
     Along each axis the critical positions are midway between nodes, and as close to a wall, the floor or the axis as
-    particles are allowed. For linear shape functions it is a line of nodes, where no time step is stable.
+    particles are allowed; next to a wall with friction, a particle that separates from it is the least stable. For
+    linear shape functions it is a line of nodes, where no time step is stable.
     """
     if isinf(SHAPE_FUNCTIONS[case.method.basis].STIFFNESS):
         return 0.0, "on a line of nodes"

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator
-from math import ceil, degrees, pi, sqrt
+from math import atan, ceil, degrees, pi, radians, sin, sqrt
 
 from mpmcol.case import Case
 from mpmcol.case.slope import ENDLESS_REMEDY, endless_flow
@@ -115,6 +115,19 @@ def rigid_floor_without_reaction(case: Case, h: float) -> str | None:
     )
 
 
+def rough_floor(case: Case, h: float) -> str | None:
+    """Mohr-Coulomb without dilatancy mobilises sin(phi) in shear: the column yields before it slides on the floor."""
+    floor = case.friction.floor
+    angle = max((angle for _, angle in _angles(case, "friction_")), default=90.0)
+    if floor is None or floor < (mobilised := sin(radians(angle))):
+        return None
+    return (
+        f"friction.floor = {floor:.4g} ({degrees(atan(floor)):.3g} degrees): the column shears at sin({angle:g} "
+        f"degrees) = {mobilised:.3g} of the pressure before it slides, as on a floor without slip; set less than "
+        f"{mobilised:.3g}, or omit it"
+    )
+
+
 def friction_in_radians(case: Case, h: float) -> str | None:
     """Granular material has friction angles above 1.6 degrees, a right angle in radians."""
     for name, angle in _angles(case, "friction_"):
@@ -177,6 +190,7 @@ CHECKS: tuple[Callable[[Case, float], str | None], ...] = (
     few_cells,
     thin_bed,
     rigid_floor_without_reaction,
+    rough_floor,
     friction_in_radians,
     density_in_grams,
     endless_dilatancy,

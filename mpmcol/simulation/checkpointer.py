@@ -20,7 +20,14 @@ from mpmcol.simulation.state import RunState, Simulation
 
 INTERVAL = 300.0  # s of wall-clock time between two checkpoints
 NON_NUMERICAL_KEYS = ("title", "score.experiment")  # keys of a case that do not affect the state
-ARRAYS = ("points", "clock", "ledger", "initial_positions", "inactive")  # of a RunState, besides its tiles
+ARRAYS = (
+    "points",
+    "clock",
+    "ledger",
+    "contact_sums",
+    "initial_positions",
+    "inactive",
+)  # of a RunState, besides its tiles
 
 
 class Checkpointer:

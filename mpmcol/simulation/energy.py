@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from mpmcol.case import Case
+from mpmcol.mpm.contact import friction_work, has_friction, side_work
 from mpmcol.mpm.kernels import loop
 from mpmcol.mpm.particles import Points
 from mpmcol.mpm.solver import Solver
@@ -31,18 +32,22 @@ def stored_energies(case: Case, points: Points) -> Energies:
 def energy_ledger(case: Case, solver: Solver, initial: Energies) -> Energies:
     """Energies and work since the ledger was started with the `initial` stored energies, J.
 
-    potential + kinetic + elastic + plastic + filter + damping + walls + transfer = constant, up to `residual`.
-    `filter` is the elastic energy that the stress filter takes, `plastic` the stress work that is neither stored nor
-    taken by it; `transfer` is what P2G and G2P take from the kinetic energy of the points and from their stress work.
+    potential + kinetic + elastic + plastic + filter + damping + walls + wall_friction + transfer = constant, up to
+    `residual`; wall_friction is missing without walls that have it. `filter` is the elastic energy that the stress
+    filter takes, `plastic` the stress work that is neither stored nor taken by it; `transfer` is what P2G and G2P take
+    from the kinetic energy of the points and from their stress work.
     """
+    friction = {"wall_friction": friction_work(solver.contacts)} if has_friction(solver.contacts) else {}
+    on_sides = side_work(solver.contacts)  # taken from the points, not from the nodes
     now, sums = stored_energies(case, solver.points), solver.ledger
     plastic = sums[loop.L_WORK] - sums[loop.L_FILTER] - (now["elastic"] - initial["elastic"])
-    transfer = sums[loop.L_GRID] - (now["kinetic"] - initial["kinetic"])
+    transfer = sums[loop.L_GRID] - (now["kinetic"] - initial["kinetic"]) - on_sides
     transfer += sums[loop.L_NODE_WORK] - sums[loop.L_WORK]
     lost = {
         "filter": sums[loop.L_FILTER],
         "damping": sums[loop.L_DAMPING],
-        "walls": sums[loop.L_WALLS],
+        "walls": sums[loop.L_WALLS] - sum(friction.values()) + on_sides,
+        **friction,
         "transfer": transfer,
     }
     residual = sum(now.values()) - sum(initial.values()) + plastic + sum(lost.values())

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -18,11 +19,14 @@ MOST_STRESS_FREE, HIGHEST_PRESSURE = 0.1, 2.0  # share of the points; multiple o
 LOCKED = -0.5, 1.5  # percentiles 1 and 99 of the pressure over that weight, of material that bears tension
 
 
+def columns_of(rows: Sequence[Mapping[str, Any]]) -> dict[str, np.ndarray]:
+    """Columns of a history from its rows; before the first row only that of the stages."""
+    return {name: np.array([row[name] for row in rows]) for name in rows[0]} if rows else {"stage": np.array([])}
+
+
 def dissipation_of(simulation: Simulation) -> Dissipation | None:
     """Shares of the energy released so far; None before the release."""
-    rows = simulation.recorder.rows
-    history = {name: np.array([row[name] for row in rows]) for name in rows[0]} if rows else {"stage": np.array([])}
-    return dissipation(history, simulation.case.stages.collapse.damping)
+    return dissipation(columns_of(simulation.recorder.rows), simulation.case.stages.collapse.damping)
 
 
 def stress_quality_of(simulation: Simulation, snapshot: Snapshot) -> StressQuality | None:

@@ -27,6 +27,7 @@ from mpmcol.provenance import versions
 from mpmcol.setup.column_shape import column_shape
 from mpmcol.setup.model import Model
 from mpmcol.simulation.energy import Energies, energy_ledger, stored_energies
+from mpmcol.simulation.wall_forces import WallForces
 
 HISTORY_INTERVAL = 5.0  # s of wall-clock time between two writings of history.csv
 
@@ -41,6 +42,8 @@ class Recorder:
         self.case, self.model, self.solver = case, model, solver
         self.folder, self.threads = folder, threads
         self.shape = column_shape(case, model.discretization)
+        walls = [wall.name for wall in model.discretization.walls] if case.output.wall_forces else []
+        self.forces = WallForces(solver.contacts, walls, model.discretization.dimension)
         self.rows: list[dict[str, Any]] = []
         self.seconds = 0.0
         self.extreme_J = [1.0, 1.0]  # smallest and largest volume ratio so far
@@ -64,6 +67,8 @@ class Recorder:
         points = self.solver.points
         self.initial_positions = positions_by_id(points)
         self.solver.ledger[:] = 0.0
+        self.solver.contacts.sums[:] = 0.0
+        self.forces.start(self.solver.time)
         self.initial_energies: Energies = stored_energies(self.case, points)
 
     def energy_ledger(self) -> Energies:
@@ -92,6 +97,7 @@ class Recorder:
             "open_points": int(np.sum(points.opening > 0.0)),
             "grid_kinetic": solver.ledger[loop.L_KINETIC],
             "unbalanced": solver.ledger[loop.L_UNBALANCED],
+            **self.forces.columns(solver.time),
         }
         self.rows.append(row)
         if time.monotonic() - self._history_written > HISTORY_INTERVAL:
@@ -132,6 +138,7 @@ class Recorder:
         return {
             "rows": self.rows,
             "initial_energies": self.initial_energies,
+            "forces": self.forces.memory(),
             "extreme_J": [float(J) for J in self.extreme_J],
             "snapshots": dict(self.checksums),
             "seconds": self.seconds,
@@ -141,6 +148,7 @@ class Recorder:
         """Continue from `memory`, which is not changed; snapshots written after it will be overwritten."""
         self.rows, self.extreme_J = list(memory["rows"]), memory["extreme_J"]
         self.initial_energies, self.initial_positions = memory["initial_energies"], initial_positions
+        self.forces.set_memory(memory["forces"])
         self.seconds = memory["seconds"]
         self.checksums = dict(memory["snapshots"])
         self._written = [describe_snapshot(self.folder / name) for name in self.checksums]

@@ -18,10 +18,9 @@ from mpmcol.io.run_log import run_log
 from mpmcol.mpm.jit import CACHE_NOTE, set_threads
 from mpmcol.mpm.kernels import loop
 from mpmcol.mpm.particles import Points
-from mpmcol.mpm.solver import Solver
 from mpmcol.provenance import code_version
 from mpmcol.setup.cores import thread_note
-from mpmcol.setup.model import Model, build_model
+from mpmcol.setup.model import Model, build_model, make_solver
 from mpmcol.setup.unfit_settings import require_stiff_column
 from mpmcol.simulation.checkpointer import INTERVAL, Checkpointer
 from mpmcol.simulation.failure import failure_message
@@ -140,7 +139,7 @@ def start(
 ) -> Simulation:
     """A simulation at its start; its folder holds the resolved case."""
     stage = model.equilibrate
-    solver = Solver(model.points, model.grid, stage.settings, stage.column, model.base, model.scheme, stage.layers)
+    solver = make_solver(model, stage)
     recorder = Recorder(case, model, solver, folder, threads)
     recorder.open()
     recorder.start_ledger()

@@ -42,6 +42,7 @@ class RunState:
     clock: np.ndarray
     ledger: np.ndarray
     initial_positions: np.ndarray  # (n, d) by point id: displacements are measured from them
+    contact_sums: np.ndarray  # impulses on walls and work of friction
     inactive: np.ndarray  # addresses of the nodes that inactive points hold
     tiles: Tiles
     progress: Mapping[str, Any]  # fields of RunProgress
@@ -59,6 +60,7 @@ class RunState:
             points=self.points.copy(),
             clock=self.clock.copy(),
             ledger=self.ledger.copy(),
+            contact_sums=self.contact_sums.copy(),
             recorder={**self.recorder, "rows": list(self.recorder["rows"])},
         )
 
@@ -104,6 +106,7 @@ class Simulation:
             points=solver.points.rows,
             clock=solver.clock,
             ledger=solver.ledger,
+            contact_sums=solver.contacts.sums,
             initial_positions=self.recorder.initial_positions,
             inactive=inactive_nodes(solver.grid),
             tiles=solver.tiles,
@@ -117,6 +120,7 @@ class Simulation:
         self.progress = RunProgress(**deepcopy(dict(state.progress)))
         solver.points.rows[:] = state.points
         solver.clock[:], solver.ledger[:] = state.clock, state.ledger
+        solver.contacts.sums[:] = state.contact_sums
         set_boundaries(solver.grid, self.model.discretization, self.progress.gate_opening)
         set_inactive_nodes(solver.grid, state.inactive)
         solver.set_tiles(state.tiles)

@@ -7,7 +7,6 @@ from dataclasses import asdict
 from hashlib import sha256
 from typing import Any
 
-import numpy as np
 import psutil
 
 from mpmcol.case import case_hash, strength_of
@@ -15,9 +14,11 @@ from mpmcol.experiments import profile_scores, score
 from mpmcol.io.glossary import ENERGY_UNITS
 from mpmcol.io.results import RESULT_SCHEMA, erosion_of, measure_snapshot, measure_stop_time
 from mpmcol.io.snapshot import Snapshot
+from mpmcol.measure.wall_forces import LEAST_TRANSITS, peak_forces
+from mpmcol.mpm.contact import friction_sums
 from mpmcol.mpm.solver import Solver
 from mpmcol.provenance import versions
-from mpmcol.simulation.quality import dissipation_of, stress_quality_of
+from mpmcol.simulation.quality import columns_of, dissipation_of, stress_quality_of
 from mpmcol.simulation.recorder import derived_values
 from mpmcol.simulation.state import Simulation
 
@@ -62,6 +63,7 @@ def summarize(status: str, simulation: Simulation, final: Snapshot) -> dict[str,
         "erosion": asdict(erosion_of(final, recorder.shape)) if geometry.base == "granular" else None,
         "ledger": recorder.energy_ledger(),
         "dissipation": asdict(shares) if (shares := dissipation_of(simulation)) else None,
+        "wall_forces": _peak_forces(simulation),
         "stress": asdict(stress) if (stress := stress_quality_of(simulation, final)) else None,
         "worst_J": [float(J) for J in recorder.extreme_J],
         "threads": recorder.threads,
@@ -73,9 +75,12 @@ def summarize(status: str, simulation: Simulation, final: Snapshot) -> dict[str,
 
 
 def state_checksum(solver: Solver) -> str:
-    """SHA-256 of points, clock and ledger: runs that end with the same one were equal bit by bit in every step."""
+    """SHA-256 of points, clock, ledger and work of friction at each node of walls that have it.
+
+    Runs that end with the same one were equal bit by bit in every step.
+    """
     state = sha256()
-    for array in (solver.points.rows, solver.clock, solver.ledger):
+    for array in (solver.points.rows, solver.clock, solver.ledger, friction_sums(solver.contacts)):
         state.update(array.data)
     return state.hexdigest()
 
@@ -90,6 +95,10 @@ def peak_memory() -> int:
 
 
 def _stop_time(simulation: Simulation) -> float | None:
-    rows = simulation.recorder.rows
-    history = {name: np.array([row[name] for row in rows]) for name in ("stage", "time", "front_height")}
+    history = columns_of(simulation.recorder.rows)
     return measure_stop_time(history, simulation.model.discretization.h, simulation.fall_time)
+
+
+def _peak_forces(simulation: Simulation) -> dict[str, Any] | None:
+    transit = simulation.model.discretization.h / simulation.case.material.wave_speed
+    return peak_forces(columns_of(simulation.recorder.rows), LEAST_TRANSITS * transit)

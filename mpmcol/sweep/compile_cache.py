@@ -26,12 +26,11 @@ def smallest_per_variant(runs: Sequence[PlannedRun]) -> list[PlannedRun]:
 def compile_kernels(source: str, overrides: Sequence[str] = ()) -> None:
     """Compile the kernels of both stages of a case, or load them from the cache."""
     from mpmcol.case import load_case
-    from mpmcol.mpm.solver import Solver
-    from mpmcol.setup.model import build_model
+    from mpmcol.setup.model import build_model, make_solver
 
     model = build_model(load_case(source, overrides))
     for stage in (model.equilibrate, model.collapse):
-        Solver(model.points, model.grid, stage.settings, stage.column, model.base, model.scheme, stage.layers).prepare()
+        make_solver(model, stage).prepare()
 
 
 if __name__ == "__main__":

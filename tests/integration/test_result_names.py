@@ -129,7 +129,7 @@ def test_names_are_explained_by_the_command(name: str, parts: list[str]) -> None
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("base_friction", "Friction with floor and walls is not modelled"),
+        ("base_friction", "Friction with floor and walls is given in the table friction"),
         ("friction_deg", 'Did you mean "material.friction_deg"?'),
         ("", None),
         ("nonsense", 'there is no key "nonsense". (mpmcol explain'),

@@ -19,7 +19,7 @@ from mpmcol.mpm.solver import Solver
 
 model = build_model(load_case(CASE, OVERRIDES))
 stage = model.collapse
-solver = Solver(model.points, model.grid, stage.settings, stage.column, model.base, model.scheme)
+solver = Solver(model.points, model.grid, stage.settings, stage.column, model.base, model.scheme, model.contacts)
 assert solver.advance(1.0, max_steps=3) == -1
 order = np.argsort(solver.points.id)
 np.save(OUT, np.column_stack([solver.points.x, solver.points.v, solver.points.sigma, solver.points.J])[order])

@@ -29,6 +29,7 @@ COARSE = {
     "granular-bed": ("grid.spacing=0.0075", "geometry.aspect=1"),
     "inclined-channel": ("grid.spacing=0.02",),
     "layered-column": ("grid.spacing=0.01", "geometry.aspect=1"),
+    "frictional-floor": ("grid.spacing=0.0075",),
     **OF_PAPER,
     **{twin: OF_PAPER[f"lube-{twin}"] for twin in TWINS},
 }
@@ -47,6 +48,7 @@ EXPECTED: dict[str, tuple[int, float, float, float, float]] = {
     "lube-quarter": (2207, 0.437980102, 0.437980102, 0.329851514, 0.999920231),
     "quickstart": (4754, 2.223691557, 2.223691557, 2.160848521, 0.369080814),
     "granular-bed": (2317, 1.028753042, 1.028753042, 1.028753042, 0.933558176),
+    "frictional-floor": (2782, 1.215351515, 1.215351515, 1.215351515, 0.92135736),
     "bui-rods": (1654, 0.654307258, 0.654307258, 0.6443832, 0.998293409),
     "layered-column": (1758, 1.094432895, 1.094432895, 1.094432895, 0.861452289),
     "inclined-channel": (1094, 0.886340247, 0.886340247, 0.886340247, 0.87517582),

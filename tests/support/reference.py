@@ -46,6 +46,16 @@ class ReferenceGrid:
 
 
 @dataclass(frozen=True)
+class ReferenceWall:
+    """A wall with Coulomb friction, from which material may separate."""
+
+    axis: int  # of its normal
+    side: int  # -1: below its nodes along the axis, 1: above them
+    mu: float
+    nodes: Array  # (N...) boolean
+
+
+@dataclass(frozen=True)
 class ReferenceMaterial:
     """Elastic if phi is None; Mohr-Coulomb otherwise, softening from (phi, psi) to the residual values if rate > 0."""
 
@@ -218,8 +228,13 @@ def p2g(points: ReferencePoints, grid: ReferenceGrid, scheme: ReferenceScheme) -
     return m_i, p_i, f_i
 
 
-def grid_update(m: Array, p: Array, f: Array, fixed: Array, scheme: ReferenceScheme) -> tuple[Array, Array]:
-    """Velocity v~ and acceleration a of the nodes; fixed (N..., d): components held at zero."""
+def grid_update(
+    m: Array, p: Array, f: Array, fixed: Array, scheme: ReferenceScheme, walls: Sequence[ReferenceWall] = ()
+) -> tuple[Array, Array]:
+    """Velocity v~ and acceleration a of the nodes; fixed (N..., d): components held at zero.
+
+    Nodes of `walls` have no damping; the first wall acts first.
+    """
     full = (m > scheme.m_min)[..., None]
     mass = np.where(full, m[..., None], 1.0)
     v_raw = np.where(full, p / mass, 0.0)  # Eq. 21
@@ -228,7 +243,26 @@ def grid_update(m: Array, p: Array, f: Array, fixed: Array, scheme: ReferenceSch
     a = np.where(full, (f + f_damp) / mass, 0.0)  # Eq. 22
     v_new = np.where(fixed, 0.0, v + scheme.dt * a)  # Eq. 24
     a_wall = (0.0 - v_raw) / scheme.dt if scheme.wall_impulse else 0.0
-    return v_new, np.where(fixed, a_wall, a)
+    a = np.where(fixed, a_wall, a)
+    on_wall = np.logical_or.reduce([wall.nodes for wall in walls]) if walls else np.zeros(m.shape, bool)
+    for node in map(tuple, np.argwhere(on_wall & full[..., 0])):
+        v_star = np.where(fixed[node], 0.0, v_raw[node] + scheme.dt * f[node] / m[node])
+        v_new[node] = after_contact(v_star, m[node], node, walls)
+        a[node] = (v_new[node] - v_raw[node]) / scheme.dt
+    return v_new, a
+
+
+def after_contact(v: Array, m: float, node: tuple[int, ...], walls: Sequence[ReferenceWall]) -> Array:
+    """Velocity (d,) of a node after the impulses of its walls: |J_t| = min(mu J_n, m |v_t|)."""
+    v = v.copy()
+    for wall in walls:
+        J_n = m * wall.side * v[wall.axis]
+        if not wall.nodes[node] or J_n <= 0.0:
+            continue
+        v[wall.axis] = 0.0
+        if (speed := np.linalg.norm(v)) > 0.0:
+            v = v - min(wall.mu * J_n / m, speed) * v / speed
+    return v
 
 
 def g2p(points: ReferencePoints, v: Array, a: Array, grid: ReferenceGrid, scheme: ReferenceScheme) -> ReferencePoints:
@@ -437,10 +471,15 @@ def _soften(history: Array, material: ReferenceMaterial, plastic: Array) -> None
         history[0] += material.strain_factor * np.sqrt(np.sum(plastic**2))
 
 
-def nodal_velocity(m: Array, p: Array, fixed: Array, scheme: ReferenceScheme) -> Array:
-    """Velocity (N..., d) of the nodes, Eq. 21, zero where it is held."""
+def nodal_velocity(
+    m: Array, p: Array, fixed: Array, scheme: ReferenceScheme, walls: Sequence[ReferenceWall] = ()
+) -> Array:
+    """Velocity (N..., d) of the nodes, Eq. 21, zero where it is held, after contact with `walls`."""
     full = (m > scheme.m_min)[..., None]
-    return np.where(fixed | ~full, 0.0, p / np.where(full, m[..., None], 1.0))
+    v = np.where(fixed | ~full, 0.0, p / np.where(full, m[..., None], 1.0))
+    for node in np.ndindex(m.shape):
+        v[node] = after_contact(v[node], 1.0, node, walls)
+    return v
 
 
 def velocity_gradient(x: Array, v: Array, grid: ReferenceGrid, scheme: ReferenceScheme) -> Array:
@@ -474,13 +513,14 @@ def step(
     fixed: Array,
     materials: Sequence[ReferenceMaterial],
     scheme: ReferenceScheme,
+    walls: Sequence[ReferenceWall] = (),
 ) -> ReferencePoints:
     """One step: USL, USF or MUSL (Bardenhagen 2002, doi:10.1006/jcph.2002.7103)."""
     m, p, f = p2g(points, grid, scheme)
     if scheme.stress_order == "usf":
-        points = with_updated_stress(points, nodal_velocity(m, p, fixed, scheme), grid, materials, scheme)
+        points = with_updated_stress(points, nodal_velocity(m, p, fixed, scheme, walls), grid, materials, scheme)
         m, p, f = p2g(points, grid, scheme)
-    v, a = grid_update(m, p, f, fixed, scheme)
+    v, a = grid_update(m, p, f, fixed, scheme, walls)
     new = g2p(points, v, a, grid, scheme)
     if scheme.stress_order == "usf":
         return new
@@ -488,7 +528,7 @@ def step(
         return stress_update(new, materials, scheme, averaged_stress(points, grid, scheme))
     m, p, _ = p2g(replace(new, x=points.x), grid, scheme)
     updated = with_updated_stress(
-        replace(new, x=points.x), nodal_velocity(m, p, fixed, scheme), grid, materials, scheme
+        replace(new, x=points.x), nodal_velocity(m, p, fixed, scheme, walls), grid, materials, scheme
     )
     return replace(updated, x=new.x)
 

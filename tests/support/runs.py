@@ -21,6 +21,17 @@ SMALL_CASES = {  # name -> shipped case and overrides, to be cut short with SHOR
     "layers": ("layered-column", "grid.spacing=0.015"),
     "granular bed": ("granular-bed", "grid.spacing=0.015"),
     "quarter": ("quarter", "grid.spacing=0.0194", "geometry.aspect=0.4", "stages.initial_stress=k0"),
+    "friction": ("frictional-floor", "grid.spacing=0.015", "friction.back_wall=0.2", "stages.gate_speed=0.5"),
+    "friction in 3D": (
+        "quarter",
+        "grid.spacing=0.0194",
+        "geometry.aspect=0.4",
+        "stages.initial_stress=k0",
+        "geometry.base=rigid",
+        "friction.floor=0.3",
+        "output.wall_forces=true",
+        "method.wall_impulse=true",
+    ),
     "musl": ("cylinder", "grid.spacing=0.0194", "method.stress_order=musl", "method.transfer=apic"),
 }
 MACHINE_DEPENDENT = {"wall_s", "core_seconds", "ns_per_point_step", "peak_memory_bytes", "resumed", "threads"}

@@ -16,6 +16,7 @@ class Sample(Table):
     speed: float = quantity("a speed", "m/s", math.inf, gt=0, allow_inf=True)
     share: float = quantity("a share", "", 1.0, ge=0, le=1)
     depth: float | None = quantity("an optional length", "m", None, gt=0)
+    friction: float | None = quantity("a coefficient", "", None, ge=0, le=10, is_tangent=True)
     flag: bool = option("a flag", True)
 
 
@@ -97,6 +98,15 @@ def test_declared_bounds_are_checked(value: float, fits: bool) -> None:
         assert Sample(length=1, angle=value).angle == value
     else:
         assert message(angle=value) == "expected a number >= 0 and < 90, in deg"
+
+
+def test_an_angle_stands_for_its_tangent_where_a_coefficient_is_expected() -> None:
+    values = {"22 deg": 0.40402622583515, "0.5 rad": math.tan(0.5), "0.4": 0.4, "40 %": 0.4}
+    for text, value in values.items():
+        assert Sample.model_validate({"length": 1, "friction": text}).friction == pytest.approx(value, rel=1e-13)
+    expected = 'expected a number >= 0 and <= 10, or an angle such as "22 deg"'
+    assert message(friction="89 deg") == message(friction=-1) == expected
+    assert message(friction="2 mm") == f'"mm" cannot be converted to rad; {expected}'
 
 
 def test_infinity_is_accepted_only_where_allowed() -> None:

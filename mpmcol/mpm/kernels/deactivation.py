@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmcol.mpm.boundary import HELD_BITS, INACTIVE_BITS
+from mpmcol.mpm.boundary import BOUNDARY_BITS, INACTIVE_BITS
 from mpmcol.mpm.grid import NODE, TILE, Grid, tile_coordinates
 from mpmcol.mpm.jit import device
 
@@ -61,7 +61,7 @@ def hold_nodes(
                 for k in range(z * TILE, min((z + 1) * TILE, grid.n_z)):
                     node = (grid.ax[i] + grid.ay[j] + grid.az[k]) // NODE
                     held = INACTIVE_BITS if _is_touched(i, j, k, tiles, mark) else 0
-                    fixed[node] = (fixed[node] & HELD_BITS) | held
+                    fixed[node] = (fixed[node] & BOUNDARY_BITS) | held
     for tile in inactive:
         mark[tile] = 0
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmcol.mpm.boundary import constrain, held_components, reaction_factors
+from mpmcol.mpm.boundary import CONTACT_BIT, constrain, held_components, reaction_factors
+from mpmcol.mpm.contact import Contacts, slide_on_walls, touch_walls
 from mpmcol.mpm.grid import NODE, Grid, Tiles
 from mpmcol.mpm.jit import phase, prange
 from mpmcol.mpm.lanes import Q
@@ -32,16 +33,23 @@ def clear(grid: Grid, tiles: Tiles) -> None:
 
 @phase
 def update_grid(
-    grid: Grid, tiles: Tiles, settings: Settings, smallest_mass: float, dt: float, report: np.ndarray
+    grid: Grid,
+    contacts: Contacts,
+    tiles: Tiles,
+    settings: Settings,
+    smallest_mass: float,
+    dt: float,
+    report: np.ndarray,
 ) -> None:
     """Velocity and acceleration from momentum and force, with damping and boundary conditions.
 
-    Reads: nodes (m, mv, f, m q), fixed. Writes: nodes (v~, a, q), report (n_active, 6). Eq. (21)-(24).
+    Reads: nodes (m, mv, f, m q), fixed, contacts. Writes: nodes (v~, a, q), sums of contacts, report (n_active, 6).
+    Eq. (21)-(24).
     """
-    nodes, fixed, active, size = grid.nodes, grid.fixed, tiles.active, grid.tile_doubles
+    nodes, fixed, slot, active, size = grid.nodes, grid.fixed, contacts.slot, tiles.active, grid.tile_doubles
     floor = MASS_FLOOR * smallest_mass
     weight = abs(settings.gravity_x) + abs(settings.gravity_y) + abs(settings.gravity_z)
-    mask, zero = vector(0.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0), splat(0.0)
+    vectors, zero = vector(0.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0), splat(0.0)
     factors = reaction_factors(settings, dt)
     for t in prange(len(active)):
         mass = 0.0
@@ -52,9 +60,12 @@ def update_grid(
                 store(nodes, o, zero)
                 continue
             rates, m_i = load(nodes, o) * (1.0 / m), splat(m)
-            raw, f = rates * mask, swap_halves(rates) * mask  # Eq. 21; f per mass
+            raw, f = rates * vectors, swap_halves(rates) * vectors  # Eq. 21; f per mass
             drag = settings.alpha_d * where_positive(raw, abs(f), where_positive(-raw, -abs(f), 0.0))  # Eq. 23
-            held, v, a, wall_work = constrain(fixed[o // NODE], raw, f, f - drag, dt, factors)  # Eq. 22, 24
+            mask = fixed[o // NODE]
+            held, v, a, wall_work = constrain(mask, raw, f, f - drag, dt, factors)  # Eq. 22, 24
+            if mask & CONTACT_BIT:
+                held, v, a, wall_work = touch_walls(contacts, slot[o // NODE], m, raw, f, held, v, a, wall_work, dt)
             store(nodes, o, vector(m, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, nodes[o + Q] / m) + v + swap_halves(a))
             mass += m
             before, after = fma(m_i * raw, raw, before), fma(m_i * v, v, after)
@@ -67,19 +78,23 @@ def update_grid(
 
 
 @phase
-def find_velocities(grid: Grid, tiles: Tiles, smallest_mass: float) -> None:
+def find_velocities(grid: Grid, contacts: Contacts, tiles: Tiles, smallest_mass: float) -> None:
     """Velocity from momentum, zero where a boundary holds it, for a stress update without motion.
 
-    Reads: nodes (m, mv, m q), fixed. Writes: nodes (m, v, q). Eq. (21).
+    Walls with friction act as in `update_grid`, on the velocity alone. Reads: nodes (m, mv, m q), fixed, contacts.
+    Writes: nodes (m, v, q). Eq. (21).
     """
-    nodes, fixed, active, size = grid.nodes, grid.fixed, tiles.active, grid.tile_doubles
+    nodes, fixed, slot, active, size = grid.nodes, grid.fixed, contacts.slot, tiles.active, grid.tile_doubles
     floor = MASS_FLOOR * smallest_mass
-    mask, zero = vector(0.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0), splat(0.0)
+    vectors, zero = vector(0.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0), splat(0.0)
     for t in prange(len(active)):
         for o in range(active[t], active[t] + size, NODE):
             m = nodes[o]
             if m <= floor:
                 store(nodes, o, zero)
             else:
-                v = where_positive(held_components(fixed[o // NODE]), 0.0, load(nodes, o) * (1.0 / m) * mask)
+                mask = fixed[o // NODE]
+                v = where_positive(held_components(mask), 0.0, load(nodes, o) * (1.0 / m) * vectors)
+                if mask & CONTACT_BIT:
+                    v = slide_on_walls(contacts, slot[o // NODE], v)
                 store(nodes, o, vector(m, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, nodes[o + Q] / m) + v)

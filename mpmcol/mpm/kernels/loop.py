@@ -12,6 +12,7 @@ from mpmcol.mpm.constitutive import ConstitutiveLaw
 from mpmcol.mpm.jit import device, driver, variant
 from mpmcol.mpm.kernels.grid_update import DAMPING, KINETIC_AFTER, KINETIC_BEFORE, UNBALANCED, WALLS, WEIGHT
 from mpmcol.mpm.kernels.particle_update import FAULT, FILTER, NODE_WORK, SPEED, TRAVEL, WORK
+from mpmcol.mpm.kernels.side_walls import slow_points, sum_side_work
 from mpmcol.mpm.kernels.step import make_step
 from mpmcol.mpm.kernels.stress import NO_FAULT
 from mpmcol.mpm.lanes import LANES, RECORD_SIZE
@@ -79,6 +80,7 @@ def make_time_loop(
     """The compiled loop over time steps for this dimension, these two laws and this scheme."""
     step, size = make_step(dimension, column_law, base_law, scheme), RECORD_SIZE[dimension]
     travel_limit = SHAPE_FUNCTIONS[scheme.basis].TRAVEL_LIMIT
+    plane = dimension == 2
     pending_size = LANES if scheme.stress_order == "musl" else 0
 
     @driver
@@ -90,11 +92,15 @@ def make_time_loop(
         first invalid point, or -1.
         """
         clock, ledger, courant = state.clock, state.ledger, state.settings.cfl * state.grid.h
+        contacts = state.contacts
         pending = np.empty(pending_size * (len(state.rows) // size))
         for _ in range(steps):
             if clock[TIME] >= end or not is_sorted(clock, travel_limit):
                 break
             dt = clock[DT]
+            if plane and contacts.side_friction > 0.0:
+                slow_points(state.rows, state.tiles, contacts, dt, state.tile_report)
+                sum_side_work(state.tile_report, contacts)
             step(state, dt, pending)
             sum_nodes(state.node_report, ledger)
             clock[TIME] += dt

@@ -20,7 +20,7 @@ from mpmcol.mpm.shape_functions import SHAPE_FUNCTIONS
 from mpmcol.mpm.simd import extract, load, maximum, splat
 
 # what is reported for each tile of points
-SPEED, TRAVEL, WORK, NODE_WORK, FAULT, FILTER, TILE_REPORT = range(7)
+SPEED, TRAVEL, WORK, NODE_WORK, FAULT, FILTER, SIDE_WORK, TILE_REPORT = range(8)
 
 
 class Bodies(NamedTuple):

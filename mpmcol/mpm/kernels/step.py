@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mpmcol.mpm.constitutive import ConstitutiveLaw
+from mpmcol.mpm.contact import Contacts
 from mpmcol.mpm.grid import Grid, Tiles
 from mpmcol.mpm.jit import device, variant
 from mpmcol.mpm.kernels.grid_update import clear, find_velocities, update_grid
@@ -30,6 +31,7 @@ class State(NamedTuple):
 
     rows: np.ndarray  # records of the points, flat
     grid: Grid
+    contacts: Contacts
     tiles: Tiles
     settings: Settings
     bodies: Bodies
@@ -57,11 +59,11 @@ def _make_usl(
     @variant(dimension, column_law, base_law, *scheme)
     def usl(state, dt, pending):
         """Nodes, then points and their stress."""
-        rows, grid, tiles, settings, bodies, smallest_mass, node_report, tile_report, _, _ = state
+        rows, grid, contacts, tiles, settings, bodies, smallest_mass, node_report, tile_report, _, _ = state
         column, base, c2_column, c2_base = bodies
         clear(grid, tiles)
         p2g(rows, grid, tiles, settings)
-        update_grid(grid, tiles, settings, smallest_mass, dt, node_report)
+        update_grid(grid, contacts, tiles, settings, smallest_mass, dt, node_report)
         update_points(rows, grid, tiles, settings, column, base, c2_column, c2_base, dt, tile_report)
 
     return usl
@@ -77,15 +79,15 @@ def _make_usf(
     @variant(dimension, column_law, base_law, *scheme)
     def usf(state, dt, pending):
         """Stress from the nodal velocities of P2G, then nodes, then points."""
-        rows, grid, tiles, settings, bodies, smallest_mass, node_report, tile_report, _, _ = state
+        rows, grid, contacts, tiles, settings, bodies, smallest_mass, node_report, tile_report, _, _ = state
         column, base, c2_column, c2_base = bodies
         clear(grid, tiles)
         p2g(rows, grid, tiles, settings)
-        find_velocities(grid, tiles, smallest_mass)
+        find_velocities(grid, contacts, tiles, smallest_mass)
         update_stresses(rows, grid, tiles, settings, column, base, c2_column, c2_base, dt, pending, tile_report)
         clear(grid, tiles)
         p2g(rows, grid, tiles, settings)
-        update_grid(grid, tiles, settings, smallest_mass, dt, node_report)
+        update_grid(grid, contacts, tiles, settings, smallest_mass, dt, node_report)
         g2p(rows, grid, tiles, settings, dt, pending, tile_report)
 
     return usf
@@ -101,15 +103,15 @@ def _make_musl(
     @variant(dimension, column_law, base_law, *scheme)
     def musl(state, dt, pending):
         """Nodes, then points, then stress from the nodal velocities that follow from the new point velocities."""
-        rows, grid, tiles, settings, bodies, smallest_mass, node_report, tile_report, _, _ = state
+        rows, grid, contacts, tiles, settings, bodies, smallest_mass, node_report, tile_report, _, _ = state
         column, base, c2_column, c2_base = bodies
         clear(grid, tiles)
         p2g(rows, grid, tiles, settings)
-        update_grid(grid, tiles, settings, smallest_mass, dt, node_report)
+        update_grid(grid, contacts, tiles, settings, smallest_mass, dt, node_report)
         g2p(rows, grid, tiles, settings, dt, pending, tile_report)
         clear(grid, tiles)
         p2g(rows, grid, tiles, settings)
-        find_velocities(grid, tiles, smallest_mass)
+        find_velocities(grid, contacts, tiles, smallest_mass)
         update_stresses(rows, grid, tiles, settings, column, base, c2_column, c2_base, dt, pending, tile_report)
 
     return musl

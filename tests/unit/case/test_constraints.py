@@ -159,3 +159,38 @@ def test_constraints_apply_to_a_case_built_in_python() -> None:
     tables["grid"]["spacing"] = 1.0
     with pytest.raises(ValidationError, match=r"grid.spacing must be smaller than geometry.radius = 0.09"):
         Case.model_validate(tables)
+
+
+RIGID = ["geometry.base=rigid", "method.wall_impulse=true"]
+
+
+@pytest.mark.parametrize(
+    ("overrides", "message"),
+    [
+        (["friction.floor=0.3"], 'needs a rigid floor, not geometry.base = "elastic"'),
+        (
+            [RIGID[0], "method.wall_impulse=false", "friction.floor=0"],
+            "needs the reaction of walls, not method.wall_impulse = false: set method.wall_impulse = true",
+        ),
+        (["method.wall_impulse=false", "output.wall_forces=true"], "needs the reaction of walls"),
+        (["geometry.release=two-sided", "friction.back_wall=0.3"], "which only a one-sided plane column has"),
+        (["geometry.model=quarter", "friction.back_wall=0"], "which only a one-sided plane column has"),
+        (["friction.side_walls=0.3"], "is given, but friction.channel_width = absent: give both, or neither"),
+        (["friction.channel_width=0.2"], "is given, but friction.side_walls = absent: give both, or neither"),
+        (
+            ["geometry.model=full", "friction.side_walls=0.3", "friction.channel_width=0.2"],
+            "needs a channel in plane strain, not geometry.model",
+        ),
+        (["output.wall_forces=true", "method.deactivate_base=true"], "an inactive base transmits no forces"),
+    ],
+)
+def test_friction_and_forces_need_walls_that_give_them(write: Write, overrides: list[str], message: str) -> None:
+    assert message in only_problem(write(GOOD), *overrides).message
+
+
+def test_friction_changes_the_hash_only_where_it_is_given(write: Write) -> None:
+    base, *others = (
+        case_hash(load_case(write(GOOD), [*RIGID, *more]))
+        for more in ([], ["output.wall_forces=true"], ["friction.floor=0.4"], ["friction.floor=0.3"])
+    )
+    assert others[0] == base and len({base, *others}) == 3

@@ -10,10 +10,10 @@ from mpmcol.errors import UsageError
 from tests.support.case_files import GOOD, Write, only_problem
 
 ASKED = {  # key -> part of the answer
-    "geometry.base_friction": "friction with floor and walls is not modelled",
-    "geometry.floor_mu": "friction with floor and walls is not modelled",
-    "material.friction_base": "friction with floor and walls is not modelled",
-    "boundary.friction": "friction with floor and walls is not modelled",
+    "geometry.base_friction": "the table friction: friction.floor",
+    "geometry.floor_mu": "the table friction: friction.floor",
+    "material.friction_base": "the table friction: friction.floor",
+    "boundary.friction": "the table friction: friction.floor",
     "geometry.slope": "geometry.slope_deg",
     "geometry.inclination_deg": "geometry.slope_deg",
     "water.level": "pore fluid is not modelled",

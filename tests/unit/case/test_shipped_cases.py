@@ -14,6 +14,7 @@ SHIPPED = [
     "channel-loose",
     "coarse-channel",
     "cylinder",
+    "frictional-floor",
     "granular-bed",
     "inclined-channel",
     "layered-column",

@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 from mpmcol.failure_modes.toolkit import by_id
-from mpmcol.mpm.boundary import WALL_GAP, hold_components
+from mpmcol.mpm.boundary import CONTACT, NO_SLIP, ROLLER, WALL_GAP, BoundaryType, apply_boundaries, face
 from mpmcol.mpm.constitutive import LAWS
-from mpmcol.mpm.grid import allocate_grid, node_coordinates
+from mpmcol.mpm.contact import make_contacts
+from mpmcol.mpm.grid import Grid, allocate_grid, grid_shape
 from mpmcol.mpm.particles import Points
 from mpmcol.mpm.settings import Scheme, Settings
 from mpmcol.mpm.solver import Body, Solver
@@ -143,18 +144,54 @@ def test_steps_of_every_scheme_equal_the_reference(scheme: Scheme, d: int, chang
     compare_with_reference(d, "mohr-coulomb", change, scheme)
 
 
-def compare_with_reference(d: int, law: str, change: dict, scheme: Scheme) -> None:
-    """Compare the points after three steps."""
+@pytest.mark.parametrize("mu", [(0.3, 0.5), (0.0, 10.0)], ids=str)
+@pytest.mark.parametrize(
+    ("d", "side", "scheme"),
+    [(2, CONTACT, Scheme()), (2, CONTACT, Scheme(stress_order="usf")), (2, ROLLER, Scheme()), (3, ROLLER, Scheme())],
+    ids=str,
+)
+def test_steps_with_friction_equal_the_reference(
+    d: int, side: BoundaryType, scheme: Scheme, mu: tuple[float, float]
+) -> None:
+    """On the floor and, with CONTACT, on the wall at x = 0, where the nodes of the corner touch both."""
+    compare_with_reference(d, "elastic", {"gravity_x": -3.0}, scheme, CONTACT, side, mu)
+
+
+def boundary_masks(grid: Grid, kind: BoundaryType, axis: int) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes on the low face of an axis (N...), and their held components (N..., d)."""
+    shape = grid_shape(grid)
+    nodes = np.broadcast_to(face(grid, kind, axis, 0).nodes, shape)
+    held = {"all": True, "normal": np.arange(len(shape)) == axis, "none": False}[kind.holds]
+    return nodes, nodes[..., None] & np.broadcast_to(held, (*shape, len(shape)))
+
+
+def compare_with_reference(
+    d: int,
+    law: str,
+    change: dict,
+    scheme: Scheme,
+    floor: BoundaryType = NO_SLIP,
+    side: BoundaryType = ROLLER,
+    mu: tuple[float, float] = (0.0, 0.0),
+) -> None:
+    """Compare the points after three steps; mu: friction coefficients of floor and side."""
     settings = PLAIN._replace(**change)
     points = random_points(seed=1, opens=law != "elastic", d=d)
     expected = as_reference(points)
     expected = replace(expected, C=expected.grad_v[:, :d, :d])
     grid = allocate_grid(ORIGIN[:d], H, CELLS[:d])
-    x, y = node_coordinates(grid)[:2]
-    shape = (grid.n_x, grid.n_y, grid.n_z)[:d]
-    fixed = [np.broadcast_to(mask, shape) for mask in ((x < 1e-9) | (y < -0.199), y < -0.199, y < -0.199)[:d]]
-    hold_components(grid, *fixed)
-    solver = Solver(points, grid, settings, body(law), body("elastic"), scheme)
+    shape, fixed = grid_shape(grid), np.zeros((*grid_shape(grid), d), bool)
+    boundaries, walls = [], []
+    for number, (kind, axis) in enumerate(((floor, 1), (side, 0))):
+        nodes, held = boundary_masks(grid, kind, axis)
+        fixed |= held
+        boundaries.append(face(grid, kind, axis, 0))
+        if kind == CONTACT:
+            boundaries[-1] = boundaries[-1]._replace(wall=number, friction=mu[number])
+            walls.append(reference.ReferenceWall(axis, -1, mu[number], nodes))
+    apply_boundaries(grid, boundaries)
+    contacts = make_contacts(grid, boundaries)
+    solver = Solver(points, grid, settings, body(law), body("elastic"), scheme, contacts)
 
     if scheme.volumetric_strain == "cell":  # where the points are sorted
         first = np.minimum(np.maximum(np.floor((points.x - ORIGIN[:d]) / H - 0.5), 0), np.array(shape) - 3)
@@ -175,7 +212,7 @@ def compare_with_reference(d: int, law: str, change: dict, scheme: Scheme) -> No
             filter_modulus=settings.filter_modulus,
         )  # fmt: skip
         assert solver.advance(1.0, max_steps=1) == -1
-        expected = reference.step(expected, reference_grid, np.stack(fixed, -1), materials, options)
+        expected = reference.step(expected, reference_grid, fixed, materials, options, walls)
         gap = np.full(d, WALL_GAP)
         gap[0] = settings.axis_gap if settings.axisymmetric else WALL_GAP
         expected.x[:] = np.maximum(expected.x, ORIGIN[:d] + gap * H)

@@ -10,6 +10,7 @@ from mpmcol.case import load_case
 from mpmcol.mpm.settings import PAPER, Scheme
 from mpmcol.setup.discretization import discretize
 from mpmcol.setup.model import build_model
+from mpmcol.setup.time_step import case_limit
 
 
 @pytest.mark.parametrize(
@@ -91,3 +92,17 @@ def test_the_model_on_a_slope() -> None:
     assert runouts[1] / runouts[0] == pytest.approx(friction / (friction - tangent), rel=0.05)  # of whole cells
     drop = 0.14 * cosine + slope.discretization.length * sine
     assert slope.collapse.settings.free_speed == pytest.approx(2.0 * math.sqrt(2.0 * 9.81 * drop))
+
+
+@pytest.mark.parametrize(
+    ("overrides", "limit", "where"),
+    [
+        (["geometry.model=plane"], 0.549, "the smooth wall and the wall with friction"),
+        (["geometry.model=quarter", "grid.points_per_cell=8"], 0.507, "two smooth walls and the wall with friction"),
+    ],
+)
+def test_a_particle_that_separates_from_a_floor_with_friction_limits_the_time_step(
+    overrides: list[str], limit: float, where: str
+) -> None:
+    """It is less stable than beside a smooth floor (0.566 in plane strain) or one without slip (0.628)."""
+    assert case_limit(load_case("frictional-floor", overrides)) == (pytest.approx(limit, abs=1e-3), f"next to {where}")

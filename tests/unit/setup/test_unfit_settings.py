@@ -25,6 +25,11 @@ UNFIT = [  # overrides of SAND, beginning of the warning, what it proposes
     (BED, "geometry.base_thickness = 0.012 m: the granular bed", "grid.spacing=0.003"),
     (BED, "geometry.base_thickness = 0.012 m: the granular bed", "grid.spacing=0.003"),
     (["geometry.base=rigid"], "method.wall_impulse = false", "method.wall_impulse=true"),
+    (
+        ["geometry.base=rigid", "method.wall_impulse=true", "friction.floor=31 deg"],
+        "friction.floor = 0.6009 (31 degrees): the column shears at sin(33 degrees) = 0.545",
+        "friction.floor=0.54",
+    ),
     (["material.friction_deg=0.5236"], "material.friction_deg = 0.5236", "material.friction_deg=0.5236 rad"),
     (["material.density=2.65"], "material.density = 2.65 kg/m3", "material.density=2.65 g/cm3"),
     (["material.dilatancy_deg=10"], "material.dilatancy_deg = 10", "material.dilatancy_deg=0"),

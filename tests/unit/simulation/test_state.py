@@ -49,7 +49,7 @@ def advance(simulation: Simulation, duration: float = 0.02) -> None:
 def test_a_recorder_writes_nothing_before_it_is_opened(tmp_path: Path) -> None:
     model = build_model(case())
     stage = model.equilibrate
-    solver = Solver(model.points, model.grid, stage.settings, stage.column, model.base, model.scheme)
+    solver = Solver(model.points, model.grid, stage.settings, stage.column, model.base, model.scheme, model.contacts)
     recorder = Recorder(case(), model, solver, tmp_path / "run", threads=1)
     assert not (tmp_path / "run").exists()
     recorder.open()

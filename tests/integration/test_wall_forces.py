@@ -1,0 +1,96 @@
+"""Forces on floor, back wall and gate of a run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import cos, radians, sin, sqrt
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import mpmcol
+from mpmcol.io.results import Results
+from mpmcol.measure.wall_forces import peak_forces
+
+G, RHO, H_I, PHI = 9.81, 2650.0, 0.09, radians(33.0)
+K_ACTIVE = (1.0 - sin(PHI)) / (1.0 + sin(PHI))
+COARSE = ("grid.spacing=0.0075", "output.snapshots=1")
+
+
+def run(folder: Path, *overrides: str) -> Results:
+    return mpmcol.run(mpmcol.load_case("frictional-floor", [*COARSE, *overrides]), folder, threads=1)
+
+
+@dataclass(frozen=True)
+class Runs:
+    """The shipped case on a coarse grid, and without recorded forces."""
+
+    forces: Results
+    plain: Results
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory: pytest.TempPathFactory) -> Runs:
+    folder = tmp_path_factory.mktemp("walls")
+    return Runs(run(folder / "forces"), run(folder / "plain", "output.wall_forces=false"))
+
+
+def test_recording_forces_does_not_change_a_run(runs: Runs) -> None:
+    assert runs.forces.summary["state_sha256"] == runs.plain.summary["state_sha256"]
+    assert runs.plain.summary["wall_forces"] is None
+    assert not any(name.startswith("force.") for name in runs.plain.history)
+    header = (runs.forces.folder / "history.csv").read_text().partition("\n")[0]
+    assert header.endswith("force.floor.y [N/m],force.back_wall.x [N/m],force.back_wall.y [N/m],"
+                           "force.gate.x [N/m],force.gate.y [N/m]")  # fmt: skip
+
+
+def test_the_gate_carries_the_active_thrust_before_it_opens(runs: Runs) -> None:
+    """1/2 K_a rho g H^2 within 3 %, and the back wall as much; the floor carries the weight."""
+    thrust, forces = 0.5 * K_ACTIVE * RHO * G * H_I**2, runs.forces.summary["wall_forces"]
+    assert forces["gate"]["at_release"] == pytest.approx(thrust, rel=0.03)
+    assert forces["back_wall"]["at_release"] == pytest.approx(thrust, rel=0.03)
+    assert forces["floor"]["at_release"] == pytest.approx(RHO * G * 0.09 * H_I, rel=0.001)
+    assert forces["gate"]["at_end"] == 0.0
+
+
+def test_the_deposit_presses_on_the_back_wall_between_its_active_and_passive_state(runs: Runs) -> None:
+    """0.288 rho g h^2 / 2: less than K_a of a level surface, more than Coulomb's K of one that falls from the wall."""
+    force, height = runs.forces.summary["wall_forces"]["back_wall"]["at_end"], runs.forces.summary["height"]
+    slope = radians(runs.forces.summary["repose_angle_deg"])
+    falling = (cos(PHI) / (1.0 + sqrt(sin(PHI) * sin(PHI + slope) / cos(slope)))) ** 2
+    assert falling < K_ACTIVE
+    assert falling < force / (0.5 * RHO * G * height**2) < 1.0 / K_ACTIVE
+
+
+def test_forces_weight_and_damping_change_the_momentum(runs: Runs) -> None:
+    """Without damping the mean force on the floor over the collapse is the weight, since the column ends at rest."""
+    history = runs.forces.history
+    flow = history["stage"] == "collapse"
+    steps = np.diff(history["time"][flow], prepend=0.0)
+    mean = steps @ history["force.floor.y"][flow] / steps.sum()
+    assert mean == pytest.approx(-RHO * G * 0.09 * H_I, rel=0.01)
+    push = steps @ history["force.back_wall.x"][flow]
+    drag = steps @ history["force.floor.x"][flow]
+    assert push < 0.0 < drag and drag == pytest.approx(-push, rel=0.1)
+
+
+def test_friction_on_the_floor_is_in_the_ledger(runs: Runs) -> None:
+    summary = runs.forces.summary
+    assert 0.05 < summary["dissipation"]["wall_friction"] < 0.3
+    assert abs(summary["dissipation"]["walls"]) < 0.01
+    assert abs(summary["ledger"]["residual"]) < 1e-12 * summary["ledger"]["potential"]
+    assert np.all(np.diff(runs.forces.history["wall_friction"][runs.forces.history["stage"] == "collapse"]) > -1e-9)
+
+
+def test_the_peak_is_that_of_the_mean_over_the_window() -> None:
+    time = np.arange(11.0)
+    force = np.where(time == 4.0, 10.0, 1.0)
+    history = {"stage": np.array(["release", *10 * ["collapse"]]), "time": time, "force.gate.x": -force}
+    assert peak_forces(history, 0.5) == {
+        "gate": {"at_release": 1.0, "peak": 10.0, "time": 4.0, "window": 1.0, "at_end": 1.0}
+    }
+    wide = peak_forces(history, 2.5)
+    assert wide is not None and wide["gate"]["peak"] == pytest.approx(4.0) and wide["gate"]["window"] == 3.0
+    assert peak_forces(history, 20.0) is None
+    assert peak_forces({name: history[name] for name in ("stage", "time")}, 0.5) is None
