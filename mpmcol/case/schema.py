@@ -77,7 +77,7 @@ class Case(Table):
             return given
         filled = {"k0": _active_ratio(material), **given}
         if isinstance(equilibrate := given.get("equilibrate", {}), dict):
-            filled["equilibrate"] = {"law": material.law, **equilibrate}
+            filled["equilibrate"] = {"law": material.law if given.get("gate", True) else "elastic", **equilibrate}
         return filled
 
     @model_validator(mode="after")

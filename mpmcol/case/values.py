@@ -30,4 +30,8 @@ def case_hash(case: Case) -> str:
     content["geometry"] |= {"aspect": None, "height": case.geometry.h_i}
     if case.geometry.dimension == 2:  # keys without a meaning in 2D
         del content["geometry"]["section"], content["geometry"]["depth"]
+    if case.geometry.outline is None:
+        del content["geometry"]["outline"]
+    if case.stages.gate:
+        del content["stages"]["gate"]
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:12]

@@ -30,6 +30,7 @@ def check(case: str, aspect: str | None, overrides: tuple[str, ...], resolved: b
     require_stiff_column(loaded)
     column = loaded.geometry
     kind = column.model if column.dimension == 2 else f"{column.model} {column.section}"
+    kind += f", outline of {len(column.outline)} points" if column.outline else ""
     click.echo(
         f"{case}: no problems. {loaded.title or 'Untitled'}: {kind}, {loaded.material.law}, "
         f"r_i = {column.r_i:g} m, h_i = {column.h_i:g} m, a = {column.a:g}, h = {discretization.h:g} m, "

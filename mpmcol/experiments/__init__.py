@@ -5,12 +5,13 @@ To add an experiment, write a module in `records` that satisfies `ExperimentReco
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import Any, Literal, Protocol
 
 from numpy.typing import ArrayLike
 
 from mpmcol.errors import UsageError, suggestion
 from mpmcol.experiments.base import (
+    OUTLINE,
     Experiment,
     Law,
     Piece,
@@ -41,6 +42,7 @@ from mpmcol.experiments.scores import score_laws, score_profile
 
 __all__ = [
     "EXPERIMENTS",
+    "OUTLINE",
     "Experiment",
     "ExperimentRecord",
     "Law",
@@ -90,26 +92,29 @@ _LONGEST_RUNOUT = {
     "axisymmetric": lajeunesse_2004.EXPERIMENT.laws[0],
     "box": bougouin_lacaze_2018.EXPERIMENT.laws[0],
 }
-_NO_EXPERIMENT_ON_BOXES = Experiment(
-    name="none",
-    title="no published collapse of a box",
-    model="box",
-    release="two-sided",
-    kind="laboratory",
-    material="",
-    laws=(),
-)
+
+
+def _without_laws(kind: Literal["box", "outline"], title: str) -> Experiment:
+    return Experiment(
+        name="none", title=title, model=kind, release="two-sided", kind="laboratory", material="", laws=()
+    )
+
+
+_NO_EXPERIMENT = {
+    "box": _without_laws("box", "no published collapse of a box"),
+    OUTLINE: _without_laws("outline", "no published law (the column is no rectangle)"),
+}
 
 
 def find_experiment(name: str, model: str, section: str = "cylinder") -> Experiment:
-    """Experiment of a name; "paper" is the paper's own for the model, or one without laws for a box.
+    """Experiment of a name; "paper" is the paper's own for the model, or one without laws for a box or an outline.
 
     Raises:
         UsageError: there is no such experiment, or it is for another kind of column.
     """
     kind = column_kind(model, section)
-    if name == "paper" and kind == "box":
-        return _NO_EXPERIMENT_ON_BOXES
+    if name == "paper" and kind in _NO_EXPERIMENT:
+        return _NO_EXPERIMENT[kind]
     experiment = EXPERIMENTS.get(f"paper-{kind}" if name == "paper" else name)
     if experiment is None:
         raise UsageError(f"there is no experiment {name!r}; {suggestion(name, ['paper', *EXPERIMENTS])}")
@@ -128,7 +133,7 @@ def score(
             a mapping of front definitions to numbers, or to the mean, min and max of a 3D result.
         a: aspect ratio h_i / r_i.
         model: "plane", "axisymmetric", "quarter" or "full".
-        section: horizontal section of a 3D column, "cylinder" or "box".
+        section: horizontal section of a 3D column, "cylinder" or "box"; "outline" of a column that is no rectangle.
         strength: of the material; without it, materials are not compared.
 
     Laws are not extrapolated: where a law has no value at a, or the material does not resemble that of the experiment,

@@ -12,6 +12,7 @@ from mpmcol.case import Case
 from mpmcol.case.fields import number_of
 from mpmcol.case.reference import field_at
 from mpmcol.case.values import leaf_values
+from mpmcol.experiments import OUTLINE
 from mpmcol.io.results import Results
 from mpmcol.io.snapshot import Meta
 from mpmcol.measure import ColumnShape
@@ -29,16 +30,23 @@ _ASPECT = re.compile(r",? *\ba = \d+(\.\d+)?")
 
 def heading_of(case: Case, shape: ColumnShape) -> Heading:
     """The title of the case with the aspect ratio as resolved, and model, size, grid and material below it."""
-    return Heading(run_title(case.title, shape.model, shape.a), ", ".join(_parameters(vars(shape), _material(case))))
+    title = run_title(case.title, shape.model, shape.rectangle_a)
+    return Heading(title, ", ".join(_parameters(vars(shape), _material(case))))
 
 
 def heading_of_snapshot(meta: Meta) -> Heading:
     """As `heading_of`, from the metadata of a snapshot."""
-    case: dict[str, Any] = {}
-    with contextlib.suppress(tomllib.TOMLDecodeError):  # of another program; the caption is then shorter
-        case = tomllib.loads(str(meta.get("case", "")))
-    title = run_title(str(meta["title"]), str(meta["model"]), float(meta["h_i"]) / float(meta["r_i"]))
+    case = tables_of_snapshot(meta)
+    a = None if meta.get("section") == OUTLINE else float(meta["h_i"]) / float(meta["r_i"])
+    title = run_title(str(meta["title"]), str(meta["model"]), a)
     return Heading(title, ", ".join(_parameters(meta, case.get("material", {}))))
+
+
+def tables_of_snapshot(meta: Meta) -> dict[str, Any]:
+    """Tables of the resolved case in the metadata of a snapshot; empty if another program wrote it."""
+    with contextlib.suppress(tomllib.TOMLDecodeError):
+        return tomllib.loads(str(meta.get("case", "")))
+    return {}
 
 
 def common_heading(title: str, runs: Sequence[tuple[Case, ColumnShape]]) -> Heading:
@@ -47,9 +55,12 @@ def common_heading(title: str, runs: Sequence[tuple[Case, ColumnShape]]) -> Head
     return Heading(_ASPECT.sub("", title), ", ".join(p for p in parameters[0] if all(p in own for own in parameters)))
 
 
-def run_title(title: str, model: str, a: float) -> str:
-    """The title of a case with the aspect ratio of the column, which may differ from the one that the title had."""
-    return f"{_ASPECT.sub('', title) or MODELS[model]}, a = {a:.3g}"
+def run_title(title: str, model: str, a: float | None) -> str:
+    """The title of a case with the aspect ratio of the column, which may differ from the one that the title had.
+
+    a: None if the column is no rectangle.
+    """
+    return (_ASPECT.sub("", title) or MODELS[model]) + ("" if a is None else f", a = {a:.3g}")
 
 
 def _parameters(shape: Mapping[str, Any], material: Mapping[str, Any]) -> list[str]:

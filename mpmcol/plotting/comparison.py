@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from mpmcol.errors import UsageError
-from mpmcol.experiments import Experiment, column_kind, find_experiment
+from mpmcol.experiments import Experiment, find_experiment
 from mpmcol.io.atomic import make_folder
 from mpmcol.io.results import Results
 from mpmcol.measure import Array, ColumnShape, Measurement
@@ -40,7 +40,6 @@ COMPARED_ENERGIES = {
     "kinetic": ("kinetic", 1.0),
     "plastic": ("plastic work", 1.0),
 }
-KINDS = {"plane": "plane strain", "axisymmetric": "a cylinder", "box": "a box"}
 
 
 @dataclass(frozen=True)
@@ -104,12 +103,19 @@ def _require_comparable(runs: Sequence[Results]) -> None:
         raise UsageError(f"{twice}: given twice; give each run once")
     first = runs[0]
     for run in runs[1:]:
-        kinds = [column_kind(one.shape.model, one.shape.section) for one in (first, run)]
+        kinds = [_kind(one.shape) for one in (first, run)]
         if kinds[0] != kinds[1]:
             raise UsageError(
-                f"{first.folder} is {KINDS[kinds[0]]} and {run.folder} is {KINDS[kinds[1]]}: their runout and height "
+                f"{first.folder} is {kinds[0]} and {run.folder} is {kinds[1]}: their runout and height "
                 "follow different laws and cannot be compared in one chart; plot them separately"
             )
+
+
+def _kind(shape: ColumnShape) -> str:
+    """What determines the meaning of distances and masses; a rectangle and an outline are of one kind."""
+    if shape.is_round:
+        return "a cylinder"
+    return "a box" if shape.dimension == 3 else "plane strain"
 
 
 def _compared(results: Results, name: str, i: int) -> ComparedRun:

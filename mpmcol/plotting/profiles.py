@@ -44,9 +44,9 @@ def set_up_axes(
         xlabel=f"{distance_label(shape)} ({unit})",
         ylabel=ylabel or f"{height} ({unit})",
     )
-    column = factor * np.array([[0.0, shape.r_i, shape.r_i], [shape.h_i, shape.h_i, 0.0]])
-    axes.plot(*column, color="0.6", linestyle="--", label="column at release")
-    draw_gate(axes, factor * shape.r_i)
+    axes.plot(*(factor * shape.surface), color="0.6", linestyle="--", label="column at release")
+    if shape.gate:
+        draw_gate(axes, factor * shape.r_i)
     axes.axhline(0.0, color="black", linewidth=0.8, zorder=0)
     return float(top / length)
 

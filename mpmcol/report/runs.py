@@ -73,14 +73,14 @@ def comparison_page(runs: Sequence[Results]) -> Page:
 
 
 def _title(results: Results) -> str:
-    return run_title(results.case.title, results.shape.model, results.shape.a)
+    return run_title(results.case.title, results.shape.model, results.shape.rectangle_a)
 
 
 def _facts(results: Results) -> list[str]:
     """The column, its material and its grid."""
     shape, case = results.shape, results.case
     return [
-        f"{MODELS[shape.model]}, a = {shape.a:.3g}, r_i = {length_text(shape.r_i)}, h_i = {length_text(shape.h_i)}, "
+        f"{MODELS[shape.model]}, {shape.proportions}, r_i = {length_text(shape.r_i)}, h_i = {length_text(shape.h_i)}, "
         f"{case.material.law}, h = {length_text(shape.spacing)}, {results.summary['points']:,} material points",
     ]
 

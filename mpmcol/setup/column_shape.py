@@ -17,6 +17,8 @@ def column_shape(case: Case, discretization: Discretization) -> ColumnShape:
         spacing=discretization.h,
         density=case.material.density,
         point_size=discretization.point_size,
-        section=case.geometry.section,
+        section=case.geometry.column_section,
         depth=discretization.depth,
+        outline=None if case.geometry.is_rectangle else case.geometry.outline,
+        gate=case.stages.gate,
     )

@@ -13,11 +13,14 @@ from mpmcol.setup.discretization import Discretization
 # record of a point and of the last valid state, sorting, its share of the nodes in use, and copies made for a snapshot
 BYTES_PER_POINT = {2: 800, 3: 1060}
 BYTES_PER_NODE = 5  # masks, and the arrays that they are made from
+BYTES_PER_CUT_CELL = 64  # of the lattice of points of an outline, while its volumes are computed
 
 
 def memory_bytes(discretization: Discretization) -> int:
     """Memory in use, bytes: of the node records, only those near material are ever touched."""
     points = discretization.most_points * BYTES_PER_POINT[discretization.dimension]
+    if discretization.outline is not None:
+        points += discretization.lattice_cells * BYTES_PER_CUT_CELL
     return points + prod(discretization.cells) * BYTES_PER_NODE
 
 

@@ -62,7 +62,7 @@ class Model:
 
 
 def build_model(case: Case) -> Model:
-    """Allocate and fill all arrays of a case, with the gate closed.
+    """Allocate and fill all arrays of a case, with the gate closed if there is one.
 
     Raises UsageError if the arrays do not fit into memory or the domain is too small.
     """
@@ -72,7 +72,7 @@ def build_model(case: Case) -> Model:
     if case.stages.initial_stress == "k0":
         assign_k0(case, discretization, points)
     grid = allocate_grid(discretization.origin, discretization.h, discretization.cells)
-    set_boundaries(grid, discretization, gate_opening=0.0)
+    set_boundaries(grid, discretization, initial_gate_opening(case))
     law, stages = LAWS[case.material.law], case.stages
     first_law = elastic if stages.equilibrate.law == "elastic" else law
     return Model(
@@ -95,6 +95,11 @@ def build_model(case: Case) -> Model:
             active_margin(discretization) if case.method.deactivate_base else 0,
         ),
     )
+
+
+def initial_gate_opening(case: Case) -> float:
+    """Opening of the gate before the release, m; inf without a gate."""
+    return 0.0 if case.stages.gate else math.inf
 
 
 def set_boundaries(grid: Grid, discretization: Discretization, gate_opening: float) -> None:
@@ -173,9 +178,13 @@ def free_speed(gravity: float, height: float) -> float:
 
 
 def make_points(case: Case, discretization: Discretization) -> Points:
-    """Points of the column, followed by those of the base, on regular lattices."""
-    size, base, dy = discretization.point_size, discretization.base, discretization.h_i / discretization.rows
-    column = _stack(discretization.column_lattice(), dy * (np.arange(discretization.rows) + 0.5))
+    """Points of the column, followed by those of the base, on regular lattices.
+
+    Raises UsageError if the outline of the column has no point.
+    """
+    size, base, dy = discretization.point_size, discretization.base, discretization.row_height
+    shares = discretization.column_shares().reshape(-1)
+    column = _stack(discretization.column_lattice(), dy * (np.arange(discretization.rows) + 0.5))[shares > 0.0]
     below = _stack(discretization.lattice(discretization.length), size * (np.arange(round(base / size)) + 0.5) - base)
     points = Points(len(column) + len(below), discretization.dimension)
     points.x[:] = np.concatenate([column, below])
@@ -183,6 +192,7 @@ def make_points(case: Case, discretization: Discretization) -> Points:
     area = size ** (discretization.dimension - 1)
     sizes = np.where(points.kind == BASE, area * size, area * dy)
     points.V0[:] = discretization.geometry.volumes(sizes, points.x)
+    points.V0[: len(column)] *= shares[shares > 0.0]
     points.m[:] = points.V0 * np.where(points.kind == BASE, case.base_material.density, case.material.density)
     return points
 
@@ -201,9 +211,8 @@ def assign_k0(case: Case, discretization: Discretization, points: Points) -> Non
     gravity, ratio = case.geometry.gravity, case.stages.k0
     nu = case.base_material.poissons_ratio
     x, y, *z = points.x.T
-    beyond = np.logical_or.reduce(discretization.beyond_column((x, *z)))
     is_base = points.kind == BASE
-    load = np.where(beyond, 0.0, case.material.density * (discretization.h_i - np.maximum(y, 0.0)))
+    load = case.material.density * discretization.material_above((x, *z), y)
     vertical = -gravity * (load + np.where(is_base, case.base_material.density * -y, 0.0))
     horizontal = np.where(is_base, nu / (1.0 - nu), ratio) * vertical
     points.sigma = np.stack([horizontal, vertical, horizontal, *3 * [np.zeros_like(vertical)]], axis=1)

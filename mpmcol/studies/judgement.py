@@ -25,7 +25,7 @@ def judge(results: Results) -> list[str]:
     if not results.summary["at_rest"]:
         experiment, reason = None, "the column still moved at the end: not compared with experiments"
     lines = [_quantity_line(results.summary, quantity, results.case, experiment, error) for quantity in NAMES]
-    return [*lines, *([reason] if reason else []), *_grid_lines(error)]
+    return [*lines, *([reason] if reason else []), *_grid_lines(error, results.case.geometry.is_rectangle)]
 
 
 def applicable_experiment(case: Case) -> tuple[Experiment | None, str]:
@@ -34,8 +34,8 @@ def applicable_experiment(case: Case) -> tuple[Experiment | None, str]:
     It has been made with this kind of column, a similar material, and this aspect ratio.
     """
     geometry, strength = case.geometry, strength_of(case)
-    own = find_experiment(case.score.experiment, geometry.model, geometry.section)
-    kind = column_kind(geometry.model, geometry.section)
+    own = find_experiment(case.score.experiment, geometry.model, geometry.column_section)
+    kind = column_kind(geometry.model, geometry.column_section)
     others = [one for one in EXPERIMENTS.values() if one.model == kind and one.kind == "laboratory"]
     for one in (own, *others):
         if not one.misfit(strength) and any(one.expected(quantity, geometry.a) for quantity in NAMES):
@@ -83,8 +83,10 @@ def _measured(summary: Mapping[str, Any], quantity: str, r_i: float) -> tuple[fl
     return float(front) - r_i, float(value)
 
 
-def _grid_lines(error: StudiedError | None) -> Iterator[str]:
-    if error is None:
+def _grid_lines(error: StudiedError | None, is_rectangle: bool) -> Iterator[str]:
+    if not is_rectangle:
+        yield "error of the grid: not studied for outlines; compare with a run at half the grid.spacing"
+    elif error is None:
         yield "error of the grid: not studied for these settings; --accuracy 5% chooses studied ones"
     else:
         less = 50.0 * max(error.errors.values())

@@ -72,14 +72,14 @@ def _chart_groups(outcomes: Sequence[Outcome], rows: Sequence[Row]) -> list[Char
     for outcome, row in zip(outcomes, rows, strict=True):
         geometry = outcome.run.case.geometry
         if outcome.status == "done":
-            groups.setdefault(column_kind(geometry.model, geometry.section), []).append((outcome, row))
+            groups.setdefault(column_kind(geometry.model, geometry.column_section), []).append((outcome, row))
     return [_chart_group(name, group) for name, group in groups.items()]
 
 
 def _chart_group(name: str, group: list[tuple[Outcome, Row]]) -> ChartGroup:
     run, rows = group[0][0].run, [row for _, row in group]
     geometry, keys = run.case.geometry, list(run.inputs)
-    experiment = find_experiment(run.case.score.experiment, geometry.model, geometry.section)
+    experiment = find_experiment(run.case.score.experiment, geometry.model, geometry.column_section)
     axis = choose_axis(rows, keys)
     series = group_rows(rows, keys, axis)
     fitted = series if axis == ASPECT_COLUMN else []

@@ -109,7 +109,7 @@ def _parts(outcome: Outcome) -> tuple[Row, ...]:
 def _laws(outcome: Outcome) -> Row:
     case = outcome.run.case
     geometry = case.geometry
-    experiment = find_experiment(case.score.experiment, geometry.model, geometry.section)
+    experiment = find_experiment(case.score.experiment, geometry.model, geometry.column_section)
     applies = not experiment.misfit(strength_of(case))
     expected = {name: experiment.expected(name, geometry.a) if applies else None for name in ("zeta", "beta")}
     unverified = [law.quantity for law in experiment.laws if expected.get(law.quantity) and not law.verified]

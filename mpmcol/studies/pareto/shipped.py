@@ -53,7 +53,7 @@ def parameters_of(case: Case) -> ColumnParameters:
     geometry, law, friction = case.geometry, case.material.law, strength_of(case).friction_deg
     if friction is None:
         raise UsageError(f"material.law = {law}: the errors were studied for materials with friction only")
-    return ColumnParameters(column_kind(geometry.model, geometry.section), geometry.a, friction)
+    return ColumnParameters(column_kind(geometry.model, geometry.column_section), geometry.a, friction)
 
 
 @cache
