@@ -17,6 +17,7 @@ from mpmcol.setup.domain import domain_size
 from mpmcol.setup.geometry import GEOMETRIES, Geometry, domain_faces, points_per_axis
 from mpmcol.setup.unfit_settings import setting_warnings
 
+MOST_SHARE = 8.0  # of its cell: largest volume of a point, the end of a slope of 2 degrees
 ROUNDING = 5e-5  # relative change of a length above which a warning is issued: less is 0.00 %
 
 
@@ -131,17 +132,17 @@ class Discretization:
     def column_shares(self) -> np.ndarray:
         """Volume of the points over that of their cells, (n columns, rows); 0 where an outline has no point.
 
-        Raises UsageError if the outline has no point at all.
+        Raises UsageError if parts of the outline are too thin for the points.
         """
         if self.outline is None:
             return np.ones((len(self.column_lattice()), self.rows))
         x_lines = self.point_size * np.arange(round(self.r_i / self.point_size) + 1)
         y_lines = self.row_height * np.arange(self.rows + 1)
         shares = point_shares(self.outline, x_lines, y_lines, self.faces[0][0] == AXIS)
-        if not shares.any():
+        if not 0.0 < shares.max() <= MOST_SHARE:
             raise UsageError(
-                f"geometry.outline is thinner than the distance between points, {self.point_size:.4g} m: it fills no "
-                "cell of the lattice of points by half; decrease grid.spacing"
+                f"geometry.outline is thinner than half the distance between points, {self.point_size:.4g} m, over a "
+                "length of many points; decrease grid.spacing, or omit its thin parts"
             )
         return shares
 

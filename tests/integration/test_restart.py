@@ -20,7 +20,7 @@ from mpmcol.simulation.interrupt import StopRequest
 from tests.support.cli import invoke
 from tests.support.runs import SMALL_CASES, assert_equal_runs, small_case
 
-QUICK = ("plane", "softening", "quarter")
+QUICK = ("plane", "softening", "outline", "quarter")
 
 
 @pytest.fixture

@@ -26,6 +26,7 @@ COARSE = {
     "coarse-channel": ("grid.spacing=0.01",),
     "quickstart": ("grid.spacing=9.7 mm", "grid.points_per_cell=4"),
     "bui-rods": ("grid.spacing=0.01",),
+    "heap": ("grid.spacing=0.02", "grid.points_per_cell=4"),
     **OF_PAPER,
     **{twin: OF_PAPER[f"lube-{twin}"] for twin in TWINS},
 }
@@ -43,6 +44,7 @@ EXPECTED: dict[str, tuple[int, float, float, float, float]] = {
     "lube-cylinder": (3678, 0.649021641, 0.649021641, 0.596467617, 0.972122909),
     "lube-quarter": (2207, 0.437980102, 0.437980102, 0.329851514, 0.999920231),
     "quickstart": (4754, 2.223691557, 2.223691557, 2.160848521, 0.369080814),
+    "heap": (2986, -0.023231153, -0.023231153, -0.023231153, 0.938797989),
     "bui-rods": (1654, 0.654307258, 0.654307258, 0.6443832, 0.998293409),
 }
 

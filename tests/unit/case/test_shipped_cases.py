@@ -14,6 +14,7 @@ SHIPPED = [
     "channel-loose",
     "coarse-channel",
     "cylinder",
+    "heap",
     "lube-channel",
     "lube-channel-dense",
     "lube-channel-loose",
