@@ -96,19 +96,18 @@ def test_charts_and_renderings_show_the_outline_and_no_gate(steep: Results) -> N
 
 
 def test_a_trapezoid_behind_a_gate_is_held_until_the_release(tmp_path: Path) -> None:
-    trapezoid = (
-        "geometry.outline=[[0, 0], [0.2, 0], [0.2, 0.2], [0.12, 0.2]]"  # its back is 31 degrees off the vertical
-    )
+    trapezoid = "geometry.outline=[[0, 0], [0.2, 0], [0.2, 0.14], [0, 0.2]]"  # its top slopes towards the gate
     case = mpmcol.load_case("coarse-channel", [trapezoid, *RIGID, "stages.collapse.max_time_factor=4"])
     results = mpmcol.run(case, tmp_path / "run", threads=1)
     released, last = results.snapshot(0), results.snapshot(-1)
     assert released.x[released.column, 0].max() < 0.2
     stress = released.arrays["stress"][released.column]
     at_gate = (released.x[released.column, 0] > 0.2 - SPACING) & (released.x[released.column, 1] < 0.1)
-    assert stress[at_gate, 0].mean() < -300.0  # Pa: the gate carries the earth pressure
+    assert 0.2 < stress[at_gate, 0].sum() / stress[at_gate, 1].sum() < 0.6  # earth pressure: K_a is 0.29
     assert last.x[last.column, 0].max() > 0.3
-    mass = released.arrays["mass"][released.column].sum()
-    assert mass == pytest.approx(2650.0 * 0.5 * 0.2 * (0.2 + 0.08), rel=1e-6)  # stored as float32
+    mass = released.arrays["mass"][released.column].sum(dtype=np.float64)
+    assert mass == pytest.approx(2650.0 * 0.5 * 0.2 * (0.2 + 0.14), rel=1e-6)  # stored as float32
+    assert abs(results.summary["ledger"]["residual"]) < 1e-12 * results.summary["ledger"]["potential"]
 
 
 @pytest.mark.parametrize(("model", "stress"), [("plane", "gravity"), ("axisymmetric", "k0")])
