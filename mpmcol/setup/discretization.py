@@ -190,6 +190,12 @@ def discretize(case: Case) -> Discretization:
     )
 
 
+def require_thick_outline(discretization: Discretization) -> None:
+    """Raise UsageError if parts of an outline are too thin for the points, as `build_model` does."""
+    if discretization.outline is not None:
+        discretization.column_shares()
+
+
 def _whole_cells(key: str, length: float, h: float, warnings: list[str]) -> float:
     """A length rounded to whole cells, m; appends a warning if that changes it."""
     cells = max(round(length / h), 1)

@@ -11,7 +11,7 @@ from mpmcol.errors import UsageError
 from mpmcol.mpm.particles import BASE
 from mpmcol.setup.column_shape import column_shape
 from mpmcol.setup.cut_cells import LEAST_SHARE, material_above, point_shares
-from mpmcol.setup.discretization import discretize
+from mpmcol.setup.discretization import discretize, require_thick_outline
 from mpmcol.setup.model import build_model
 
 HEAP: Outline = ((0.0, 0.0), (0.3, 0.0), (0.0, 0.11))
@@ -105,5 +105,8 @@ def test_the_potential_energy_is_that_of_the_points(outline: Outline, model: str
 )
 def test_an_outline_that_is_too_thin_for_the_points_is_refused(outline: Outline) -> None:
     case = case_of(outline, "grid.spacing=0.0009" if outline[2][0] == 0.0 else "grid.spacing=0.02")
-    with pytest.raises(UsageError, match=r"geometry.outline is thinner than half the distance between points"):
+    message = "geometry.outline is thinner than half the distance between points"
+    with pytest.raises(UsageError, match=message):
         build_model(case)
+    with pytest.raises(UsageError, match=message):
+        require_thick_outline(discretize(case))
