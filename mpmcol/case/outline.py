@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -76,7 +75,7 @@ def read_outline(path: Path) -> list[list[Any]]:
         lines = content.decode("utf-8-sig").splitlines()
     except UnicodeDecodeError:
         raise ValueError("not a text file in UTF-8") from None
-    rows = [(k, next(csv.reader([line]))) for k, line in enumerate(lines, 1) if line.strip() and line.strip()[0] != "#"]
+    rows = [(k, line.split(",")) for k, line in enumerate(lines, 1) if line.strip() and line.lstrip()[0] != "#"]
     units = _units(*rows[0]) if rows and _HEADER.match(rows[0][1][0]) else None
     return [_point(k, row, units or ("m", "m")) for k, row in (rows[1:] if units else rows)]
 

@@ -42,7 +42,8 @@ def _measured(results: Results) -> Iterator[str]:
             yield _line(label, f"{factor * front:.4g}", zeta, comparison)
     yield _line("spread of zeta (uncertainty of the front)", "", summary["spread"], "")
     comparison = _comparison(errors.get(("beta", "")))
-    yield _line("beta, height at the wall or axis", f"{factor * summary['height']:.4g}", summary["beta"], comparison)
+    place = "at the wall or axis" if shape.outline is None else "of the deposit"
+    yield _line(f"beta, height {place}", f"{factor * summary['height']:.4g}", summary["beta"], comparison)
 
 
 def _line(label: str, length: str, value: float, comparison: str) -> str:

@@ -24,6 +24,7 @@ MODELS = {"plane": "plane strain", "axisymmetric": "axisymmetric", "quarter": "3
 LENGTHS = {"r_i": "r_i", "h_i": "h_i", "h": "spacing"}  # symbols
 FRICTION = ("friction_deg", "friction_peak_deg", "friction_residual_deg")
 MOST_KEYS = 2  # in the name of a run
+OUTLINE_KEY = "geometry.outline"  # too long for a name
 DERIVED = "stages.k0"  # by default from the friction angle, with which it differs
 _ASPECT = re.compile(r",? *\ba = \d+(\.\d+)?")
 
@@ -90,7 +91,7 @@ def run_names(runs: Sequence[Results]) -> list[str]:
     keys = dict.fromkeys(key for one in values for key in one if not key.startswith(("title", "output.", "score.")))
     differing = [key for key in keys if len({str(one.get(key)) for one in values}) > 1]
     differing = [key for key in differing if key != DERIVED] or differing
-    if 1 <= len(differing) <= MOST_KEYS:
+    if 1 <= len(differing) <= MOST_KEYS and OUTLINE_KEY not in differing:
         names = [", ".join(_value_text(key, one.get(key)) for key in differing) for one in values]
         if len(set(names)) == len(names):
             return names

@@ -128,7 +128,8 @@ def front_chart(
     for name, front in fronts.items():
         style = {key: value for key, value in FRONT_STYLES[name].items() if key != "marker"}
         upper.plot(tau, front / shape.r_i - 1.0, label=FRONT_LABELS[name], **style)
-    lower.plot(tau, height / shape.h_i, color="black", label=f"height at the {origin(shape)}")
+    place = f"at the {origin(shape)}" if shape.outline is None else "of the deposit"
+    lower.plot(tau, height / shape.h_i, color="black", label=f"height {place}")
     for axes, quantity in ((upper, "zeta"), (lower, "beta")):
         draw_band(axes, experiment, quantity, shape.a)
         axes.legend(frameon=False, fontsize=LABEL_SIZE)

@@ -22,6 +22,7 @@ from mpmcol.plotting.charts import TIME_LABEL, draw_band, history_panels
 from mpmcol.plotting.figures import MOST_ENTRIES, Heading, add_heading, legend_below, save_figure
 from mpmcol.plotting.measured_series import MeasuredSeries
 from mpmcol.plotting.profiles import (
+    RELEASED,
     LengthAxes,
     distance_label,
     draw_experiment,
@@ -155,6 +156,8 @@ def _profiles(
     if same_size:
         tallest = max((run.shape for run in runs), key=lambda one: one.h_i)
         flatness = set_up_axes(target, tallest, deposits, reach)
+        for other in (run.shape for run in runs if run.shape.outline != tallest.outline):
+            axes.plot(*(factor * other.surface), **RELEASED)
     else:
         flatness = _set_up_relative(axes, runs, deposits)
     lines: list[Any] = []
@@ -172,7 +175,8 @@ def _profiles(
 def _set_up_relative(axes: Axes, runs: Sequence[ComparedRun], deposits: Sequence[Measurement]) -> float:
     """Axes for columns of different sizes, relative to r_i; returns height over length."""
     axes.set(xlabel=f"{distance_label(runs[0].shape)} over $r_i$ (-)", ylabel="height over $r_i$ (-)")
-    draw_gate(axes, 1.0)
+    if any(run.shape.gate for run in runs):
+        draw_gate(axes, 1.0)
     axes.axhline(0.0, color="black", linewidth=0.8, zorder=0)
     ends = (deposit.max_distance / run.shape.r_i for run, deposit in zip(runs, deposits, strict=True))
     return max(run.shape.a for run in runs) / max(ends)

@@ -30,6 +30,7 @@ def run_page(results: Results) -> Page:
     deposit = measure_table(measures(results), MEASURES)
     others = [value_table(energy_measures(results), ENERGY), value_table(cost_measures(results), COST)]
     profile, *charts = chart_pictures(results)
+    laws = law_table(results.summary)
     return Page(
         title=_title(results),
         kind="mpmcol: report of a run",
@@ -39,7 +40,7 @@ def run_page(results: Results) -> Page:
             Section("Judgement", lines=[line[:1].upper() + line[1:] for line in judge(results)]),
             *_warnings([results], [""]),
             Section("Collapse and deposit", pictures=[animation(results), deposit_picture(results)]),
-            Section("Measurements", tables=[deposit, law_table(results.summary)]),
+            Section("Measurements", tables=[deposit, *([laws] if laws.rows else [])]),
             Section("Profiles", pictures=[profile], is_wide=True),
             Section("Front, height and energy in time", pictures=charts, is_wide=True),
             Section("Energy, stresses and cost", tables=others),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from math import radians, tan
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from matplotlib.figure import Figure
 
 import mpmcol
 from mpmcol.io.results import Results
+from mpmcol.plotting.captions import run_names
 from mpmcol.plotting.profiles import LengthAxes, set_up_axes
 from mpmcol.plotting.render.coloring import COLORINGS
 from mpmcol.plotting.render.side import SideView, fit_view
@@ -93,6 +95,14 @@ def test_charts_and_renderings_show_the_outline_and_no_gate(steep: Results) -> N
     view.draw_before(drawn)
     assert any(np.array_equal(np.array(line.get_data()), outline) for line in drawn.lines)
     assert not any("gate" in text.get_text() for text in drawn.texts)
+
+
+def test_runs_that_differ_in_the_outline_are_named_by_their_folders() -> None:
+    runs = [
+        SimpleNamespace(case=mpmcol.load_case("coarse-channel", [outline_of_heap(slope)]), folder=Path(f"at-{slope}"))
+        for slope in (20, 30)
+    ]
+    assert run_names(runs) == ["at-20", "at-30"]  # type: ignore[arg-type]
 
 
 def test_a_trapezoid_behind_a_gate_is_held_until_the_release(tmp_path: Path) -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from mpmcol.case import case_hash, load_case, resolved_toml
+from mpmcol.case import case_hash, json_schema, load_case, resolved_toml
 from mpmcol.case.outline import area
 from mpmcol.experiments import OUTLINE
 from tests.support.case_files import GOOD, Write, only_problem, problems_of
@@ -119,6 +119,12 @@ def test_a_csv_file_that_is_no_outline_is_refused(
 )
 def test_keys_that_an_outline_excludes(write: Write, addition: str, message: str) -> None:
     assert message in only_problem(write(SLOPE.replace(HEAP, f"{HEAP}\n{addition}"))).message
+
+
+def test_the_json_schema_accepts_points_and_a_path() -> None:
+    path, points = json_schema()["properties"]["geometry"]["properties"]["outline"]["oneOf"]
+    assert path == {"type": "string"}
+    assert (points["minItems"], points["items"]["items"]["minimum"]) == (3, 0.0)
 
 
 def test_other_limits_of_an_outline(write: Write) -> None:
