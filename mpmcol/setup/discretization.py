@@ -129,13 +129,12 @@ class Discretization:
         positions = self.lattice(max(self.r_i, self.depth))
         return positions[~np.logical_or.reduce(self.beyond_column(tuple(positions.T)))]
 
-    def column_shares(self) -> np.ndarray:
-        """Volume of the points over that of their cells, (n columns, rows); 0 where an outline has no point.
+    def outline_shares(self) -> np.ndarray:
+        """Volume of the points of an outline over that of their cells, (n columns, rows); 0 for cells without a point.
 
         Raises UsageError if parts of the outline are too thin for the points.
         """
-        if self.outline is None:
-            return np.ones((len(self.column_lattice()), self.rows))
+        assert self.outline is not None
         x_lines = self.point_size * np.arange(round(self.r_i / self.point_size) + 1)
         y_lines = self.row_height * np.arange(self.rows + 1)
         shares = point_shares(self.outline, x_lines, y_lines, self.faces[0][0] == AXIS)
@@ -193,7 +192,7 @@ def discretize(case: Case) -> Discretization:
 def require_thick_outline(discretization: Discretization) -> None:
     """Raise UsageError if parts of an outline are too thin for the points, as `build_model` does."""
     if discretization.outline is not None:
-        discretization.column_shares()
+        discretization.outline_shares()
 
 
 def _whole_cells(key: str, length: float, h: float, warnings: list[str]) -> float:

@@ -183,8 +183,7 @@ def make_points(case: Case, discretization: Discretization) -> Points:
     Raises UsageError if the outline of the column has no point.
     """
     size, base, dy = discretization.point_size, discretization.base, discretization.row_height
-    shares = discretization.column_shares().reshape(-1)
-    column = _stack(discretization.column_lattice(), dy * (np.arange(discretization.rows) + 0.5))[shares > 0.0]
+    column, shares = _column_points(discretization)
     below = _stack(discretization.lattice(discretization.length), size * (np.arange(round(base / size)) + 0.5) - base)
     points = Points(len(column) + len(below), discretization.dimension)
     points.x[:] = np.concatenate([column, below])
@@ -192,9 +191,19 @@ def make_points(case: Case, discretization: Discretization) -> Points:
     area = size ** (discretization.dimension - 1)
     sizes = np.where(points.kind == BASE, area * size, area * dy)
     points.V0[:] = discretization.geometry.volumes(sizes, points.x)
-    points.V0[: len(column)] *= shares[shares > 0.0]
+    points.V0[: len(column)] *= shares
     points.m[:] = points.V0 * np.where(points.kind == BASE, case.base_material.density, case.material.density)
     return points
+
+
+def _column_points(discretization: Discretization) -> tuple[np.ndarray, np.ndarray | float]:
+    """Positions of the points of the column, (n, d), m, and their volumes over those of their cells, (n,) or 1."""
+    heights = discretization.row_height * (np.arange(discretization.rows) + 0.5)
+    lattice = _stack(discretization.column_lattice(), heights)
+    if discretization.outline is None:
+        return lattice, 1.0
+    shares = discretization.outline_shares().reshape(-1)
+    return lattice[shares > 0.0], shares[shares > 0.0]
 
 
 def _stack(horizontal: np.ndarray, y: np.ndarray) -> np.ndarray:

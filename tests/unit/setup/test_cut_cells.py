@@ -44,7 +44,7 @@ def test_the_mass_is_exact_and_no_point_is_small(outline: Outline, model: str) -
     assert given is not None
     exact = area(given) if model == "plane" else first_moment(given)
     assert made.column_mass == pytest.approx(1000.0 * exact, rel=1e-13)
-    shares = made.discretization.column_shares()
+    shares = made.discretization.outline_shares()
     assert shares[shares > 0.0].min() > 0.5 - 1e-9 and shares.max() < 3.0
     assert made.column_points == np.count_nonzero(shares)
     counted = made.discretization.most_points - np.count_nonzero(made.points.kind == BASE)
@@ -70,7 +70,7 @@ def test_volumes_per_radian_of_a_cone() -> None:
 
 def test_a_rectangle_has_full_cells() -> None:
     case = case_of(((0.0, 0.0), (0.31, 0.0), (0.31, 0.1), (0.0, 0.1)))
-    assert (discretize(case).column_shares() == 1.0).all()
+    assert (discretize(case).outline_shares() == 1.0).all()
 
 
 def test_the_material_above_a_point_is_that_of_the_outline_without_its_gaps() -> None:
