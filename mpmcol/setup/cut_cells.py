@@ -25,7 +25,7 @@ def point_shares(outline: Outline, x_lines: np.ndarray, y_lines: np.ndarray, per
         x_lines, y_lines: edges of the cells, (n_x + 1,) and (n_y + 1,), m, from 0 to at least the size of the outline.
         per_radian: whether volumes are per radian about x = 0 (axisymmetric), not per metre (plane strain).
     """
-    from scipy.ndimage import distance_transform_edt
+    from scipy.ndimage import distance_transform_edt  # here, since it takes long to import
 
     power = 2 if per_radian else 1
     cell = np.outer(np.diff(x_lines**power) / power, np.diff(y_lines))
@@ -45,25 +45,23 @@ def point_shares(outline: Outline, x_lines: np.ndarray, y_lines: np.ndarray, per
 def _volumes(outline: Outline, x_lines: np.ndarray, y_lines: np.ndarray, power: int) -> np.ndarray:
     """Integral of x^(power - 1) over the part of each cell inside the polygon, (n_x, n_y).
 
-    By Green's theorem it is the sum over the edges of the polygon of the integral of x^power / power dy. An edge adds
-    to the cell in which it lies the part of the cell on its right, with the opposite sign, and to all cells on the
-    right of it, in its row, their full width.
+    The polygon is counterclockwise: the material is on the right of edges that run downward, and on the left of those
+    that run upward. By Green's theorem, an edge therefore adds, with the sign of -dy, the part of its own cell that is
+    on its right, and in the same row all cells farther to the right.
     """
     n_x, n_y = len(x_lines) - 1, len(y_lines) - 1
-    own, others = np.zeros((n_x + 1, n_y + 1)), np.zeros((n_x + 1, n_y + 1))
-    ends = np.append(x_lines, np.inf)[1:]
+    lines = np.append(x_lines, 2.0 * x_lines[-1] - x_lines[-2])  # edges on the last line lie in a cell beyond it
+    rights, widths = lines[1:] ** power / power, np.diff(lines**power) / power
+    beside, heights = np.zeros((n_x + 1, n_y + 1)), np.zeros((n_x + 1, n_y + 1))
     for start, end in _edges(outline):
         x, y = _split(start, end, x_lines, y_lines)
         i = np.clip(np.searchsorted(x_lines, 0.5 * (x[1:] + x[:-1]), "right") - 1, 0, n_x)
         j = np.clip(np.searchsorted(y_lines, 0.5 * (y[1:] + y[:-1]), "right") - 1, 0, n_y)
-        dy = np.diff(y)
         mean = 0.5 * (x[1:] + x[:-1]) if power == 1 else (x[1:] ** 2 + x[1:] * x[:-1] + x[:-1] ** 2) / 6.0
-        inside = i < n_x  # beyond the last line there are no cells
-        np.add.at(own, (i[inside], j[inside]), -dy[inside] * (ends[i[inside]] ** power / power - mean[inside]))
-        np.add.at(others, (i, j), -dy)
-    left = np.cumsum(others, axis=0)[:-1]  # height of the edges in cell i and on the left of it
-    widths = np.diff(x_lines**power) / power
-    return own[:n_x, :n_y] + widths[:, None] * (left - others[:n_x])[:, :n_y]
+        np.add.at(beside, (i, j), -np.diff(y) * (rights[i] - mean))
+        np.add.at(heights, (i, j), -np.diff(y))
+    farther = np.cumsum(heights, axis=0) - heights
+    return (beside + widths[:, None] * farther)[:n_x, :n_y]
 
 
 def _edges(outline: Outline) -> Iterator[tuple[np.ndarray, np.ndarray]]:
