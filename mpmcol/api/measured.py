@@ -71,7 +71,13 @@ def measure(run: Results | Path | str, snapshot: int = -1, *, notify: Notify = w
         energy_unit=ENERGY_UNITS[shape.model][1],
         scores=score(values, shape.a, shape.model, shape.section, strength_of(results.case)),
         profiles=profile_scores(
-            measurement.profile_x, measurement.profile_y, shape.model, shape.r_i, shape.h_i, shape.section
+            measurement.profile_x,
+            measurement.profile_y,
+            shape.model,
+            shape.r_i,
+            shape.h_i,
+            shape.section,
+            shape.slope_deg,
         ),
     )
 

@@ -8,13 +8,14 @@ from mpmcol.case.problem import Problem
 from mpmcol.case.reference import explain, hint_for, json_schema, key_names
 from mpmcol.case.schema import Case
 from mpmcol.case.source import shipped_cases
-from mpmcol.case.strength import strength_of
+from mpmcol.case.strength import experiment_of, strength_of
 from mpmcol.case.values import case_hash
 
 __all__ = [
     "Case",
     "Problem",
     "case_hash",
+    "experiment_of",
     "explain",
     "flattened_text",
     "hint_for",

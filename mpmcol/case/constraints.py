@@ -54,8 +54,8 @@ def _less(smaller: float | None, larger: float | None) -> bool:
     return smaller is None or larger is None or smaller < larger
 
 
-def _at_most(smaller: float, larger: float) -> bool:
-    return smaller <= larger
+def _at_most(smaller: float | None, larger: float | None) -> bool:
+    return smaller is None or larger is None or smaller <= larger
 
 
 def _increasing(times: tuple[float, ...] | None) -> bool:
@@ -76,6 +76,13 @@ def _ends_before(outline: Outline | None, limit: float | None, axis: int) -> boo
 
 FILTER_STRENGTH = 0.5  # default of method.filter_strength
 _3D = ("quarter", "full")
+_ORDERED_ANGLES = (
+    ("dilatancy", "friction"),
+    ("dilatancy_peak", "friction_peak"),
+    ("dilatancy_residual", "friction_residual"),
+    ("friction_residual", "friction_peak"),
+    ("dilatancy_residual", "dilatancy_peak"),
+)
 _SMALLER = "must be smaller than {1}"
 _LARGER = "must be larger than {1}"
 _AT_MOST = "must not exceed {1}"
@@ -106,6 +113,16 @@ CONSTRAINTS = (
         ("geometry.release", "geometry.model"),
         lambda release, model: release == "one-sided" or model == "plane",
         'must be "one-sided" with {1}',
+    ),
+    Constraint(
+        ("geometry.slope_deg", "geometry.model"),
+        lambda slope, model: slope == 0.0 or model in ("plane", "full"),
+        'must be 0 with {1}: a slope is not symmetric about the axis of the column; use "plane" or "full"',
+    ),
+    Constraint(
+        ("geometry.slope_deg", "geometry.release"),
+        lambda slope, release: slope == 0.0 or release == "one-sided",
+        'must be 0 with {1}: the two sides of a slope differ; use "one-sided"',
     ),
     Constraint(
         ("geometry.section", "geometry.model"),
@@ -162,11 +179,11 @@ CONSTRAINTS = (
         lambda top, outline: _ends_before(outline, top, 1),
         "must be larger than the largest y of {1}",
     ),
-    Constraint(("material.dilatancy_deg", "material.friction_deg"), _at_most, _AT_MOST),
-    Constraint(("material.dilatancy_peak_deg", "material.friction_peak_deg"), _at_most, _AT_MOST),
-    Constraint(("material.dilatancy_residual_deg", "material.friction_residual_deg"), _at_most, _AT_MOST),
-    Constraint(("material.friction_residual_deg", "material.friction_peak_deg"), _at_most, _AT_MOST),
-    Constraint(("material.dilatancy_residual_deg", "material.dilatancy_peak_deg"), _at_most, _AT_MOST),
+    *(
+        Constraint((f"{table}.{smaller}_deg", f"{table}.{larger}_deg"), _at_most, _AT_MOST)
+        for table in ("material", "base_material")
+        for smaller, larger in _ORDERED_ANGLES
+    ),
     Constraint(
         ("method.flip_fraction", "method.transfer"),
         lambda fraction, transfer: fraction == 1.0 or transfer in ("taylor-flip", "flip"),
@@ -200,7 +217,12 @@ CONSTRAINTS = (
     Constraint(
         ("method.deactivate_base", "geometry.base"),
         lambda deactivate, base: not deactivate or base == "elastic",
-        "must be false with {1}: a rigid floor has no material points",
+        "must be false with {1}: a rigid floor has no material points, and a granular bed moves",
+    ),
+    Constraint(
+        ("base_material.law", "geometry.base"),
+        lambda law, base: law is None or (law != "elastic") == (base == "granular"),
+        'must be "elastic" with an elastic or rigid base and another law with a granular one, {1}',
     ),
     Constraint(
         ("stages.equilibrate.law", "material.law"),

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any
 
 from pydantic import ValidationError
@@ -13,7 +14,8 @@ from mpmcol.case import fields
 from mpmcol.case.constraints import ViolatedConstraint, violations
 from mpmcol.case.not_modelled import answer_to
 from mpmcol.case.problem import MOST_COUNTED, Problem, set_option
-from mpmcol.case.reference import field_at, fields_at, key_names
+from mpmcol.case.reference import MATERIALS, field_at, fields_at, key_names
+from mpmcol.case.schema import default_base_law, with_inherited_keys
 from mpmcol.case.source import CaseInput
 from mpmcol.case.toml_lines import KeyPath
 from mpmcol.mpm.constitutive import LAWS
@@ -28,33 +30,59 @@ def find_problems(given: CaseInput, invalid: ValidationError) -> list[Problem]:
     Sorted by file and line; those of overrides come last.
     """
     primary = (error for error in invalid.errors(include_url=False) if error["type"] not in _DERIVED_ERRORS)
-    located = [(_key_path(error), error) for error in primary]
+    located = _without_derived([(_key_path(error), error) for error in primary])
     errors = located[:MOST_COUNTED]
-    law = _law(given.tables)
-    intended = {key: _nearest_key(key, law) for key, error in errors if error["type"] == "extra_forbidden"}
+    law = partial(_law, given.tables)
+    intended = {key: _nearest_key(key, law(key)) for key, error in errors if error["type"] == "extra_forbidden"}
     invalid_keys = {key for key, _ in located} | {known for known in intended.values() if known}
     problems = [
-        _unknown_key(given, key, intended[key], law) if key in intended else _bad_value(given, key, error, law)
+        _unknown_key(given, key, intended[key], law(key))
+        if key in intended
+        else _bad_value(given, key, error, law(key))
         for key, error in errors
         if not (error["type"] == "missing" and key in intended.values())
     ]
-    values = dict(_valid_values(given.tables, invalid_keys, law))
+    values = dict(_valid_values(_complete(given.tables, invalid_keys), invalid_keys, law))
     problems += [_violated(given, violation) for violation in violations(values)]
     return sorted(problems, key=lambda problem: (problem.line is None, problem.file, problem.line or 0))
 
 
-def _law(tables: dict[str, Any]) -> str:
-    material = tables.get("material")
-    law = material.get("law") if isinstance(material, dict) else None
+def _without_derived(located: list[tuple[KeyPath, ErrorDetails]]) -> list[tuple[KeyPath, ErrorDetails]]:
+    """Without keys of the base that are missing because what they follow from is invalid."""
+    if not any(key[0] in ("geometry", "material") for key, _ in located):
+        return located
+    return [(key, error) for key, error in located if key[0] != "base_material" or error["type"] != "missing"]
+
+
+def _complete(tables: dict[str, Any], invalid_keys: set[KeyPath]) -> dict[str, Any]:
+    """The tables with the keys of the base that follow from valid keys of the material of the column."""
+    material, base_material = tables.get("material"), tables.get("base_material", {})
+    if not (isinstance(material, dict) and isinstance(base_material, dict)):
+        return tables
+    valid = {name: value for name, value in material.items() if ("material", name) not in invalid_keys}
+    return tables | {"base_material": with_inherited_keys(base_material, valid, _value(tables, "geometry", "base"))}
+
+
+def _law(tables: dict[str, Any], key: KeyPath = ()) -> str:
+    """Law of the material that a key belongs to, by default that of the column; "" if there is none."""
+    table = key[0] if key[:1] in MATERIALS else "material"
+    law = _value(tables, table, "law")
+    if law is None and table == "base_material":
+        law = default_base_law(_value(tables, "geometry", "base"), _law(tables))
     return law if isinstance(law, str) else ""
 
 
+def _value(tables: dict[str, Any], table: str, key: str) -> Any:
+    keys = tables.get(table)
+    return keys.get(key) if isinstance(keys, dict) else None
+
+
 def _key_path(error: ErrorDetails) -> KeyPath:
-    """Key of an error, without the law that pydantic inserts into the keys of `material`."""
+    """Key of an error, without the law that pydantic inserts into the keys of materials."""
     location = tuple(str(part) for part in error["loc"] if not isinstance(part, int))
     if error["type"].startswith("union_tag"):
         return (*location, "law")
-    return ("material", *location[2:]) if location[0] == "material" else location
+    return (location[0], *location[2:]) if location[:1] in MATERIALS else location
 
 
 def _nearest_key(key: KeyPath, law: str) -> KeyPath | None:
@@ -104,7 +132,7 @@ def _correct_place(key: KeyPath, law: str) -> str:
     """The law or the table to which a misplaced key belongs; empty if there is none."""
     *table, name = key
     laws = [other for other in LAWS if name in fields_at(("material",), other)]
-    if table == ["material"] and laws:
+    if tuple(table) in MATERIALS and laws:
         return f"not a key of law {law}, but of {' and '.join(laws)}"
     tables = [path.rpartition(".")[0] for path in key_names() if path.rpartition(".")[2] == name]
     return f"move this key to [{tables[0]}]" if tables and tables[0] else ""
@@ -132,14 +160,14 @@ def _value_at(tables: Any, key: KeyPath) -> Any:
 
 
 def _valid_values(
-    tables: dict[str, Any], invalid_keys: set[KeyPath], law: str, at: KeyPath = ()
+    tables: dict[str, Any], invalid_keys: set[KeyPath], law: Callable[[KeyPath], str], at: KeyPath = ()
 ) -> Iterator[tuple[str, Any]]:
     """Converted values of all keys that are valid by themselves, as input of the constraints."""
-    for name, field in fields_at(at, law).items():
+    for name, field in fields_at(at, law(at)).items():
         key = (*at, name)
         if key in invalid_keys or (name not in tables and field.is_required()):
             continue
-        if key == ("material",) or fields.subtable(field):
+        if key in MATERIALS or fields.subtable(field):
             yield from _valid_values(tables.get(name, {}), invalid_keys, law, key)
         else:
             value, converter = tables.get(name, field.default), fields.converter_of(field)

@@ -10,11 +10,13 @@ _LONGEST = 200  # characters of a key that are searched
 _FLOOR = "base|basal|bed|bottom|boundary|contact|floor|gate|ground|interface|wall"
 # patterns of whole parts of a key, between dots and underscores -> answer; the first that matches applies
 _ANSWERS = {
-    rf"({_FLOOR})_(material_)?(friction|mu|roughness|slip)|(friction|mu|roughness|slip)_({_FLOOR})": (
-        'friction with floor and walls is not modelled: geometry.base is an elastic layer or, as "rigid", a floor '
-        "without slip, and walls are smooth"
+    rf"({_FLOOR})_(friction|mu|roughness|slip)|(friction|mu|roughness|slip)_({_FLOOR})": (
+        'friction with floor and walls is not modelled: geometry.base is an elastic layer, a "granular" bed or, as '
+        '"rigid", a floor without slip, and walls are smooth'
     ),
-    "slope|sloped|inclination|inclined|incline|tilt|tilted": "slopes are not modelled: the floor is horizontal",
+    "slope(?!_deg)|sloped|inclination|inclined|incline|tilt|tilted": (
+        "the slope of the base is geometry.slope_deg, in degrees"
+    ),
     "water|pore|fluid|saturation|saturated|permeability|moisture|suction|drained|undrained": (
         "pore fluid is not modelled: the material is dry"
     ),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from functools import cache
 from typing import Any
 
@@ -17,7 +18,15 @@ from mpmcol.errors import UsageError
 from mpmcol.mpm.constitutive import LAWS
 from mpmcol.units import Table, option
 
-_LAW = FieldInfo(annotation=LawName, description="constitutive law; the other keys depend on it")
+# tables whose keys depend on their key `law`
+MATERIALS = {
+    ("material",): FieldInfo(annotation=LawName, description="constitutive law; the other keys depend on it"),
+    ("base_material",): FieldInfo(
+        annotation=LawName,
+        default=None,
+        description="constitutive law; default: elastic, or that of material for a granular base",
+    ),
+}
 _EXTENDS = FieldInfo(
     annotation=str,
     default=None,
@@ -27,15 +36,24 @@ _EXTENDS = FieldInfo(
 
 @cache
 def fields_at(table: tuple[str, ...], law: str) -> dict[str, FieldInfo]:
-    """Fields of a table by name; () is the top level; the keys of material depend on the law."""
+    """Fields of a table by name; () is the top level; the keys of materials depend on the law."""
     if not table:
         return {"extends": _EXTENDS, **fields.fields(Case)}
-    if table == ("material",):
-        return {"law": _LAW} | fields.fields(LAWS[law].Material) | {"law": _LAW} if law in LAWS else {}
+    if table in MATERIALS:
+        of_law = fields.fields(LAWS[law].Material) if law in LAWS else {}
+        given = of_law if table == ("material",) else {name: _optional(field) for name, field in of_law.items()}
+        return {"law": MATERIALS[table]} | given | {"law": MATERIALS[table]} if given else {}
     *parent, name = table
     field = fields_at(tuple(parent), law).get(name)
-    keys = fields.subtable(field) if field else None
-    return fields.fields(keys) if keys else {}
+    inside = fields.subtable(field) if field else None
+    return fields.fields(inside) if inside else {}
+
+
+def _optional(field: FieldInfo) -> FieldInfo:
+    """The field without a default of its own: the key follows from another one."""
+    optional = copy(field)
+    optional.default = None
+    return optional
 
 
 def field_at(key: tuple[str, ...], law: str) -> FieldInfo:
@@ -96,7 +114,7 @@ def _details(path: tuple[str, ...]) -> list[str]:
 
 
 def laws_with(key: tuple[str, ...]) -> list[str]:
-    """Laws for which a key exists: all, except for some keys of material."""
+    """Laws for which a key exists: all, except for some keys of materials."""
     return [law for law in LAWS if key[-1] in fields_at(key[:-1], law)]
 
 
@@ -128,15 +146,18 @@ def _table_schema(fields: dict[str, FieldInfo]) -> dict[str, Any]:
     return schema | ({"required": required} if required else {})
 
 
-def _material_schema(material: type[Table]) -> dict[str, Any]:
-    schema = _table_schema(fields.fields(material))
-    return schema | {"required": ["law", *schema["required"]]}
+def _material_schema(name: str, law: str) -> dict[str, Any]:
+    schema = _table_schema(fields_at((name,), law))
+    schema["properties"]["law"]["enum"] = [law]
+    return schema
 
 
 def _field_schema(name: str, field: FieldInfo) -> dict[str, Any]:
-    if name == "material":
+    if (name,) in MATERIALS:
         described: dict[str, Any] = {"description": field.description}
-        return described | {"oneOf": [_material_schema(law.Material) for law in LAWS.values()]}
+        # the law of the base may be omitted: several laws can then match
+        match = "oneOf" if MATERIALS[name,].is_required() else "anyOf"
+        return described | {match: [_material_schema(name, law) for law in LAWS]}
     table = fields.subtable(field)
     if table:
         return {"description": field.description, **_table_schema(fields.fields(table))}

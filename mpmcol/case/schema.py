@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
 
 from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from mpmcol.case.constraints import violations
+from mpmcol.case.slope import slope_factor
 from mpmcol.case.tables import (
     GeometryTable,
     GridTable,
@@ -22,20 +24,30 @@ from mpmcol.case.values import leaf_values
 from mpmcol.mpm.constitutive import LAWS, elastic
 from mpmcol.units import Table, option
 
+MAX_TIME_FACTOR = 10.0  # default of stages.collapse.max_time_factor on a horizontal base
+
 if TYPE_CHECKING:
 
-    class ColumnMaterial(elastic.Elasticity):
+    class Material(elastic.Elasticity):
         """Keys that the materials of all laws have."""
 
         law: str
 else:
     _materials = tuple(law.Material for law in LAWS.values())
-    ColumnMaterial = Annotated[Union[_materials], Field(discriminator="law")]  # noqa: UP007
+    Material = Annotated[Union[_materials], Field(discriminator="law")]  # noqa: UP007
 
 
-def _elastic_part(data: dict[str, Any]) -> elastic.Material:
-    shared = data["material"].model_dump(include=set(elastic.Elasticity.model_fields))
-    return elastic.Material(law="elastic", **shared)
+def default_base_law(base: Any, law: str) -> str:
+    """Law of the base if the case names none: that of the column, `law`, for a granular bed."""
+    return law if base == "granular" else "elastic"
+
+
+def with_inherited_keys(base_material: Mapping[str, Any], material: Mapping[str, Any], base: Any) -> dict[str, Any]:
+    """The base's material with the keys of that of the column: all with the same law, else the elastic ones."""
+    law = base_material.get("law", default_base_law(base, str(material.get("law"))))
+    shared = material if material.get("law") == law else elastic.Elasticity.model_fields
+    inherited = {key: material[key] for key in shared if key in material}
+    return {**inherited, "law": law, **base_material}
 
 
 class Case(Table):
@@ -47,10 +59,11 @@ class Case(Table):
     title: str = option("title in tables and charts", "")
     geometry: GeometryTable = option("column, base and domain")
     grid: GridTable = option("background grid and material points")
-    material: ColumnMaterial = option("material of the column; its other keys depend on law")
-    base_material: elastic.Material = Field(
-        default_factory=_elastic_part,
-        description="material of the elastic base; default: density and elastic constants of material",
+    material: Material = option("material of the column; its other keys depend on law")
+    base_material: Material = Field(
+        default_factory=dict,
+        validate_default=True,
+        description="material of the base; keys that are not given are those of material",
     )
     method: MethodTable = option("variants of the material point method", MethodTable())
     time: TimeTable = option("time step", TimeTable())
@@ -67,17 +80,33 @@ class Case(Table):
             return grid
         return {"points_per_cell": 2**geometry.dimension, **grid}
 
+    @field_validator("base_material", mode="before")
+    @classmethod
+    def _resolve_base_material(cls, base_material: Any, info: ValidationInfo) -> Any:
+        """Resolve the law of the base and the keys that follow from the material of the column."""
+        geometry, material = info.data.get("geometry"), info.data.get("material")
+        if not isinstance(base_material, dict):
+            return base_material
+        if geometry is None or material is None:  # invalid: only the keys that are given can be checked
+            return {"law": "elastic", **base_material}
+        return with_inherited_keys(base_material, material.model_dump(), geometry.base)
+
     @field_validator("stages", mode="before")
     @classmethod
     def _resolve_from_material(cls, stages: Any, info: ValidationInfo) -> Any:
-        """Resolve the defaults of stages that depend on the material."""
-        material = info.data.get("material")
+        """Resolve the defaults of stages that depend on the material and on the slope."""
+        material, geometry = info.data.get("material"), info.data.get("geometry")
         given = stages.model_dump(exclude_none=True) if isinstance(stages, StagesTable) else stages
-        if material is None or not isinstance(given, dict):
+        if material is None or geometry is None or not isinstance(given, dict):
             return given
         filled = {"k0": _active_ratio(material), **given}
-        if isinstance(equilibrate := given.get("equilibrate", {}), dict):
-            filled["equilibrate"] = {"law": material.law if given.get("gate", True) else "elastic", **equilibrate}
+        defaults: dict[str, dict[str, Any]] = {
+            "equilibrate": {"law": material.law if given.get("gate", True) else "elastic"},
+            "collapse": {"max_time_factor": MAX_TIME_FACTOR * slope_factor(geometry.slope_deg, material)},
+        }
+        for stage, values in defaults.items():
+            if isinstance(own := given.get(stage, {}), dict):
+                filled[stage] = {**values, **own}
         return filled
 
     @model_validator(mode="after")

@@ -1,14 +1,23 @@
-"""Strength of the column's material, by which experiments and studies are selected."""
+"""Strength of the column's material and slope of its base, by which experiments and studies are selected."""
 
 from __future__ import annotations
 
 from mpmcol.case.schema import Case
-from mpmcol.experiments import Strength
+from mpmcol.experiments import Experiment, Strength, find_experiment
 
 
 def strength_of(case: Case) -> Strength:
-    """Friction angle (residual, of a softening material; None without friction) and cohesion over rho g h_i."""
+    """Friction angle (residual, of a softening material; None without friction), cohesion over rho g h_i, and slope."""
     material, geometry = case.material, case.geometry
     friction = getattr(material, "friction_deg", None) or getattr(material, "friction_residual_deg", None)
     weight = material.density * geometry.gravity * geometry.h_i
-    return Strength(friction, getattr(material, "cohesion", 0.0) / weight)
+    return Strength(friction, getattr(material, "cohesion", 0.0) / weight, geometry.slope_deg)
+
+
+def experiment_of(case: Case) -> Experiment:
+    """The experiment of score.experiment; one without laws on a slope and for an outline.
+
+    All published columns are rectangles on a horizontal base.
+    """
+    geometry = case.geometry
+    return find_experiment(case.score.experiment, geometry.model, geometry.column_section, geometry.slope_deg)

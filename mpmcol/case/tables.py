@@ -59,10 +59,12 @@ class GeometryTable(Table):
         "r_i is the largest x (or radius), h_i the largest y; a path is relative to the case file",
         None,
     )
-    base: Literal["elastic", "rigid"] = option(
-        "elastic layer of material points (the paper), or rigid floor of no-slip grid nodes", "elastic"
+    base: Literal["elastic", "rigid", "granular"] = option(
+        "elastic layer of material points (the paper), rigid floor of no-slip grid nodes, or bed of granular material "
+        "on such a floor, which the flow can erode",
+        "elastic",
     )
-    base_thickness: float = quantity("thickness of the elastic base", "m", 0.02, gt=0)
+    base_thickness: float = quantity("thickness of the elastic or granular base", "m", 0.02, gt=0)
     domain_length: float | None = quantity(
         "length of the domain from the wall or axis, of which the last five cells are not usable; default: sized for "
         "the expected runout",
@@ -74,6 +76,25 @@ class GeometryTable(Table):
         "height of the domain above the base; default: sized for the height of the column", "m", None, gt=0
     )
     gravity: float = quantity("gravitational acceleration g", "m/s2", 9.81, gt=0)
+    slope_deg: float = quantity(
+        "inclination of the base, downward along x; the column stands normal to the base; plane one-sided and full "
+        "models",
+        "deg",
+        0.0,
+        ge=0,
+        lt=90,
+    )
+
+    @property
+    def gravity_vector(self) -> tuple[float, float, float]:
+        """Acceleration along x (downslope), y (normal to the base) and z, m/s2."""
+        slope = math.radians(self.slope_deg)
+        return self.gravity * math.sin(slope), -self.gravity * math.cos(slope), 0.0
+
+    @property
+    def normal_gravity(self) -> float:
+        """Component of g normal to the base, toward it, m/s2."""
+        return -self.gravity_vector[1]
 
     @property
     def shape(self) -> str:
@@ -227,7 +248,9 @@ class CollapseTable(Table):
 
     damping: float = quantity("local damping coefficient alpha_d", "", 0.05, ge=0, lt=1)
     end: Literal["rest", "time"] = option("end at rest, or after the maximum duration", "rest")
-    max_time_factor: float = quantity("maximum duration in units of sqrt(h_i / g)", "", 10.0, gt=0)
+    max_time_factor: float = quantity(
+        "maximum duration in units of sqrt(h_i / g); default: 10, on a slope up to five times as long", "", None, gt=0
+    )
 
 
 class StagesTable(Table):
@@ -265,7 +288,9 @@ class OutputTable(Table):
     """Files that a run writes."""
 
     snapshots: Annotated[int, Field(ge=1)] = option(
-        "number of snapshots until 6 sqrt(h_i / g) after release, equally spaced; then at the same interval", 20
+        "number of snapshots until 6 sqrt(h_i / g) after release, on a slope up to five times as long, equally spaced; "
+        "then at the same interval",
+        20,
     )
     times: tuple[Annotated[float, _RELEASE_TIME, BeforeValidator(_RELEASE_TIME)], ...] | None = option(
         "times of the snapshots after release, increasing; replaces snapshots", None

@@ -34,4 +34,6 @@ def case_hash(case: Case) -> str:
         del content["geometry"]["outline"]
     if case.stages.gate:
         del content["stages"]["gate"]
+    if case.geometry.slope_deg == 0.0:  # without effect: the hash is that of a case without the key
+        del content["geometry"]["slope_deg"]
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:12]

@@ -39,7 +39,7 @@ def certify(
     to_json: bool,
     quiet: bool,
 ) -> None:
-    """Run a case as recommended at two spacings or three, print runout and height with error bars, and exit."""
+    """Run a case as recommended at three spacings or four, print runout and height with error bars, and exit."""
     from mpmcol.cli.run_summary import summary_table
     from mpmcol.cli.sweep_display import SweepDisplay
     from mpmcol.io.atomic import atomic_write
@@ -76,7 +76,7 @@ def _record(bar: ErrorBar, results: Results) -> dict[str, Any]:
         value, scatter = expected
         law = {"experiment": experiment.citation, "expected": value, "scatter": scatter / value}
     means = {f"{cells:g}": mean for cells, mean in bar.means.items()}
-    return asdict(bar) | {"means": means, "value": bar.value, "error": bar.error, "cause": bar.cause, "law": law}
+    return asdict(bar) | {"means": means, "error": bar.error, "cause": bar.cause, "law": law}
 
 
 def narrower_bars(case: str, overrides: Sequence[str], accuracy: float) -> str:

@@ -33,16 +33,24 @@ def _deposit_lines(measured: Measured) -> list[str]:
     undisturbed, angle, energy = measurement.undisturbed_radius, measurement.repose_angle_deg, measured.energy_released
     kind = shape.release if shape.dimension == 2 else shape.section
     return [
-        f"{shape.model}, {kind}, {shape.proportions}, r_i = {length_text(shape.r_i)}",
+        f"{shape.model}, {kind}, {shape.proportions}, r_i = {length_text(shape.r_i)}{shape.slope_text}",
         *(_front_line(name, measured) for name in measurement.front),
         f"{'spread of zeta':<20} {measurement.spread:9.3f}",
         f"{'height':<20} {_length(measurement.height, shape)}   beta {measurement.beta:7.3f}",
         f"{'area factor':<20} {measurement.area_factor:9.3f}",
-        *([] if angle is None else [f"{'angle of repose':<20} {angle:9.1f} deg"]),
+        *([] if angle is None else [f"{'angle of repose':<20} {angle:9.1f} deg{_to_horizontal(angle, shape)}"]),
         f"{'undisturbed radius':<20} " + ("none" if undisturbed is None else _length(undisturbed, shape)),
         *([] if stop is None else [f"{'front stops at':<20} {stop:9.2f} sqrt(h_i/g)"]),
         *([] if energy is None else [f"{'energy released':<20} {energy:9.3g} {measured.energy_unit}"]),
     ]
+
+
+def _to_horizontal(angle: float, shape: ColumnShape) -> str:
+    """On a slope, where the angle is to the base, that to the horizontal; a 3D profile is a mean of all directions."""
+    if not shape.slope_deg:
+        return ""
+    horizontal = f", {angle + shape.slope_deg:.1f} deg to the horizontal" if shape.dimension == 2 else ""
+    return f" to the base{horizontal}"
 
 
 def _front_line(name: str, measured: Measured) -> str:

@@ -91,7 +91,8 @@ def run(
 
     With --accuracy, the cheapest configuration that was within this error in mpmcol pareto is used. These are
     discretisation errors, without the error of the model. With --certify the case is run three times each on this grid
-    and a coarser one, and on a finer grid too if an error bar is wider than the accuracy.
+    and two coarser ones, and on a finer grid too if an error bar is wider than the accuracy; runout and height are
+    extrapolated to zero spacing.
 
     Ctrl-C, the signals of schedulers and --max-wall stop the run with a checkpoint (exit code 75); a second Ctrl-C
     aborts it. Repeating the command resumes a stopped or killed run, with results that are identical to those of an

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from mpmcol.experiments import find_experiment, mark
+from mpmcol.case import experiment_of
+from mpmcol.experiments import mark
 from mpmcol.io.results import Results
 from mpmcol.studies.judgement import judge
-from mpmcol.units import length_scale
+from mpmcol.units import length_scale, length_text
 
 FRONT_TEXT = {
     "front_max": "farthest point",
@@ -24,7 +25,7 @@ def summary_table(results: Results) -> str:
 
 def _measured(results: Results) -> Iterator[str]:
     summary, shape = results.summary, results.shape
-    experiment = find_experiment(results.case.score.experiment, shape.model, shape.section)
+    experiment = experiment_of(results.case)
     errors = {
         (score["quantity"], score["front_definition"]): score
         for score in summary["errors"]
@@ -44,6 +45,9 @@ def _measured(results: Results) -> Iterator[str]:
     comparison = _comparison(errors.get(("beta", "")))
     place = "at the wall or axis" if shape.outline is None else "of the deposit"
     yield _line(f"beta, height {place}", f"{factor * summary['height']:.4g}", summary["beta"], comparison)
+    if erosion := summary.get("erosion"):
+        mass = f"{erosion['eroded_mass']:.3g} {summary['energy_unit'].replace('J', 'kg', 1)}"
+        yield f"bed: {mass} moved, down to a depth of {length_text(erosion['eroded_depth'])}"
 
 
 def _line(label: str, length: str, value: float, comparison: str) -> str:

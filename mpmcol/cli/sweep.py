@@ -31,8 +31,12 @@ FORECAST_SCHEMA = 1
 
 
 @click.command()
-@click.argument("case", default="cylinder")
+@click.argument("case", required=False)
 @aspect_option
+@click.option(
+    "--slope", metavar="VALUES", help="Slope of the base in degrees, for example 0:20:5, the same as "
+    "--set geometry.slope_deg=VALUES.",
+)  # fmt: skip
 @overrides_option
 @click.option("--zip", "zipped", is_flag=True, help="Combine the first values of all keys, then the second, and so on.")
 @accuracy_option()
@@ -50,8 +54,9 @@ FORECAST_SCHEMA = 1
 @json_option("table, fits and names of files")
 @quiet_option
 def sweep(
-    case: str,
+    case: str | None,
     aspect: str | None,
+    slope: str | None,
     overrides: tuple[str, ...],
     zipped: bool,
     accuracy: float | None,
@@ -68,8 +73,8 @@ def sweep(
 ) -> None:
     """Run a case for many values of its keys.
 
-    CASE is a TOML file or the name of a shipped case; by default the cylinder of the paper. Writes a table, power-law
-    fits and charts of runout and height.
+    CASE is a TOML file or the name of a shipped case; by default the cylinder of the paper, with --slope the inclined
+    channel. Writes a table, power-law fits and charts of runout and height.
 
     VALUES are single values and ranges, separated by commas: 0.5:7 (steps of 0.5), 0.5:7:0.25 (steps of 0.25), 0.5:7/14
     (14 values), 0.55,0.9,1.7:3:0.1, plane,axisymmetric. The values of several keys are combined in all ways, unless
@@ -86,7 +91,8 @@ def sweep(
     from mpmcol.sweep.axes import parse_axes
     from mpmcol.sweep.names import sweep_name
 
-    axes, problems = parse_axes(aspect, overrides)
+    case = case or ("cylinder" if slope is None else "inclined-channel")
+    axes, problems = parse_axes(aspect, overrides, slope)
     folder = out or Path("sweeps") / sweep_name(case, axes, accuracy)
     notes: list[str] = []
     runs = planned_runs(case, axes, folder, zipped=zipped, accuracy=accuracy, problems=problems, notify=notes.append)

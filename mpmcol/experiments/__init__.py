@@ -5,6 +5,7 @@ To add an experiment, write a module in `records` that satisfies `ExperimentReco
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, Literal, Protocol
 
 from numpy.typing import ArrayLike
@@ -106,12 +107,17 @@ _NO_EXPERIMENT = {
 }
 
 
-def find_experiment(name: str, model: str, section: str = "cylinder") -> Experiment:
+def find_experiment(name: str, model: str, section: str = "cylinder", slope_deg: float = 0.0) -> Experiment:
     """Experiment of a name; "paper" is the paper's own for the model, or one without laws for a box or an outline.
+
+    On a slope (degrees) it is one without laws: all experiments have a horizontal base.
 
     Raises:
         UsageError: there is no such experiment, or it is for another kind of column.
     """
+    if slope_deg:
+        title = f"no published law for a slope of {slope_deg:g} deg, all are for a horizontal base"
+        return replace(_NO_EXPERIMENT["box"], title=title)  # charts know no law for it either
     kind = column_kind(model, section)
     if name == "paper" and kind in _NO_EXPERIMENT:
         return _NO_EXPERIMENT[kind]
@@ -153,9 +159,20 @@ def profile_score(profile_x: ArrayLike, profile_y: ArrayLike, experiment: Experi
 
 
 def profile_scores(
-    profile_x: ArrayLike, profile_y: ArrayLike, model: str, r_i: float, h_i: float, section: str = "cylinder"
+    profile_x: ArrayLike,
+    profile_y: ArrayLike,
+    model: str,
+    r_i: float,
+    h_i: float,
+    section: str = "cylinder",
+    slope_deg: float = 0.0,
 ) -> list[ProfileScore]:
-    """Compare a deposit profile (m) with every digitised surface for this kind and size of column, each once."""
+    """Compare a deposit profile (m) with every digitised surface for this kind and size of column, each once.
+
+    On a slope (degrees) with none: all have a horizontal base.
+    """
+    if slope_deg:
+        return []
     once = {  # under the first name
         experiment.profiles: experiment
         for experiment in reversed(EXPERIMENTS.values())

@@ -103,10 +103,11 @@ class Profile:
 
 @dataclass(frozen=True)
 class Strength:
-    """Strength of the material of a column, by which experiments are selected."""
+    """Strength of the material of a column, and the slope that it resists; experiments are selected by them."""
 
     friction_deg: float | None  # residual, of a softening material; None without a yield surface
     cohesion: float  # relative to rho g h_i
+    slope_deg: float = 0.0  # of the base
 
 
 @dataclass(frozen=True)
@@ -142,8 +143,10 @@ class Experiment:
         return None if law is None or value is None else (value, law.scatter * value)
 
     def misfit(self, strength: Strength) -> str:
-        """Why the material of a column does not resemble that of the experiment; "" if it does."""
+        """Why the column's material or base does not resemble that of the experiment; "" if both do."""
         lo, hi = self.friction_deg
+        if strength.slope_deg:
+            return f"for a horizontal base; here it slopes by {strength.slope_deg:g} deg"
         if strength.cohesion > MAX_COHESION:
             return f"for grains without cohesion; here it is {strength.cohesion:.2g} rho g h_i"
         if strength.friction_deg is None:

@@ -24,10 +24,14 @@ _DEPOSIT: Names = {
     "height": ("m", "top h_f of the contiguous pile at the wall or axis, above the base; of an outline, anywhere"),
     "beta": ("", "final height h_f / h_i (Eq. 40)"),
     "area_factor": ("", "V / (r_f h_f) of a plane column or a box, V / (pi r_f^2 h_f) of a cylinder"),
-    "repose_angle_deg": ("deg", "angle of repose: inclination of the flank from 80 to 20 % of the height"),
+    "repose_angle_deg": ("deg", "angle of repose: inclination of the flank to the base, from 80 to 20 % of the height"),
     "undisturbed_radius": ("m", "radius within which the top surface has moved by less than r_i/100 since release"),
     "stop_time": (TAU, "time after release from which on front_height stays within one cell; null if not at rest"),
     "at_rest": ("", "whether the run ended with the column at rest"),
+}
+_EROSION: Names = {
+    "eroded_mass": ("kg", "mass of the granular bed that has moved by r_i/100 or more; per metre or per radian in 2D"),
+    "eroded_depth": ("m", "largest depth below the surface of the bed at the release of material that has moved so"),
 }
 _FRONT: Names = {
     "front_max": ("m", "front by its farthest material point, in flight or not"),
@@ -51,7 +55,7 @@ _SIZES: Names = {
     "spacing_used": ("m", "node spacing h, fitted to the radius"),
     "r_i": ("m", "initial width or radius of the column; of an outline the largest x"),
     "h_i": ("m", "initial height of the column; of an outline the largest y"),
-    "base_used": ("m", "thickness of the elastic base, in whole cells"),
+    "base_used": ("m", "thickness of the elastic or granular base, in whole cells"),
     "domain_length": ("m", "length of the domain, of which the last five cells are not usable"),
     "domain_height": ("m", "height of the domain above the base"),
 }
@@ -206,6 +210,8 @@ NAMES: dict[str, Names] = {  # file or command -> its names
         **_FRONTS,
         **_SIZES,
         **_COST,
+        "erosion": ("", "erosion of a granular bed; null without one"),
+        **_nested("erosion", _EROSION),
         "ledger": ("", "energies and works since the release"),
         **_nested("ledger", _ENERGIES),
         "dissipation": ("", "where the released energy went; null before the release"),

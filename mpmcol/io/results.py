@@ -18,7 +18,7 @@ from mpmcol.io.html import html_table
 from mpmcol.io.names import CASE_FILE, HISTORY_FILE, RESULT_FILE
 from mpmcol.io.run_status import read_status
 from mpmcol.io.snapshot import Snapshot, list_snapshots, read_snapshot
-from mpmcol.measure import ColumnShape, Measurement, measure, stop_time
+from mpmcol.measure import ColumnShape, Erosion, Measurement, measure, measure_erosion, stop_time
 from mpmcol.setup.column_shape import column_shape
 from mpmcol.setup.discretization import discretize
 
@@ -133,9 +133,21 @@ def _numbers_text(value: Any) -> str:
 
 def measure_snapshot(snapshot: Snapshot, shape: ColumnShape) -> Measurement:
     """Measure the column's points of a snapshot; points with a non-finite position are left out."""
-    column = snapshot.column & np.isfinite(snapshot.arrays["position"]).all(axis=1)
-    arrays = {name: snapshot.arrays[name][column].astype(np.float64) for name in ("position", "mass", "displacement")}
-    return measure(arrays["position"], arrays["mass"], arrays["displacement"], shape)
+    return measure(*_measured(snapshot, snapshot.column), shape)
+
+
+def erosion_of(snapshot: Snapshot, shape: ColumnShape) -> Erosion:
+    """Erosion of the granular bed in a snapshot; points with a non-finite position are left out."""
+    return measure_erosion(*_measured(snapshot, ~snapshot.column), shape)
+
+
+def _measured(snapshot: Snapshot, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Positions, masses and displacements of the `points` (mask) with a finite position."""
+    own = points & np.isfinite(snapshot.arrays["position"]).all(axis=1)
+    position, mass, displacement = (
+        snapshot.arrays[name][own].astype(np.float64) for name in ("position", "mass", "displacement")
+    )
+    return position, mass, displacement
 
 
 def measure_stop_time(history: Mapping[str, np.ndarray], spacing: float, fall_time: float) -> float | None:

@@ -23,6 +23,7 @@ from typing import Any
 
 import numpy as np
 
+from mpmcol.measure.erosion import Erosion, measure_erosion
 from mpmcol.measure.front import FRONTS, fronts, pile_height, profiles
 from mpmcol.measure.sections import Array, Section, split
 from mpmcol.measure.shape import ColumnShape
@@ -34,10 +35,12 @@ __all__ = [
     "UNDISTURBED",
     "Array",
     "ColumnShape",
+    "Erosion",
     "Measurement",
     "deposit_profile",
     "failure_line",
     "measure",
+    "measure_erosion",
     "repose_angle",
     "stop_time",
     "undisturbed_radius",
@@ -56,7 +59,7 @@ class Measurement:
     height: float  # top of the contiguous pile at the wall or axis, above the base; of an outline, anywhere
     beta: float  # height / h_i
     area_factor: float  # plane, box: V / (r_f h_f); cylinder: V / (pi r_f^2 h_f)
-    repose_angle_deg: float | None  # inclination of the flank; None if it has too few cells
+    repose_angle_deg: float | None  # inclination of the flank to the base; None if it has too few cells
     undisturbed_radius: float | None  # None if no displacement was given
     profile_x: Array  # bin centres, (bins,)
     profile_y: Array  # height of each bin, (bins,): mean over the sections

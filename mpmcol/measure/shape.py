@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import pi
+from math import cos, pi, radians
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,7 @@ class ColumnShape:
     point_size: float  # distance between neighbouring points at the start
     section: str = "cylinder"  # of a 3D column: "cylinder" | "box"; "outline" of a 2D column that is no rectangle
     depth: float | None = None  # half-depth of a box in z; r_i if None
+    slope_deg: float = 0.0  # inclination of the base, downward along x, degrees
     outline: tuple[tuple[float, float], ...] | None = None  # counterclockwise, m; None for a rectangle
     gate: bool = True  # whether a gate at r_i held the column
 
@@ -60,7 +61,14 @@ class ColumnShape:
     @property
     def range_label(self) -> str:
         """Direction in which the sections differ, for tables and charts."""
+        if self.slope_deg:
+            return "from upslope to downslope"
         return "around the axis" if self.is_round else "along x"
+
+    @property
+    def slope_text(self) -> str:
+        """The slope as an addition to a list of lengths; "" on a horizontal base."""
+        return f", slope {self.slope_deg:g} deg" if self.slope_deg else ""
 
     @property
     def angle(self) -> float:
@@ -94,12 +102,12 @@ class ColumnShape:
         return quarters * self.r_i * self.half_depth if self.dimension == 3 else self.r_i
 
     def potential_energy(self, gravity: float) -> float:
-        """Potential energy of the modelled column as released, relative to the base.
+        """Potential energy of the modelled column as released, relative to a thin layer at its place on the base.
 
         J; per metre of width in plane strain, per radian in axisymmetry.
         """
         moment = self.footprint * self.h_i**2 / 2.0 if self.outline is None else self._moment_of_outline()
-        return self.density * gravity * moment
+        return self.density * gravity * cos(radians(self.slope_deg)) * moment
 
     def _moment_of_outline(self) -> float:
         """Integral of y, in axisymmetry of x y, over the outline, as a sum over its edges (Green's theorem)."""

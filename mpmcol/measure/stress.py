@@ -40,7 +40,7 @@ def stress_quality(
         stress: Cauchy stresses xx yy zz ..., (n, 6), Pa, tension > 0.
         mass, volume: (n,), kg and m3 (per metre or per radian in two dimensions).
         shape: the column as released.
-        gravity: m/s2.
+        gravity: normal to the base, m/s2.
     """
     if len(x) == 0:
         return None

@@ -65,11 +65,13 @@ def run_title(title: str, model: str, a: float | None) -> str:
 
 
 def _parameters(shape: Mapping[str, Any], material: Mapping[str, Any]) -> list[str]:
-    """Texts for the column, the grid and the material."""
+    """Texts for the model, the slope, the column, the grid and the material."""
     dimension = 3 if shape["model"] in AZIMUTHS else 2
     per_cell = round((float(shape["spacing"]) / float(shape["point_size"])) ** dimension)
     lengths = [f"${name}$ = {length_text(float(shape[key]))}" for name, key in LENGTHS.items()]
-    return [MODELS[shape["model"]], *lengths, f"{per_cell} points per cell", *_material_text(material)]
+    slope = float(shape.get("slope_deg", 0.0))
+    inclined = [rf"base inclined by {slope:g}$\degree${' along x' if dimension == 3 else ''}"] if slope else []
+    return [MODELS[shape["model"]], *inclined, *lengths, f"{per_cell} points per cell", *_material_text(material)]
 
 
 def _material(case: Case) -> dict[str, Any]:

@@ -23,6 +23,7 @@ from mpmcol.plotting.profiles import (
     LengthAxes,
     draw_experiment,
     draw_fronts,
+    draw_gravity,
     draw_points,
     origin,
     outline,
@@ -66,6 +67,8 @@ def profile_chart(
     target = LengthAxes(figure.add_subplot(aspect="equal"), *length_scale(max(reach, shape.h_i)))
     flatness = set_up_axes(target, shape, [deposit for _, deposit in deposits], reach)
     figure.set_size_inches(8.0, min(6.6 * flatness, 8.0) + 2.1)
+    if shape.model == "plane":
+        draw_gravity(target.axes, shape.slope_deg)
     tau = sqrt(shape.h_i / gravity)
     last = _draw_in_time(figure, target, deposits, tau, ", deposit" if at_rest else ", last state")
     known, names = draw_experiment(target, shape, experiment)

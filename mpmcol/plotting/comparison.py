@@ -12,8 +12,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from mpmcol.case import experiment_of
 from mpmcol.errors import UsageError
-from mpmcol.experiments import Experiment, find_experiment
+from mpmcol.experiments import Experiment
 from mpmcol.io.atomic import make_folder
 from mpmcol.io.results import Results
 from mpmcol.measure import Array, ColumnShape, Measurement
@@ -27,6 +28,7 @@ from mpmcol.plotting.profiles import (
     distance_label,
     draw_experiment,
     draw_gate,
+    draw_gravity,
     draw_points,
     outline,
     reach_of,
@@ -129,11 +131,11 @@ def _compared(results: Results, name: str, i: int) -> ComparedRun:
 
 def _common_experiment(runs: Sequence[Results]) -> Experiment | None:
     """The experiment of all runs, or None if they have different ones or columns of different aspect ratios."""
-    found = {find_experiment(run.case.score.experiment, run.shape.model, run.shape.section).name for run in runs}
+    found = {experiment_of(run.case).name for run in runs}
     shape = runs[0].shape
     if len(found) > 1 or not all(np.isclose(run.shape.a, shape.a, rtol=0.01) for run in runs):
         return None
-    return find_experiment(runs[0].case.score.experiment, shape.model, shape.section)
+    return experiment_of(runs[0].case)
 
 
 def _profiles(
@@ -160,6 +162,8 @@ def _profiles(
             axes.plot(*(factor * other.surface), **RELEASED)
     else:
         flatness = _set_up_relative(axes, runs, deposits)
+    if shape.model == "plane" and all(run.shape.slope_deg == shape.slope_deg for run in runs):
+        draw_gravity(axes, shape.slope_deg)
     lines: list[Any] = []
     for run, deposit in zip(runs, deposits, strict=True):
         scale = factor if same_size else 1.0 / run.shape.r_i

@@ -19,6 +19,7 @@ from mpmcol.plotting.styles import experiment_style as style_of
 
 RELEASED: dict[str, Any] = {"color": "0.6", "linestyle": "--"}  # line of the column at release
 SAMPLES = 8  # of the drawn line per bin
+ARROW_TIP, ARROW_LENGTH = (0.95, 0.7), 30.0  # of gravity: fractions of the axes, points
 MOST_SERIES = 2  # of the user's with legend entries of their own
 
 
@@ -59,6 +60,17 @@ def draw_gate(axes: Axes, position: float) -> None:
         "gate", (position, 1.0), (3.0, -3.0), xycoords=axes.get_xaxis_transform(), textcoords="offset points",
         ha="left", va="top", fontsize="small", color=GATE_STYLE["color"],
     )  # fmt: skip
+
+
+def draw_gravity(axes: Axes, slope_deg: float, size: float | str = "small") -> None:
+    """On a slope, an arrow along gravity at the upper right of axes with equal scales, along and normal to the base."""
+    if slope_deg:
+        slope = np.radians(slope_deg)
+        tail = (-ARROW_LENGTH * np.sin(slope), ARROW_LENGTH * np.cos(slope))
+        axes.annotate(
+            rf"$g$, {slope_deg:g}$\degree$", ARROW_TIP, tail, xycoords="axes fraction", textcoords="offset points",
+            ha="center", va="bottom", fontsize=size, arrowprops={"arrowstyle": "->", "shrinkA": 0, "shrinkB": 0},
+        )  # fmt: skip
 
 
 def origin(shape: ColumnShape) -> str:

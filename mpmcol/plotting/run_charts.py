@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from mpmcol.case import experiment_of
 from mpmcol.errors import OutputError, UsageError
-from mpmcol.experiments import find_experiment
 from mpmcol.io.atomic import make_folder
 from mpmcol.io.results import Results
 from mpmcol.plotting.captions import heading_of
@@ -49,7 +49,7 @@ def chart_run(
     history = {name: column[released] for name, column in results.history.items()}
     options: dict[str, Any] = {"gravity": results.case.geometry.gravity, "svg": svg}
     options["heading"] = heading_of(results.case, shape)
-    experiment = find_experiment(results.case.score.experiment, shape.model, shape.section)
+    experiment = experiment_of(results.case)
     time, height, fronts = history["time"], history["height"], {name: history[name] for name in FRONT_STYLES}
     times_by_index = _readable(results, notify)
     deposits = [(times_by_index[i], results.measure(i)) for i in _nearest(times_by_index, times)]

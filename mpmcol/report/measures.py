@@ -47,11 +47,12 @@ def measures(results: Results) -> list[Measure]:
     summary, shape = results.summary, results.shape
     tau = sqrt(shape.h_i / results.case.geometry.gravity)
     angle, undisturbed, stop = (summary.get(name) for name in ("repose_angle_deg", "undisturbed_radius", "stop_time"))
+    to_base = " to the base" if shape.slope_deg else ""
     return [
         *(_runout(name, summary, shape.r_i, shape.range_label) for name in FRONT_NAMES),
         Measure("Spread of the three runouts", "", f"{summary['spread']:.3f}"),
         _length(HEIGHT, summary["height"], f"beta = {summary['beta']:.3f}"),
-        Measure(ANGLE, "" if angle is None else f"{angle:.1f}°", "", angle),
+        Measure(ANGLE, "" if angle is None else f"{angle:.1f}°{to_base}", "", angle),
         _length("Undisturbed radius", undisturbed, "") if undisturbed else Measure("Undisturbed radius"),
         Measure("Area factor", "", f"{summary['area_factor']:.3f}", summary["area_factor"]),
         _time("Front stops after", stop, tau),

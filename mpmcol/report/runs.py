@@ -81,8 +81,9 @@ def _facts(results: Results) -> list[str]:
     """The column, its material and its grid."""
     shape, case = results.shape, results.case
     return [
-        f"{MODELS[shape.model]}, {shape.proportions}, r_i = {length_text(shape.r_i)}, h_i = {length_text(shape.h_i)}, "
-        f"{case.material.law}, h = {length_text(shape.spacing)}, {results.summary['points']:,} material points",
+        f"{MODELS[shape.model]}, {shape.proportions}, r_i = {length_text(shape.r_i)}, h_i = {length_text(shape.h_i)}"
+        f"{shape.slope_text}, {case.material.law}, h = {length_text(shape.spacing)}, "
+        f"{results.summary['points']:,} material points",
     ]
 
 

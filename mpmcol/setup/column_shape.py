@@ -19,6 +19,7 @@ def column_shape(case: Case, discretization: Discretization) -> ColumnShape:
         point_size=discretization.point_size,
         section=case.geometry.column_section,
         depth=discretization.depth,
+        slope_deg=case.geometry.slope_deg,
         outline=None if case.geometry.is_rectangle else case.geometry.outline,
         gate=case.stages.gate,
     )

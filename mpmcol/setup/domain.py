@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import radians, tan
 
 from mpmcol.case import Case
+from mpmcol.case.slope import slope_factor
 from mpmcol.errors import UsageError
 from mpmcol.experiments import expected_runout
 from mpmcol.mpm.boundary import OPEN_END
@@ -45,14 +46,15 @@ def default_length(case: Case, h: float) -> float:
 
 
 def expected_front(case: Case) -> float:
-    """Distance of the farthest front of experiments on such a column from the wall or axis, m."""
+    """Distance of the farthest front of experiments on such a column, as on its slope, from the wall or axis, m."""
     return _half_width(case) + case.geometry.r_i * expected_zeta(case)
 
 
 def expected_zeta(case: Case) -> float:
-    """Runout over r_i, the longest among the experiments, and longer for lower friction."""
+    """Runout over r_i, the longest among the experiments, and longer for lower friction and on a slope."""
     geometry = case.geometry
-    return expected_runout(geometry.model, geometry.a, geometry.section) * _friction_runout_factor(case)
+    factor = _friction_runout_factor(case) * slope_factor(geometry.slope_deg, case.material)
+    return expected_runout(geometry.model, geometry.a, geometry.section) * factor
 
 
 def _half_width(case: Case) -> float:

@@ -85,7 +85,7 @@ def build_model(case: Case) -> Model:
             basis=case.method.basis,
             volumetric_strain=case.method.volumetric_strain,
         ),
-        base=make_body(elastic, case.base_material),
+        base=make_body(LAWS[case.base_material.law], case.base_material),
         equilibrate=StageSetup(
             make_body(first_law, case.material), make_settings(case, discretization, stages.equilibrate.damping)
         ),
@@ -140,11 +140,12 @@ def make_body(law: Any, material: Any) -> Body:
 
 def make_settings(case: Case, discretization: Discretization, damping: float) -> Settings:
     """Parameters of the method from the keys of [method], for a stage with this damping."""
-    method = case.method
+    method, (gravity_x, gravity_y, gravity_z) = case.method, case.geometry.gravity_vector
     taylor, flip = TRANSFER_COEFFICIENTS[method.transfer]
     return Settings(
-        gravity_x=0.0,
-        gravity_y=-case.geometry.gravity,
+        gravity_x=gravity_x,
+        gravity_y=gravity_y,
+        gravity_z=gravity_z,
         alpha_d=damping,
         cfl=case.time.cfl,
         taylor=taylor,
@@ -156,7 +157,7 @@ def make_settings(case: Case, discretization: Discretization, damping: float) ->
         axisymmetric=discretization.faces[0][0] == AXIS,
         axis_gap=axis_gap(case),
         open_low_sides=discretization.is_full,
-        free_speed=free_speed(case.geometry.gravity, discretization.h_i + discretization.base),
+        free_speed=free_speed(case.geometry.gravity, largest_drop(case, discretization)),
         exponential_volume=method.volume_update == "exponential",
         **(stress_filter_settings(case, discretization) if method.stress_filter == "flow" else {}),
     )
@@ -175,6 +176,12 @@ def stress_filter_settings(case: Case, discretization: Discretization) -> dict[s
 def free_speed(gravity: float, height: float) -> float:
     """Speed limit, m/s, of material that falls at most `height`: points faster than it and their waves are invalid."""
     return FALL_MARGIN * math.sqrt(2.0 * gravity * height)
+
+
+def largest_drop(case: Case, discretization: Discretization) -> float:
+    """Height that material can fall, from the top of the column to the lowest corner of the domain, m."""
+    slope, length = math.radians(case.geometry.slope_deg), discretization.cells[0] * discretization.h
+    return (discretization.h_i + discretization.base) * math.cos(slope) + length * math.sin(slope)
 
 
 def make_points(case: Case, discretization: Discretization) -> Points:
@@ -215,13 +222,16 @@ def _stack(horizontal: np.ndarray, y: np.ndarray) -> np.ndarray:
 def assign_k0(case: Case, discretization: Discretization, points: Points) -> None:
     """Geostatic stress: vertical from the weight above, horizontal K0 times that; the base also carries the column.
 
-    In the base, K0 = nu / (1 - nu) of confined linear elasticity.
+    In an elastic base, K0 = nu / (1 - nu) of confined linear elasticity. On a slope these are the stresses normal to
+    the base and along it. The equilibration adds those that carry the weight along the slope, which the gate and the
+    shear stress at the base share.
     """
-    gravity, ratio = case.geometry.gravity, case.stages.k0
+    gravity, ratio = case.geometry.normal_gravity, case.stages.k0
     nu = case.base_material.poissons_ratio
+    base_ratio = ratio if case.geometry.base == "granular" else nu / (1.0 - nu)
     x, y, *z = points.x.T
     is_base = points.kind == BASE
     load = case.material.density * discretization.material_above((x, *z), y)
     vertical = -gravity * (load + np.where(is_base, case.base_material.density * -y, 0.0))
-    horizontal = np.where(is_base, nu / (1.0 - nu), ratio) * vertical
+    horizontal = np.where(is_base, base_ratio, ratio) * vertical
     points.sigma = np.stack([horizontal, vertical, horizontal, *3 * [np.zeros_like(vertical)]], axis=1)

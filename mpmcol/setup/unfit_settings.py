@@ -12,12 +12,14 @@ from itertools import pairwise
 from math import ceil, degrees, pi, sqrt
 
 from mpmcol.case import Case
+from mpmcol.case.slope import ENDLESS_REMEDY, endless_flow
 from mpmcol.case.tables import GeometryTable
 from mpmcol.errors import UsageError
 from mpmcol.setup.domain import LEAST_CELLS, default_length, expected_front, usable
 from mpmcol.setup.time_step import time_step_warnings
 
 FEWEST_CELLS = 6  # in height and radius of a column
+FEWEST_BED_CELLS = 4
 RIGHT_ANGLE = pi / 2.0
 LEAST_DENSITY = 23.0  # kg/m3; a smaller number is a density in g/cm3, of which no element has more than 22.6
 MOST_DILATANCY = 5.0  # degrees, constant during the flow
@@ -44,7 +46,7 @@ def require_stiff_column(case: Case) -> None:
 def elastic_shortening(case: Case) -> float:
     """Change of height over height by the own weight of a column confined by its gate, rho g h_i / (2 E_oed)."""
     geometry, oedometric = case.geometry, case.material.wave_speed**2  # over density
-    return 0.5 * geometry.gravity * geometry.h_i / oedometric
+    return 0.5 * geometry.normal_gravity * geometry.h_i / oedometric
 
 
 def soft_column(case: Case, h: float) -> str | None:
@@ -93,12 +95,24 @@ def few_cells(case: Case, h: float) -> str | None:
     )
 
 
-def rigid_floor_without_reaction(case: Case, h: float) -> str | None:
-    """Points next to the floor keep their velocity, although the nodes of the floor are held."""
-    if case.geometry.base != "rigid" or case.method.wall_impulse:
+def thin_bed(case: Case, h: float) -> str | None:
+    """Shape functions smear the surface of the bed and the floor below it over two cells each."""
+    thickness = case.geometry.base_thickness
+    if case.geometry.base != "granular" or thickness > (FEWEST_BED_CELLS - 0.01) * h:
         return None
     return (
-        'method.wall_impulse = false with geometry.base = "rigid": points slide over the floor, and runouts become '
+        f"geometry.base_thickness = {thickness:g} m: the granular bed has only {thickness / h:.2g} cells, and the "
+        f"floor below it acts on the flow; set grid.spacing = {thickness / FEWEST_BED_CELLS:.4g} m or less"
+    )
+
+
+def rigid_floor_without_reaction(case: Case, h: float) -> str | None:
+    """Points next to the floor keep their velocity, although the nodes of the floor are held."""
+    base = case.geometry.base
+    if base == "elastic" or case.method.wall_impulse:
+        return None
+    return (
+        f'method.wall_impulse = false with geometry.base = "{base}": points slide over the floor, and runouts become '
         "wrong by up to 7 % by front_height and 76 % by front_max; set method.wall_impulse = true"
     )
 
@@ -169,19 +183,27 @@ def short_domain(case: Case, h: float) -> str | None:
         return None
     return (
         f"geometry.domain_length = {length:g} m: its last {LEAST_CELLS} cells are not usable, so that "
-        f"{usable(length, h):.4g} m are left, and fronts of experiments reach {front:.4g} m; set "
+        f"{usable(length, h):.4g} m are left, and the front is expected at up to {front:.4g} m; set "
         f"{default_length(case, h):.4g} m, or omit it"
     )
+
+
+def slope_without_rest(case: Case, h: float) -> str | None:
+    """The flow of a run that ends at rest has to stop."""
+    cause = endless_flow(case)
+    return f"{cause}; {ENDLESS_REMEDY}" if cause and case.stages.collapse.end == "rest" else None
 
 
 CHECKS: tuple[Callable[[Case, float], str | None], ...] = (
     one_point_per_cell,
     few_cells,
+    thin_bed,
     rigid_floor_without_reaction,
     friction_in_radians,
     density_in_grams,
     endless_dilatancy,
     soft_column,
     short_domain,
+    slope_without_rest,
     flow_before_release,
 )

@@ -19,9 +19,10 @@ def stored_energies(case: Case, points: Points) -> Energies:
     shear = np.where(is_base, case.base_material.shear_modulus, case.material.shear_modulus)
     p = (xx + yy + zz) / 3.0
     deviator = (xx - p) ** 2 + (yy - p) ** 2 + (zz - p) ** 2 + 2.0 * (xy**2 + yz**2 + xz**2)
+    gravity_x, gravity_y, _ = case.geometry.gravity_vector
     v2 = sum(v**2 for v in points.v.T)  # by component, since NumPy sums along short rows slowly
     return {
-        "potential": float(np.sum(points.m * case.geometry.gravity * points.x[:, 1])),
+        "potential": -float(np.sum(points.m * gravity_x * points.x[:, 0] + points.m * gravity_y * points.x[:, 1])),
         "kinetic": float(0.5 * np.sum(points.m * v2)),
         "elastic": float(np.sum(points.V * (0.5 * p**2 / bulk + 0.25 * deviator / shear))),
     }

@@ -32,7 +32,7 @@ def stress_quality_of(simulation: Simulation, snapshot: Snapshot) -> StressQuali
     valid = np.isfinite(np.column_stack(list(arrays.values()))).all(axis=1)  # after a failure some may not be
     x, stress, mass, volume = (values[valid] for values in arrays.values())
     shape = simulation.recorder.shape
-    return stress_quality(x[:, : shape.dimension], stress, mass, volume, shape, simulation.case.geometry.gravity)
+    return stress_quality(x[:, : shape.dimension], stress, mass, volume, shape, simulation.case.geometry.normal_gravity)
 
 
 def quality_notes(simulation: Simulation) -> Iterator[str]:

@@ -165,7 +165,8 @@ class Recorder:
         return {
             "title": self.case.title, "case": resolved_toml(self.case), "threads": self.threads, "model": shape.model,
             "release": shape.release, "spacing": shape.spacing, "point_size": shape.point_size, "r_i": shape.r_i,
-            "h_i": shape.h_i, "section": shape.section, "depth": shape.half_depth, **versions(),
+            "h_i": shape.h_i, "section": shape.section, "depth": shape.half_depth,
+            "slope_deg": shape.slope_deg, **versions(),
         }  # fmt: skip
 
 

@@ -7,6 +7,7 @@ from math import ceil, log
 
 import numpy as np
 
+from mpmcol.case.slope import ENDLESS_REMEDY, endless_flow, slope_factor
 from mpmcol.errors import NumericalFailure
 from mpmcol.mpm.kernels import loop
 from mpmcol.mpm.lanes import ID, X
@@ -106,7 +107,8 @@ class Stages:
         options, solver, progress = self.case.stages.collapse, self.solver, self.simulation.progress
         lifting_time = self.model.discretization.h_i / self.case.stages.gate_speed
         limit = options.max_time_factor * self.fall_time + lifting_time
-        usual = min(limit, USUAL_DURATION * self.fall_time + lifting_time)
+        slow = slope_factor(self.case.geometry.slope_deg, self.case.material)
+        usual = min(limit, USUAL_DURATION * slow * self.fall_time + lifting_time)
         snapshots = self._snapshot_times(limit, usual)
         while solver.time < limit and not (options.end == "rest" and progress.at_rest):
             next_check = min((progress.checks + 1) * self.fall_time / CHECKS_PER_FALL_TIME, limit)
@@ -136,10 +138,12 @@ class Stages:
         self._notify_stage("collapse", f"{ending} after {self.solver.time / self.fall_time:.2f} sqrt(h_i/g)")
         options = self.case.stages.collapse
         if options.end == "rest" and not self.simulation.progress.at_rest:
+            advice = f"stages.collapse.max_time_factor = {2.0 * options.max_time_factor:g} allows twice as many steps"
+            if cause := endless_flow(self.case):
+                advice = f"{cause}; {ENDLESS_REMEDY}"
             self.simulation.warn(
                 f"the column still moved at the time limit, {options.max_time_factor:g} sqrt(h_i/g): runout and height "
-                f"are not final; stages.collapse.max_time_factor = {2.0 * options.max_time_factor:g} allows twice as "
-                "many steps"
+                f"are not final; {advice}"
             )
         if count := len(self._arrested_points()):
             noun = "particle was" if count == 1 else "particles were"
@@ -205,6 +209,8 @@ class Stages:
             self.simulation.keep_valid_state()
 
     def _fail(self, failure: Failure) -> None:
+        if failure.check == "domain" and (cause := endless_flow(self.case)):
+            failure = failure._replace(likely=cause, remedy=f"{ENDLESS_REMEDY}; or {failure.remedy}")
         record = failure_record(self.solver, self.simulation.progress.stage, failure, time_step_limit(self.case))
         states = self.simulation.valid_states
         if failure.row is not None and not np.isfinite(record["position"]).all() and states:

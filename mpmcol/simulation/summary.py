@@ -13,7 +13,7 @@ import psutil
 from mpmcol.case import case_hash, strength_of
 from mpmcol.experiments import profile_scores, score
 from mpmcol.io.glossary import ENERGY_UNITS
-from mpmcol.io.results import RESULT_SCHEMA, measure_snapshot, measure_stop_time
+from mpmcol.io.results import RESULT_SCHEMA, erosion_of, measure_snapshot, measure_stop_time
 from mpmcol.io.snapshot import Snapshot
 from mpmcol.mpm.solver import Solver
 from mpmcol.provenance import versions
@@ -32,8 +32,9 @@ def summarize(status: str, simulation: Simulation, final: Snapshot) -> dict[str,
     recorder, progress, geometry = simulation.recorder, simulation.progress, simulation.case.geometry
     measured, fall_time = measure_snapshot(final, recorder.shape), simulation.fall_time
     profiles = profile_scores(
-        measured.profile_x, measured.profile_y, geometry.model, geometry.r_i, geometry.h_i, geometry.column_section
-    )
+        measured.profile_x, measured.profile_y,
+        geometry.model, geometry.r_i, geometry.h_i, geometry.column_section, geometry.slope_deg,
+    )  # fmt: skip
     scores = score(measured, geometry.a, geometry.model, geometry.column_section, strength_of(case))
     collapse_steps = solver.steps - progress.release_step if progress.stage == "collapse" else 0
     return {
@@ -58,6 +59,7 @@ def summarize(status: str, simulation: Simulation, final: Snapshot) -> dict[str,
         "ns_per_point_step": progress.wall_s["collapse"] / max(collapse_steps * len(model.points), 1) * 1e9,
         "peak_memory_bytes": peak_memory(),
         "energy_unit": ENERGY_UNITS[geometry.model][1],
+        "erosion": asdict(erosion_of(final, recorder.shape)) if geometry.base == "granular" else None,
         "ledger": recorder.energy_ledger(),
         "dissipation": asdict(shares) if (shares := dissipation_of(simulation)) else None,
         "stress": asdict(stress) if (stress := stress_quality_of(simulation, final)) else None,

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 from math import hypot
 from typing import Any
 
-from mpmcol.case import Case, strength_of
-from mpmcol.experiments import EXPERIMENTS, Experiment, column_kind, find_experiment, mark
+from mpmcol.case import Case, experiment_of, strength_of
+from mpmcol.experiments import EXPERIMENTS, Experiment, column_kind, mark
 from mpmcol.io.results import Results
 from mpmcol.studies.pareto.score import BETA, ZETA
 from mpmcol.studies.pareto.studied import StudiedError, studied_error
@@ -25,7 +25,7 @@ def judge(results: Results) -> list[str]:
     if not results.summary["at_rest"]:
         experiment, reason = None, "the column still moved at the end: not compared with experiments"
     lines = [_quantity_line(results.summary, quantity, results.case, experiment, error) for quantity in NAMES]
-    return [*lines, *([reason] if reason else []), *_grid_lines(error, results.case.geometry.is_rectangle)]
+    return [*lines, *([reason] if reason else []), *_grid_lines(results.case, error)]
 
 
 def applicable_experiment(case: Case) -> tuple[Experiment | None, str]:
@@ -34,7 +34,7 @@ def applicable_experiment(case: Case) -> tuple[Experiment | None, str]:
     It has been made with this kind of column, a similar material, and this aspect ratio.
     """
     geometry, strength = case.geometry, strength_of(case)
-    own = find_experiment(case.score.experiment, geometry.model, geometry.column_section)
+    own = experiment_of(case)
     kind = column_kind(geometry.model, geometry.column_section)
     others = [one for one in EXPERIMENTS.values() if one.model == kind and one.kind == "laboratory"]
     for one in (own, *others):
@@ -83,11 +83,12 @@ def _measured(summary: Mapping[str, Any], quantity: str, r_i: float) -> tuple[fl
     return float(front) - r_i, float(value)
 
 
-def _grid_lines(error: StudiedError | None, is_rectangle: bool) -> Iterator[str]:
-    if not is_rectangle:
+def _grid_lines(case: Case, error: StudiedError | None) -> Iterator[str]:
+    if not case.geometry.is_rectangle:
         yield "error of the grid: not studied for outlines; compare with a run at half the grid.spacing"
     elif error is None:
-        yield "error of the grid: not studied for these settings; --accuracy 5% chooses studied ones"
+        advice = "" if case.geometry.slope_deg else "; --accuracy 5% chooses studied ones"  # none is studied on a slope
+        yield f"error of the grid: not studied for these settings{advice}"
     else:
         less = 50.0 * max(error.errors.values())
         yield f"error of the grid: {error}; for less: --accuracy {less:.2g}%"

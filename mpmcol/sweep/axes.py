@@ -10,7 +10,7 @@ from math import isfinite
 from mpmcol.case import Problem
 from mpmcol.case.problem import set_option
 
-ASPECT = "geometry.aspect"
+ASPECT, SLOPE = "geometry.aspect", "geometry.slope_deg"
 DEFAULT_STEP = 0.5
 MOST_VALUES = 10_000
 EXPECTED = "expected LOW:HIGH, LOW:HIGH:STEP or LOW:HIGH/COUNT, for example 0.5:7, 0.5:7:0.25 or 0.5:7/14"
@@ -32,11 +32,13 @@ class Axis:
     values: tuple[str, ...]
 
 
-def parse_axes(aspect: str | None, settings: Sequence[str]) -> tuple[list[Axis], list[Problem]]:
-    """Axes from the values of --aspect and the KEY=VALUES of --set, and the problems of those that are invalid."""
+def parse_axes(
+    aspect: str | None, settings: Sequence[str], slope: str | None = None
+) -> tuple[list[Axis], list[Problem]]:
+    """Axes from the values of --aspect and --slope and the KEY=VALUES of --set, and the problems of invalid ones."""
     axes: dict[str, Axis] = {}
     problems: list[Problem] = []
-    for option, key, text in _options(aspect, settings):
+    for option, key, text in _options(aspect, slope, settings):
         try:
             if not (key and text):
                 raise ValueError("expected KEY=VALUES, for example material.friction_deg=30,33,36")
@@ -46,15 +48,16 @@ def parse_axes(aspect: str | None, settings: Sequence[str]) -> tuple[list[Axis],
         except ValueError as error:
             problems.append(Problem(option, None, key, str(error), ""))
     if not axes and not problems:
-        hint = "give --aspect 0.5:7, or --set material.friction_deg=30,33,36"
+        hint = "give --aspect 0.5:7, --slope 0:20:5, or --set material.friction_deg=30,33,36"
         problems.append(Problem("mpmcol sweep", None, "", "no key to vary", hint))
     return list(axes.values()), problems
 
 
-def _options(aspect: str | None, settings: Iterable[str]) -> Iterator[tuple[str, str, str]]:
+def _options(aspect: str | None, slope: str | None, settings: Iterable[str]) -> Iterator[tuple[str, str, str]]:
     """The option as it was given, its key and its values."""
-    if aspect is not None:
-        yield f"--aspect {aspect}", ASPECT, aspect.strip()
+    for name, key, values in (("--aspect", ASPECT, aspect), ("--slope", SLOPE, slope)):
+        if values is not None:
+            yield f"{name} {values}", key, values.strip()
     for setting in settings:
         key, _, text = setting.partition("=")
         yield set_option(setting), ".".join(part.strip() for part in key.split(".")), text.strip()

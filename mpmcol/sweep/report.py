@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mpmcol.experiments import Experiment, column_kind, find_experiment
+from mpmcol.case import experiment_of
+from mpmcol.experiments import Experiment, column_kind
 from mpmcol.io.atomic import atomic_write
 from mpmcol.setup.column_shape import column_shape
 from mpmcol.sweep.engine import Outcome
@@ -77,14 +78,14 @@ def _chart_groups(outcomes: Sequence[Outcome], rows: Sequence[Row]) -> list[Char
 
 
 def _chart_group(name: str, group: list[tuple[Outcome, Row]]) -> ChartGroup:
-    run, rows = group[0][0].run, [row for _, row in group]
-    geometry, keys = run.case.geometry, list(run.inputs)
-    experiment = find_experiment(run.case.score.experiment, geometry.model, geometry.column_section)
+    runs, rows = [outcome.run for outcome, _ in group], [row for _, row in group]
+    keys, steepest = list(runs[0].inputs), max((run.case for run in runs), key=lambda case: case.geometry.slope_deg)
+    experiment = experiment_of(steepest)  # has laws only if all runs are on a horizontal base
     axis = choose_axis(rows, keys)
     series = group_rows(rows, keys, axis)
     fitted = series if axis == ASPECT_COLUMN else []
     slopes = [slope for line in fitted for slope in fit_slopes(line.rows, experiment, line.label)]
-    return ChartGroup(name, _heading([outcome.run for outcome, _ in group]), experiment, axis, series, slopes)
+    return ChartGroup(name, _heading(runs), experiment, axis, series, slopes)
 
 
 def _heading(runs: Sequence[PlannedRun]) -> Heading:

@@ -10,10 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from mpmcol.case import resolved_toml, strength_of
+from mpmcol.case import experiment_of, resolved_toml, strength_of
 from mpmcol.case.fields import number_of
 from mpmcol.case.reference import field_at
-from mpmcol.experiments import find_experiment
 from mpmcol.io import columns
 from mpmcol.io.atomic import atomic_write
 from mpmcol.io.glossary import TABLE
@@ -109,7 +108,7 @@ def _parts(outcome: Outcome) -> tuple[Row, ...]:
 def _laws(outcome: Outcome) -> Row:
     case = outcome.run.case
     geometry = case.geometry
-    experiment = find_experiment(case.score.experiment, geometry.model, geometry.column_section)
+    experiment = experiment_of(case)
     applies = not experiment.misfit(strength_of(case))
     expected = {name: experiment.expected(name, geometry.a) if applies else None for name in ("zeta", "beta")}
     unverified = [law.quantity for law in experiment.laws if expected.get(law.quantity) and not law.verified]

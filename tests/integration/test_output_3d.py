@@ -99,7 +99,7 @@ def test_summary_table_has_the_mean_and_the_range_around_the_axis(run: SimpleNam
     table = summary_table(run).splitlines()  # type: ignore[arg-type]
     number = next(i for i, text in enumerate(table) if text.startswith("zeta, front_max"))
     zeta, front = (run.summary[name]["front_max"] for name in ("zeta", "front"))
-    assert f"{front['mean']:.4f}" in table[number] and f"{zeta['mean']:8.3f}   1.116 (" in table[number]
+    assert f"{1e3 * front['mean']:.4g}" in table[number] and f"{zeta['mean']:8.3f}   1.116 (" in table[number]
     assert table[number + 1].strip() == f"{zeta['min']:.3f} to {zeta['max']:.3f} around the axis"
     assert sum(text.startswith("zeta, ") for text in table) == 3
 

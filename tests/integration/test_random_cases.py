@@ -21,6 +21,7 @@ def test_draws_are_reproducible_cheap_and_of_all_kinds() -> None:
     assert {case.geometry.model for case in cases} == {"plane", "axisymmetric", "quarter", "full"}
     assert len({case.material.law for case in cases}) == 3
     assert max(case.geometry.a for case in cases) > 5.0
+    assert {case.geometry.model for case in cases if case.geometry.slope_deg} >= {"plane"}
     for case in cases:
         assert PlannedRun({}, case, Path()).work * PACE[case.geometry.dimension] < SECONDS
 

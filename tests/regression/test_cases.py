@@ -27,6 +27,8 @@ COARSE = {
     "quickstart": ("grid.spacing=9.7 mm", "grid.points_per_cell=4"),
     "bui-rods": ("grid.spacing=0.01",),
     "heap": ("grid.spacing=0.02", "grid.points_per_cell=4"),
+    "granular-bed": ("grid.spacing=0.0075", "geometry.aspect=1"),
+    "inclined-channel": ("grid.spacing=0.02",),
     **OF_PAPER,
     **{twin: OF_PAPER[f"lube-{twin}"] for twin in TWINS},
 }
@@ -45,7 +47,9 @@ EXPECTED: dict[str, tuple[int, float, float, float, float]] = {
     "lube-quarter": (2207, 0.437980102, 0.437980102, 0.329851514, 0.999920231),
     "quickstart": (4754, 2.223691557, 2.223691557, 2.160848521, 0.369080814),
     "heap": (2986, -0.023231153, -0.023231153, -0.023231153, 0.938797989),
+    "granular-bed": (2317, 1.028753042, 1.028753042, 1.028753042, 0.933558176),
     "bui-rods": (1654, 0.654307258, 0.654307258, 0.6443832, 0.998293409),
+    "inclined-channel": (1094, 0.886340247, 0.886340247, 0.886340247, 0.87517582),
 }
 
 

@@ -25,6 +25,7 @@ VARIANTS: dict[str, list[tuple[str, tuple[str, ...]]]] = {
         ("coarse-channel", ("method.basis=linear",)),
         ("coarse-channel", ("method.transfer=apic",)),
         ("coarse-channel", ("method.stress_order=usf",)),
+        ("granular-bed", ()),
     ],
     "second": [
         ("lube-quarter", ()),

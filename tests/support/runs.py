@@ -15,9 +15,11 @@ SMALL_CASES = {  # name -> shipped case and overrides, to be cut short with SHOR
     "plane": ("channel", "grid.spacing=0.015"),
     "softening": ("lube-channel-dense", "grid.spacing=0.015"),
     "lifted gate": ("coarse-channel", "grid.spacing=0.0125", "stages.gate_speed=0.5"),
+    "slope": ("inclined-channel", "grid.spacing=0.02"),
     "axisymmetric": ("lube-cylinder", "grid.spacing=0.0139"),
     "base deactivated": ("lube-cylinder", "grid.spacing=0.0139", "method.deactivate_base=true"),
     "outline": ("channel", "grid.spacing=0.015", "geometry.outline=[[0, 0], [0.2, 0], [0, 0.2]]", "stages.gate=false"),
+    "granular bed": ("granular-bed", "grid.spacing=0.015"),
     "quarter": ("quarter", "grid.spacing=0.0194", "geometry.aspect=0.4", "stages.initial_stress=k0"),
     "musl": ("cylinder", "grid.spacing=0.0194", "method.stress_order=musl", "method.transfer=apic"),
 }

@@ -12,6 +12,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from mpmcol.case.slope import limit_slope_deg
+from mpmcol.case.tables import GeometryTable
 from mpmcol.failure_modes.toolkit import (
     DENSITY,
     PHI,
@@ -22,17 +24,27 @@ from mpmcol.failure_modes.toolkit import (
     by_id,
     elastic_body,
     lattice,
+    make_solver,
     points_at,
     sand_body,
+    walled_grid,
 )
 from mpmcol.mpm.boundary import hold_components
+from mpmcol.mpm.constitutive import mohr_coulomb
 from mpmcol.mpm.grid import TILE, Grid, allocate_grid, node_coordinates, node_records, tile_count
 from mpmcol.mpm.particles import COLUMN
+from mpmcol.mpm.settings import Settings
 from mpmcol.mpm.solver import Solver
 
 PERIOD, LAYER, H = 8, 8, 0.05
 DEPTH = LAYER * H
 SINE = np.sin(np.radians(PHI))
+
+
+def on_slope(degrees: float) -> Settings:
+    """Settings with the gravity of a case on a slope."""
+    x, y, z = GeometryTable(model="plane", radius=1.0, aspect=1.0, slope_deg=degrees).gravity_vector
+    return PLAIN._replace(gravity_x=x, gravity_y=y, gravity_z=z)
 
 
 def periodic_grid() -> Grid:
@@ -61,9 +73,31 @@ def layer(degrees: float, mobilised: float) -> tuple[Solver, np.ndarray]:
     angle, depth = np.radians(degrees), DEPTH - points.x[:, 1]
     normal = DENSITY * G * np.cos(angle) * depth
     points.sigma = np.stack([-normal, -normal, -normal, mobilised * normal], axis=1)
-    settings = PLAIN._replace(gravity_x=G * np.sin(angle), gravity_y=-G * np.cos(angle))
-    solver = PeriodicSolver(points, periodic_grid(), settings, sand_body(), elastic_body())
+    solver = PeriodicSolver(points, periodic_grid(), on_slope(degrees), sand_body(), elastic_body())
     return solver, points.x[:, 1].copy()
+
+
+@pytest.mark.parametrize("d", [2, 3])
+@pytest.mark.parametrize("degrees", [0.0, 24.0, 60.0])
+def test_an_elastic_block_slides_down_a_frictionless_slope(degrees: float, d: int) -> None:
+    """Its centre accelerates by g sin(th) to round-off, whatever its own vibration; across the slope it stays."""
+    block = lattice((0.4, 0.0, 0.1)[:d], (0.8, 0.2, 0.3)[:d], H / 2)
+    grid = walled_grid((0.0,) * d, H, (40, 8, 8)[:d], rollers="bottom")
+    solver = make_solver(points_at(block, H / 2), grid, on_slope(degrees))
+    advance_steps(solver, 200)
+    points = solver.points
+    along, normal, *across = (np.average(v, weights=points.m) for v in points.v.T)
+    assert along == pytest.approx(G * np.sin(np.radians(degrees)) * solver.time, rel=1e-12, abs=1e-14)
+    assert abs(normal) < 0.1 * G * solver.time and all(abs(v) < 1e-13 for v in across)
+
+
+def test_the_limit_slope_is_the_friction_in_shear() -> None:
+    """atan(sin(phi)) without dilatancy, and phi where psi = phi; with cohesion thin layers stop on every slope."""
+    for psi, limit in ((0.0, 28.5744), (PHI, PHI)):
+        elastic = {"density": DENSITY, "youngs_modulus": 1e7, "poissons_ratio": 0.2}
+        material = mohr_coulomb.Material(**elastic, friction_deg=PHI, dilatancy_deg=psi)
+        assert limit_slope_deg(material) == pytest.approx(limit, abs=1e-3)
+    assert limit_slope_deg(material.model_copy(update={"cohesion": 1.0})) == 90.0
 
 
 def test_the_grid_is_periodic() -> None:

@@ -8,7 +8,7 @@ tension; the same formulas are then a tension cut-off at the apex.
 
 from __future__ import annotations
 
-from math import radians, sin, tan
+from math import cos, radians, sin, tan
 from typing import Literal, NamedTuple
 
 from mpmcol.mpm.constitutive.elastic import Elasticity
@@ -33,6 +33,11 @@ class Material(Elasticity):
         """K_a = 1 / N_phi, the ratio of horizontal to vertical stress at active yield."""
         return 1.0 / flow_number(sin(radians(self.friction_deg)))
 
+    @property
+    def mobilised_friction(self) -> float:
+        """Ratio of shear to normal stress of a layer in shear."""
+        return shear_friction(self.friction_deg, self.dilatancy_deg)
+
 
 class MohrCoulombParams(NamedTuple):
     """Moduli (Pa), N_phi, N_psi, and the mean stress at the apex (Pa)."""
@@ -54,6 +59,16 @@ def make_params(material: Material) -> MohrCoulombParams:
         flow_number(sin(psi)),
         material.cohesion / tan(phi),
     )
+
+
+def shear_friction(friction_deg: float, dilatancy_deg: float) -> float:
+    """Ratio of shear to normal stress of a layer that shears without a change of its length, without cohesion.
+
+    tan(delta) = sin(phi) cos(psi) / (1 - sin(phi) sin(psi)) (Davis 1968): the directions of stress and of the strain
+    increment coincide.
+    """
+    phi, psi = radians(friction_deg), radians(dilatancy_deg)
+    return sin(phi) * cos(psi) / (1.0 - sin(phi) * sin(psi))
 
 
 @device

@@ -12,7 +12,7 @@ from typing import Literal, NamedTuple
 
 from mpmcol.mpm.constitutive.elastic import Elasticity
 from mpmcol.mpm.constitutive.elementary import cotangent, decay, sine
-from mpmcol.mpm.constitutive.mohr_coulomb import MOST_DEGREES, flow_number, return_to_cone
+from mpmcol.mpm.constitutive.mohr_coulomb import MOST_DEGREES, flow_number, return_to_cone, shear_friction
 from mpmcol.mpm.jit import device
 from mpmcol.mpm.simd import sqrt
 from mpmcol.units import option, quantity
@@ -40,6 +40,11 @@ class Material(Elasticity):
     def active_pressure_ratio(self) -> float:
         """K_a = 1 / N_phi of the peak state, the ratio of horizontal to vertical stress at active yield."""
         return 1.0 / flow_number(math.sin(math.radians(self.friction_peak_deg)))
+
+    @property
+    def mobilised_friction(self) -> float:
+        """Ratio of shear to normal stress of a layer in shear, residual."""
+        return shear_friction(self.friction_residual_deg, self.dilatancy_residual_deg)
 
 
 class SofteningParams(NamedTuple):

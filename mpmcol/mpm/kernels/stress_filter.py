@@ -4,12 +4,13 @@ Differences of stress between the points of a cell exert no force on the nodes, 
 because each point yields and opens at its own time. In every step, before its stress update, a point moves towards the
 average of its surroundings:
 
-    q_p = tr(sigma_p) / 3 + K min(e_o, e_max)               mean stress; K e_o continues it for opened points
+    q_p = tr(sigma_p) / 3 + K min(e_o, e_max)               mean stress; K e_o continues it for opened points, with
+                                                            the bulk modulus K of the column for all points
     q_i = sum_p m_p w_ip q_p / m_i                          P2G, in the free lane of the node
     q_p <- q_p + chi_p (sum_i w_ip q_i - q_p)               G2P
     chi_p = r dt / (1 + r dt) min(1, (shear rate of p / reference shear rate)^2)
 
-The volume ratio or the opening strain changes by the strain of the change, dq / K, so that J stays tied to the stress.
+The volume ratio or the opening strain changes by the strain of the change, so that J stays tied to the stress.
 A point whose q exceeds the mean stress at the apex opens. Points that have opened further than e_max are not changed.
 Since m_p q_p is averaged symmetrically, the volume is kept in the mean; momentum is not touched. r is a multiple of
 c / h, so that the filter vanishes on fine grids and does not depend on the time step; states of rest are not filtered.
@@ -56,7 +57,7 @@ def make_stress_filter(tensors: ModuleType, law: ConstitutiveLaw) -> Callable[..
         """New stress, J and opening strain of points with the grid average `average` (Pa), and the volumetric
         elastic energy lost (J).
         """
-        K, furthest, inv_K = params.bulk_modulus, settings.filter_opening, 1.0 / params.bulk_modulus
+        K, furthest, inv_K = settings.filter_modulus, settings.filter_opening, 1.0 / params.bulk_modulus
         mean = (s[0] + s[1] + s[2]) * (1.0 / 3.0)
         q = mean + K * where_positive(opening - furthest, furthest, opening)
         e = strain_increment(L, dt)
@@ -71,7 +72,7 @@ def make_stress_filter(tensors: ModuleType, law: ConstitutiveLaw) -> Callable[..
         excess = q - limit
         closed = where_positive(far, mean, where_positive(excess, limit, q))
         change = closed - mean
-        new_opening = where_positive(excess, excess * inv_K, 0.0) if settings.opening_strain else opening
+        new_opening = where_positive(excess, excess * (1.0 / K), 0.0) if settings.opening_strain else opening
         return (
             add(select(where_positive(far, 0.0, excess), isotropic(mean), s), isotropic(change)),
             J * (1.0 + change * inv_K),

@@ -16,6 +16,7 @@ from matplotlib.ticker import MaxNLocator
 from mpmcol.experiments import OUTLINE
 from mpmcol.io.snapshot import Snapshot
 from mpmcol.plotting.captions import tables_of_snapshot
+from mpmcol.plotting.profiles import draw_gravity
 from mpmcol.plotting.render.coloring import Coloring
 from mpmcol.plotting.render.frame import (
     BASE_COLOR,
@@ -56,7 +57,7 @@ class SideView(View):
         axes.plot([0, right], [0, 0], **EDGE)
 
     def draw_before(self, axes: Axes) -> None:
-        """Draw the column at release (dashed), the gate, the wall (solid) or axis of symmetry (dash-dot), and axes."""
+        """Draw the column at release (dashed), gate, wall (solid) or axis of symmetry (dash-dot), gravity, and axes."""
         left, _, _, top = self.extent
         r_i = float(self.meta["r_i"])
         symmetric = self.meta["model"] == "axisymmetric" or self._is_half
@@ -64,6 +65,7 @@ class SideView(View):
         axes.axvspan(left, 0, facecolor="white", linewidth=0)
         axes.plot(*self._released_surface(), **RELEASED)
         axes.plot([0, 0], [0, top], linestyle="dashdot" if symmetric else "solid", **EDGE)
+        draw_gravity(axes, float(self.meta.get("slope_deg", 0.0)), SMALL_SIZE)
         if self._case.get("stages", {}).get("gate", True):
             axes.plot([r_i, r_i], [0, top], **GATE_STYLE)
             axes.text(r_i, top, " gate", size=SMALL_SIZE, color=GATE_STYLE["color"], va="top")

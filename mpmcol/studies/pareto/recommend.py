@@ -97,18 +97,10 @@ def recommend(source: str | Path, overrides: Sequence[str], accuracy: float) -> 
     return min(accurate, key=lambda one: one.core_seconds)
 
 
-def finer_grid(
-    source: str | Path, overrides: Sequence[str], advice: Recommendation
-) -> tuple[float, Mapping[str, float]]:
-    """Return r_i / h and the errors of the next finer grid of the study.
-
-    Beyond its finest grid: a spacing smaller by a factor of sqrt(2), with the errors of the recommended configuration.
-    """
-    finer = [one for one in options(source, overrides) if one.variant == advice.variant and one.cells > advice.cells]
-    if not finer:
-        return round(sqrt(2.0) * advice.cells), advice.errors
-    following = min(finer, key=lambda one: one.cells)
-    return following.cells, following.errors
+def finer_grid(source: str | Path, overrides: Sequence[str], advice: Recommendation) -> float:
+    """Return r_i / h of the next finer grid of the study; beyond its finest grid, finer by a factor of sqrt(2)."""
+    finer = (one.cells for one in options(source, overrides) if one.variant == advice.variant)
+    return min((cells for cells in finer if cells > advice.cells), default=round(sqrt(2.0) * advice.cells))
 
 
 def options(source: str | Path, overrides: Sequence[str]) -> Iterator[Recommendation]:

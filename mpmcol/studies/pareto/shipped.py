@@ -48,11 +48,16 @@ class ShippedConfiguration:
 def parameters_of(case: Case) -> ColumnParameters:
     """Return the parameters of a case; a softening material counts with its residual friction.
 
-    Raises UsageError for a material without friction.
+    Raises UsageError for a material without friction, and on a slope.
     """
     geometry, law, friction = case.geometry, case.material.law, strength_of(case).friction_deg
     if friction is None:
         raise UsageError(f"material.law = {law}: the errors were studied for materials with friction only")
+    if geometry.slope_deg:
+        raise UsageError(
+            f"geometry.slope_deg = {geometry.slope_deg:g}: the errors were studied on a horizontal base only; set "
+            "grid.spacing instead of an accuracy"
+        )
     return ColumnParameters(column_kind(geometry.model, geometry.column_section), geometry.a, friction)
 
 

@@ -52,6 +52,7 @@ FITTING: dict[str, tuple[str, ...]] = {
     "overrides": ("geometry.aspect=3", "grid.spacing=5 mm", "grid.spacing=0.01", "stages.gate_speed=1"),
     "settings": ("geometry.aspect=1:3", "material.friction_deg=30,33", "time.cfl=0.4", "geometry.base=elastic,rigid"),
     "aspect": ("1:2", "0.5:7/14", "3"),
+    "slope": ("0:20:5", "10"),
     "folder": ("run", "sweep", "folder"),
     "study": ("quick", "default"),
     "figures": ("fig5", "all"),

@@ -96,6 +96,31 @@ def test_options_of_the_method_that_exclude_each_other(overrides: list[str], mes
     assert message in only_problem("coarse-channel", *(f"method.{each}" for each in overrides)).message
 
 
+@pytest.mark.parametrize(
+    ("overrides", "message"),
+    [
+        (["geometry.base=granular", "base_material.law=elastic"], '"elastic" with an elastic or rigid base'),
+        (["base_material.law=mohr-coulomb"], '"elastic" with an elastic or rigid base'),
+        (["geometry.base=granular", "base_material.dilatancy_deg=40"], "must not exceed"),
+        (["geometry.base=granular", "method.deactivate_base=true"], "a granular bed moves"),
+        (["base_material.friction_deg=20"], "not a key of law elastic, but of mohr-coulomb"),
+        (["geometry.base=granular", "base_material.frictio_deg=20"], 'did you mean "friction_deg"?'),
+        (["geometry.base=granular", "base_material.law=sand"], "expected"),
+    ],
+)
+def test_materials_of_bases(overrides: list[str], message: str) -> None:
+    problem = only_problem("coarse-channel", *overrides)
+    assert message in f"{problem.message} {problem.hint}"
+
+
+def test_keys_of_the_base_that_follow_from_an_invalid_material_are_not_reported(write: Write) -> None:
+    text = GOOD.replace("10e6", "-1e7") + "[base_material]\npoissons_ratio = 0.7\n"
+    assert [problem.key for problem in problems_of(write(text))] == [
+        "material.youngs_modulus",
+        "base_material.poissons_ratio",
+    ]
+
+
 def test_violations_are_reported_together_with_other_problems(write: Write) -> None:
     text = GOOD.replace("10e6", "-1e7").replace("33.0", "33.0\ndilatancy_deg = 34")
     assert [problem.line for problem in problems_of(write(text))] == [15, 18]

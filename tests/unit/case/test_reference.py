@@ -75,7 +75,7 @@ def test_the_json_schema_describes_every_key() -> None:
 
 def described_keys(schema: dict[str, Any], prefix: str = "") -> list[str]:
     keys = []
-    for table in schema.get("oneOf", [schema]):
+    for table in schema.get("oneOf", [schema, *schema.get("anyOf", [])]):
         for name, part in table.get("properties", {}).items():
             assert part["description"]
             keys += [prefix + name, *described_keys(part, f"{prefix}{name}.")]

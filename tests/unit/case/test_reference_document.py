@@ -39,7 +39,7 @@ def test_rows_hold_bounds_unit_default_and_description() -> None:
     lines = markdown_reference().splitlines()
     assert "| `spacing` | > 0 | m | required | grid node spacing h |" in lines
     assert any(line.startswith("| `poissons_ratio` | >= 0 and < 0.5 |  | required | ") for line in lines)
-    assert any(line.startswith('| `base` | `"elastic"`, `"rigid"` |  | `"elastic"` | ') for line in lines)
+    assert any(line.startswith('| `base` | `"elastic"`, `"rigid"`, `"granular"` |  | `"elastic"` | ') for line in lines)
     assert any(line.startswith("| `softening_rate`") and "mohr-coulomb-softening" in line for line in lines)
 
 

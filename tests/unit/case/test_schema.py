@@ -43,6 +43,19 @@ def test_given_values_replace_defaults_that_depend_on_the_material(write: Write)
     assert (case.stages.k0, case.stages.equilibrate.law, case.base_material.density) == (0.5, "elastic", 1.0)
 
 
+def test_keys_of_the_base_follow_from_the_material(write: Write) -> None:
+    elastic = load_case(write(GOOD + "[base_material]\nyoungs_modulus = 1e8\n")).base_material
+    assert (elastic.law, elastic.density, elastic.youngs_modulus) == ("elastic", 2650.0, 1e8)
+    granular = write(GOOD.replace("aspect = 3.0", 'aspect = 3.0\nbase = "granular"'))
+    assert load_case(granular).base_material == load_case(granular).material
+    bed = load_case(granular, ["base_material.friction_deg=20"])
+    assert bed.base_material == bed.material.model_copy(update={"friction_deg": 20.0})
+    softening = [f"{name}_{end}_deg=30" for name in ("friction", "dilatancy") for end in ("peak", "residual")]
+    keys = ["law=mohr-coulomb-softening", "softening_rate=2", *softening]
+    other = load_case(granular, [f"base_material.{key}" for key in keys]).base_material
+    assert (other.law, other.density) == ("mohr-coulomb-softening", 2650.0)
+
+
 def test_height_and_aspect_ratio_follow_from_each_other() -> None:
     by_aspect = load_case("lube-channel", ["geometry.aspect=5"]).geometry
     assert (by_aspect.r_i, by_aspect.a) == (0.09, 5.0)

@@ -61,6 +61,16 @@ def test_a_run_gives_three_charts_with_units_on_every_axis(run: SyntheticRun, sa
     assert all(any(unit in label for unit in ("(mm)", "(-)", "%")) for label in labels)
 
 
+def test_an_arrow_shows_gravity_on_a_slope(tmp_path: Path, figures: list[Figure]) -> None:
+    for degrees in (0.0, 30.0):
+        shape = replace(SHAPE, slope_deg=degrees)
+        charts.profile_chart(tmp_path / "p.png", shape, [(0.3, deposit(1.5, shape))], EXPERIMENTS["paper-plane"])
+    level, inclined = ([text for text in one.axes[0].texts if "$g$" in text.get_text()] for one in figures)
+    (arrow,) = inclined
+    x, y = arrow.xyann  # type: ignore[attr-defined]  # of the tail, from the tip
+    assert level == [] and np.degrees(np.arctan2(-x, y)) == pytest.approx(30.0)
+
+
 def test_profile_chart_has_equal_axes_and_the_fronts_at_their_positions(tmp_path: Path, figures: list[Figure]) -> None:
     final = deposit(1.5)
     charts.profile_chart(tmp_path / "p.png", SHAPE, [(0.1, deposit(0.5)), (0.3, final)], EXPERIMENTS["paper-plane"])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
@@ -78,3 +80,23 @@ def test_without_a_gate_its_nodes_are_free_from_the_start() -> None:
     set_boundaries(closed.grid, closed.discretization, gate_opening=np.inf)
     assert np.array_equal(closed.grid.fixed, free.grid.fixed)
     assert initial_gate_opening(load_case("coarse-channel", ["stages.gate=false"])) == np.inf
+
+
+def test_the_model_on_a_slope() -> None:
+    """Gravity, assigned stress, the length of the domain, and the speed that gravity can cause in it."""
+    level, slope = (
+        build_model(load_case("inclined-channel", ["grid.spacing=0.02", f"geometry.slope_deg={degrees}"]))
+        for degrees in (0.0, 20.0)
+    )
+    sine, cosine, tangent = (function(math.radians(20.0)) for function in (math.sin, math.cos, math.tan))
+    for stage in (slope.equilibrate, slope.collapse):
+        gravity = stage.settings.gravity_x, stage.settings.gravity_y, stage.settings.gravity_z
+        assert gravity == pytest.approx((9.81 * sine, -9.81 * cosine, 0.0))
+    normal = -1550.0 * 9.81 * cosine * (0.14 - slope.points.x[:, 1])
+    assert slope.points.sigma[:, 1] == pytest.approx(normal)
+    assert slope.points.sigma[:, 0] == pytest.approx(normal * level.points.sigma[0, 0] / level.points.sigma[0, 1])
+    runouts = [one.discretization.length - 0.2 * 1.5 - 4 * 0.02 for one in (level, slope)]  # without margin and end
+    friction = math.sin(math.radians(28.5))
+    assert runouts[1] / runouts[0] == pytest.approx(friction / (friction - tangent), rel=0.05)  # of whole cells
+    drop = 0.14 * cosine + slope.discretization.length * sine
+    assert slope.collapse.settings.free_speed == pytest.approx(2.0 * math.sqrt(2.0 * 9.81 * drop))

@@ -16,15 +16,20 @@ from tests.support.cli import invoke, set_options
 from tests.support.runs import TINY
 
 SAND = ("geometry.aspect=1", "grid.spacing=0.005")  # of lube-channel, with an elastic base and wall_impulse = false
+BED = ["geometry.base=granular", "geometry.base_thickness=0.012", "method.wall_impulse=true"]
+BED = ["geometry.base=granular", "geometry.base_thickness=0.012", "method.wall_impulse=true"]
 UNFIT = [  # overrides of SAND, beginning of the warning, what it proposes
     (["grid.points_per_cell=1"], "grid.points_per_cell = 1", "grid.points_per_cell=9"),
     (["grid.spacing=0.02"], "grid.spacing = 0.0225 m: the radius", "grid.spacing=0.015"),
     (["geometry.aspect=0.3", "grid.spacing=0.0075"], "grid.spacing = 0.0075 m: the height", "grid.spacing=0.0045"),
+    (BED, "geometry.base_thickness = 0.012 m: the granular bed", "grid.spacing=0.003"),
+    (BED, "geometry.base_thickness = 0.012 m: the granular bed", "grid.spacing=0.003"),
     (["geometry.base=rigid"], "method.wall_impulse = false", "method.wall_impulse=true"),
     (["material.friction_deg=0.5236"], "material.friction_deg = 0.5236", "material.friction_deg=0.5236 rad"),
     (["material.density=2.65"], "material.density = 2.65 kg/m3", "material.density=2.65 g/cm3"),
     (["material.dilatancy_deg=10"], "material.dilatancy_deg = 10", "material.dilatancy_deg=0"),
     (["material.youngs_modulus=1e5"], "material.youngs_modulus = 100000 Pa", "material.youngs_modulus=1.1e+06"),
+    (["geometry.slope_deg=30"], "geometry.slope_deg = 30: the flow does not stop", "stages.collapse.end=time"),
     (["geometry.domain_length=0.3"], "geometry.domain_length = 0.3 m", "geometry.domain_length=0.398"),
 ]
 SOFTENING = [

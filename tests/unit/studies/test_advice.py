@@ -21,15 +21,23 @@ from tests.support.cli import invoke
 COLUMNS = ([], ["geometry.aspect=0.5"], ["geometry.aspect=8", "time.cfl=0.6"])
 
 
+LEVEL = [name for name in shipped_cases() if load_case(name).geometry.slope_deg == 0.0]
+
+
+def test_an_accuracy_is_refused_on_a_slope() -> None:
+    refused = invoke("run", "inclined-channel", "--accuracy", "5%", "--dry-run")
+    assert refused.exit_code == 2 and "geometry.slope_deg = 10: the errors were studied on a" in refused.output
+
+
 def new_warnings(source: str, overrides: Sequence[str], values: dict[str, Value]) -> list[str]:
     """Warnings of a case with proposed values, of kinds that it has not without them."""
     before, after = (discretize(load_case(source, [*overrides, *more])).warnings for more in ([], as_overrides(values)))
     return [text for text in after if kind_of(text) not in {kind_of(known) for known in before}]
 
 
-@pytest.mark.parametrize("name", shipped_cases())
+@pytest.mark.parametrize("name", LEVEL)
 def test_no_configuration_that_an_accuracy_may_choose_causes_a_warning(name: str) -> None:
-    overrides = COLUMNS[list(shipped_cases()).index(name) % len(COLUMNS)]
+    overrides = COLUMNS[LEVEL.index(name) % len(COLUMNS)]
     for option in options(name, overrides):
         assert new_warnings(name, overrides, dict(option.values)) == [], str(option)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 from collections.abc import Iterator
 from pathlib import Path
@@ -25,6 +26,7 @@ from mpmcol.studies.pareto.shipped import (
     neighbouring_cases,
     shipped_study,
 )
+from mpmcol.studies.pareto.study import shipped_studies
 from tests.support.cli import invoke
 
 ELASTIC = "density = 2650.0\nyoungs_modulus = 10e6\npoissons_ratio = 0.2\n"
@@ -195,37 +197,49 @@ def test_a_sweep_names_the_runs_for_which_no_configuration_is_accurate() -> None
         assert f"{run}no configuration of the study has errors of at most 1%" in refused.stderr
 
 
-@pytest.mark.parametrize("cells", [(10, 14), (10, 14, 20)])
-@pytest.mark.parametrize("order", [1.0, 2.0])
-def test_the_error_bar_contains_the_converged_value(cells: tuple[int, ...], order: float) -> None:
-    """In at least 90 % of draws, with scatter."""
+@pytest.mark.parametrize("cells", [(14, 20, 28), (20, 28, 40, 56)])
+@pytest.mark.parametrize("order", [0.75, 1.0, 1.5, 2.0])
+@pytest.mark.parametrize("scatter", [1e-4, 0.01])
+def test_the_error_bar_contains_the_converged_value(cells: tuple[int, ...], order: float, scatter: float) -> None:
+    """In at least 90 % of draws."""
     rng = np.random.default_rng(3)
     inside = 0
     for _ in range(300):
-        levels = {one: (1.0 - 0.2 * (10 / one) ** order + 0.02 * rng.standard_normal(3)).tolist() for one in cells}
+        levels = {one: (1.0 - 0.2 * (14 / one) ** order + scatter * rng.standard_normal(3)).tolist() for one in cells}
         bar = error_bar(ZETA, levels)
         inside += abs(bar.value - 1.0) <= bar.error
     assert inside > 270
 
 
-def test_a_third_spacing_narrows_the_error_bar() -> None:
-    rng = np.random.default_rng(4)
-    levels = {one: (1.0 - 0.5 / one + 0.01 * rng.standard_normal(3)).tolist() for one in (10, 14, 20)}
-    two = error_bar(ZETA, {one: levels[one] for one in (10, 14)})
-    three = error_bar(ZETA, levels)
-    assert 0.0 < three.error < 0.8 * two.error
-    assert list(three.means) == [10, 14, 20] and three.value == pytest.approx(np.mean(levels[20]))
+@pytest.mark.parametrize(("quantity", "widest"), [(ZETA, 0.1), (BETA, 0.02)])
+def test_error_bars_from_the_study_contain_its_grid_converged_values(quantity: str, widest: float) -> None:
+    """At least nine of ten bars from three neighbouring spacings, with the uncertainty of the converged values."""
+    by_variant: dict[tuple[str, str], list[tuple[float, float, float]]] = {}
+    for row in csv.DictReader(shipped_studies()["default"].with_suffix(".csv").read_text().splitlines()):
+        if row[f"{quantity} bias"] and float(row["cells"]) >= 14.0:
+            numbers = (row["cells"], row[f"{quantity} bias"], row[f"{quantity} reference uncertainty"])
+            by_variant.setdefault((row["case"], row["variant"]), []).append(tuple(map(float, numbers)))
+    inside, widths = [], []
+    for own in map(sorted, by_variant.values()):
+        for runs in zip(own, own[1:], own[2:], strict=False):
+            bar = error_bar(quantity, {cells: [1.0 + bias] for cells, bias, _ in runs})
+            inside.append(abs(bar.value - 1.0) <= np.hypot(bar.error, runs[0][2]))
+            widths.append(bar.relative)
+    assert len(inside) == 100 and np.mean(inside) >= 0.9 and np.median(widths) < widest
 
 
 def test_parts_of_the_error_bar() -> None:
-    few = error_bar(ZETA, {1: [0.9, 1.1], 2: [0.9, 1.1]})
-    more = error_bar(ZETA, {1: [0.9, 1.1, 0.9, 1.1], 2: [0.9, 1.1]})
-    assert few.error > more.error > 0.0 and "scatter" in few.cause
-    exact = error_bar(ZETA, {1: [0.9, 0.9], 2: [0.95, 0.95]})
-    assert exact.error == pytest.approx(1.25 * 0.05) and "spacing" in exact.cause
-    coincidence = error_bar(ZETA, {1: [0.9, 0.9], 2: [0.9, 0.9]}, study_error=0.1)
-    assert coincidence.error == coincidence.from_study == pytest.approx(0.09) and "study" in coincidence.cause
-    assert coincidence.relative == pytest.approx(0.1)
+    smooth = error_bar(ZETA, {cells: [1.0 - 1.0 / cells] for cells in (10, 14, 20)})
+    assert smooth.finest == pytest.approx(0.95) and "order" in smooth.cause
+    assert smooth.value == pytest.approx(1.0, abs=smooth.error) and smooth.error < 0.05
+    irregular = error_bar(ZETA, {10: [0.9], 14: [0.96], 20: [0.94]})
+    assert irregular.from_misfit > irregular.from_order and "irregular" in irregular.cause
+    once, often = (error_bar(ZETA, {cells: n * [0.9, 1.1] for cells in (10, 14, 20)}) for n in (1, 4))
+    assert once.from_misfit > 1.5 * often.from_misfit > 0.0 and once.scatter > 0.1
+    exact = error_bar(ZETA, {cells: [1.2] for cells in (10, 14, 20)})
+    assert exact.relative == pytest.approx(0.01)
+    finer = error_bar(ZETA, {5: [9.0], 10: [0.9], 14: [0.96], 20: [0.94]})
+    assert (finer.value, list(finer.means)) == (pytest.approx(irregular.value), [5, 10, 14, 20])
 
 
 @pytest.mark.slow

@@ -1,0 +1,73 @@
+"""geometry.slope_deg: its constraints, the defaults that depend on it, and the direction of gravity."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from mpmcol.case import case_hash, experiment_of, load_case, strength_of
+from mpmcol.case.slope import LARGEST_FACTOR, endless_flow, slope_factor
+from tests.support.case_files import GOOD, Write, only_problem
+
+SIN_PHI = math.sin(math.radians(28.5))  # of the case inclined-channel
+
+
+@pytest.mark.parametrize(
+    ("overrides", "message"),
+    [
+        (["geometry.model=axisymmetric"], 'must be 0 with geometry.model = "axisymmetric"'),
+        (["geometry.model=quarter"], 'must be 0 with geometry.model = "quarter"'),
+        (["geometry.release=two-sided"], 'must be 0 with geometry.release = "two-sided"'),
+        (["geometry.slope_deg=-1"], "expected a number >= 0 and < 90, in deg"),
+        (["geometry.slope_deg=90"], "expected a number >= 0 and < 90, in deg"),
+    ],
+)
+def test_models_without_a_downslope_direction_are_refused(write: Write, overrides: list[str], message: str) -> None:
+    assert message in only_problem(write(GOOD), "geometry.slope_deg=10", *overrides).message
+
+
+@pytest.mark.parametrize("model", ["plane", "full"])
+def test_other_models_are_accepted(model: str) -> None:
+    points = "grid.points_per_cell=8" if model == "full" else "grid.points_per_cell=9"
+    case = load_case("coarse-channel", [f"geometry.model={model}", points, "geometry.slope_deg=0.5 rad"])
+    assert case.geometry.slope_deg == pytest.approx(math.degrees(0.5))
+
+
+def test_gravity_points_downslope_and_toward_the_base() -> None:
+    geometry = load_case("coarse-channel", ["geometry.slope_deg=30"]).geometry
+    assert geometry.gravity_vector == pytest.approx((4.905, -9.81 * math.sqrt(0.75), 0.0))
+    assert load_case("coarse-channel").geometry.gravity_vector == (0.0, -9.81, 0.0)
+
+
+def test_a_slope_of_zero_leaves_the_hash_unchanged() -> None:
+    """So that the folders of sweeps keep their names."""
+    hashes = [case_hash(load_case("coarse-channel", [f"geometry.slope_deg={slope}"])) for slope in (0, 1e-9, 10)]
+    assert hashes[0] == case_hash(load_case("coarse-channel")) == "da9b2b635b34" and len(set(hashes)) == 3
+
+
+def test_runout_and_duration_grow_as_the_friction_over_its_excess() -> None:
+    case = load_case("inclined-channel")
+    factor = SIN_PHI / (SIN_PHI - math.tan(math.radians(10.0)))
+    assert slope_factor(10.0, case.material) == pytest.approx(factor)
+    assert case.stages.collapse.max_time_factor == pytest.approx(10.0 * factor)
+    assert load_case("inclined-channel", ["geometry.slope_deg=0"]).stages.collapse.max_time_factor == 10.0
+    steep = load_case("inclined-channel", ["geometry.slope_deg=25"])
+    assert steep.stages.collapse.max_time_factor == pytest.approx(10.0 * LARGEST_FACTOR)
+    assert load_case("inclined-channel", ["stages.collapse.max_time_factor=7"]).stages.collapse.max_time_factor == 7.0
+
+
+def test_the_flow_stops_below_the_friction_in_shear() -> None:
+    slopes = {slope: endless_flow(load_case("inclined-channel", [f"geometry.slope_deg={slope}"])) for slope in (25, 26)}
+    assert slopes[25] == "" and slopes[26].startswith("geometry.slope_deg = 26: the flow does not stop")
+    assert "25.5 degrees" in slopes[26]
+    assert endless_flow(load_case("lube-channel-dense", ["geometry.slope_deg=60"]))
+    elastic = "material={ law = 'elastic', density = 2650, youngs_modulus = 1e7, poissons_ratio = 0.2 }"
+    assert endless_flow(load_case("coarse-channel", ["geometry.slope_deg=60", elastic])) == ""
+
+
+def test_no_experiment_applies_to_a_slope() -> None:
+    case = load_case("coarse-channel", ["geometry.slope_deg=10"])
+    assert experiment_of(case).laws == () and "slope of 10 deg" in experiment_of(case).title
+    own = experiment_of(load_case("coarse-channel"))
+    assert own.laws and own.misfit(strength_of(case)) == "for a horizontal base; here it slopes by 10 deg"
