@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from mpmcol.case.fields import shown
+from mpmcol.case.outline import Outline, extent, is_rectangle
 from mpmcol.experiments import EXPERIMENTS, column_kind
 
 
@@ -64,6 +66,14 @@ def _experiment_fits(name: str, model: str, section: str) -> bool:
     return name not in EXPERIMENTS or EXPERIMENTS[name].model == column_kind(model, section)
 
 
+def _not_both(one: Any, other: Any) -> bool:
+    return one is None or other is None
+
+
+def _ends_before(outline: Outline | None, limit: float | None, axis: int) -> bool:
+    return outline is None or limit is None or extent(outline)[axis] < limit
+
+
 FILTER_STRENGTH = 0.5  # default of method.filter_strength
 _3D = ("quarter", "full")
 _ORDERED_ANGLES = (
@@ -77,16 +87,27 @@ _SMALLER = "must be smaller than {1}"
 _LARGER = "must be larger than {1}"
 _AT_MOST = "must not exceed {1}"
 
+_NOT_BOTH = "must not be given together with {1}: remove one of them"
+
 CONSTRAINTS = (
+    Constraint(("geometry.height", "geometry.aspect"), _not_both, _NOT_BOTH),
     Constraint(
-        ("geometry.height", "geometry.aspect"),
-        lambda h, a: h is None or a is None,
-        "must not be given together with {1}: remove one of them",
+        ("geometry.radius", "geometry.outline"),
+        lambda radius, outline: radius is not None or outline is not None,
+        "is missing: give geometry.radius, or geometry.outline for a column that is no rectangle",
     ),
     Constraint(
-        ("geometry.aspect", "geometry.height"),
-        lambda a, h: h is not None or a is not None,
+        ("geometry.aspect", "geometry.height", "geometry.outline"),
+        lambda a, h, outline: h is not None or a is not None or outline is not None,
         "is missing: give geometry.aspect or geometry.height",
+    ),
+    Constraint(("geometry.radius", "geometry.outline"), _not_both, _NOT_BOTH),
+    Constraint(("geometry.height", "geometry.outline"), _not_both, _NOT_BOTH),
+    Constraint(("geometry.aspect", "geometry.outline"), _not_both, _NOT_BOTH),
+    Constraint(
+        ("geometry.outline", "geometry.model"),
+        lambda outline, model: outline is None or model not in _3D,
+        'must be absent with {1}: outlines are for "plane" and "axisymmetric"',
     ),
     Constraint(
         ("geometry.release", "geometry.model"),
@@ -128,8 +149,13 @@ CONSTRAINTS = (
     Constraint(("grid.spacing", "geometry.height"), _less, _SMALLER),
     Constraint(
         ("grid.spacing", "geometry.aspect", "geometry.radius"),
-        lambda h, a, r: a is None or h < a * r,
+        lambda h, a, r: a is None or r is None or h < a * r,
         "must be smaller than the column's height, with {1} and {2}",
+    ),
+    Constraint(
+        ("grid.spacing", "geometry.outline"),
+        lambda h, outline: outline is None or h < min(extent(outline)),
+        "must be smaller than the largest x and y of {1}",
     ),
     Constraint(
         ("geometry.base_thickness", "grid.spacing", "geometry.base"),
@@ -140,8 +166,18 @@ CONSTRAINTS = (
     Constraint(("geometry.domain_height", "geometry.height"), lambda top, h: _less(h, top), _LARGER),
     Constraint(
         ("geometry.domain_height", "geometry.aspect", "geometry.radius"),
-        lambda top, a, r: top is None or a is None or a * r < top,
+        lambda top, a, r: top is None or a is None or r is None or a * r < top,
         "must be larger than the column's height, with {1} and {2}",
+    ),
+    Constraint(
+        ("geometry.domain_length", "geometry.outline"),
+        lambda length, outline: _ends_before(outline, length, 0),
+        "must be larger than the largest x of {1}",
+    ),
+    Constraint(
+        ("geometry.domain_height", "geometry.outline"),
+        lambda top, outline: _ends_before(outline, top, 1),
+        "must be larger than the largest y of {1}",
     ),
     *(
         Constraint((f"{table}.{smaller}_deg", f"{table}.{larger}_deg"), _at_most, _AT_MOST)
@@ -229,10 +265,20 @@ CONSTRAINTS = (
         lambda stage_law, law: stage_law in (None, "elastic", law),
         'must be "elastic" or that of the column, {1}',
     ),
+    Constraint(
+        ("stages.gate_speed", "stages.gate"),
+        lambda speed, gate: gate or speed == math.inf,
+        "has no meaning with {1}: remove it",
+    ),
     Constraint(("output.times",), _increasing, "must be at least one time, in increasing order"),
     Constraint(
         ("score.experiment", "geometry.model", "geometry.section"),
         _experiment_fits,
         "is for another kind of column than {1} and {2}",
+    ),
+    Constraint(
+        ("score.experiment", "geometry.outline"),
+        lambda name, outline: name == "paper" or outline is None or is_rectangle(outline),
+        "has no meaning with {1}: published columns are rectangles; remove it",
     ),
 )

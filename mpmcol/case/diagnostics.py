@@ -181,8 +181,8 @@ def _valid_values(
         if key in MATERIALS or fields.subtable(field):
             yield from _valid_values(tables.get(name, {}), invalid_keys, law, key)
         else:
-            value, number = tables.get(name, field.default), fields.number_of(field)
-            yield ".".join(key), number(value) if number else value
+            value, converter = tables.get(name, field.default), fields.converter_of(field)
+            yield ".".join(key), converter(value) if converter else value
 
 
 def _violated(given: CaseInput, violation: ViolatedConstraint) -> Problem:

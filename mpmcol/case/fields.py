@@ -45,6 +45,11 @@ def number_of(field: FieldInfo) -> Number | None:
     return next((part for part in field.metadata if isinstance(part, Number)), None)
 
 
+def converter_of(field: FieldInfo) -> Any:
+    """What converts a value of a case file, with a description `expected`: a `Number` or `OutlinePoints`; or None."""
+    return next((part for part in field.metadata if hasattr(part, "expected")), None)
+
+
 def item_number(field: FieldInfo) -> Number | None:
     """Unit and bounds of the items of an array of quantities; None for other keys."""
     items = get_args(value_type(field))[:1] if get_origin(value_type(field)) is tuple else ()
@@ -64,8 +69,8 @@ def minimum(field: FieldInfo) -> int | None:
 
 def expected(field: FieldInfo) -> str:
     """Description of the accepted values, for example "a number > 0, in m"."""
-    if number := number_of(field):
-        return number.expected
+    if converter := converter_of(field):
+        return str(converter.expected)
     if item := item_number(field):
         return f"an array, each item {item.expected}"
     if item_table(field):

@@ -8,6 +8,7 @@ from pydantic.fields import FieldInfo
 
 from mpmcol.case import fields
 from mpmcol.case.load import load_case
+from mpmcol.case.outline import OutlinePoints
 from mpmcol.case.reference import default_value, field_at, fields_at, heading, key_names, laws_with
 from mpmcol.case.source import shipped_cases
 from mpmcol.mpm.constitutive import LAWS
@@ -43,7 +44,8 @@ def _row(cells: Iterable[str]) -> str:
 
 def _case_row(name: str) -> tuple[str, ...]:
     case = load_case(name)
-    return f"`{name}`", case.title, case.geometry.model, f"{case.geometry.a:g}", f"{1e3 * case.grid.spacing:g} mm"
+    a = f"{case.geometry.a:g}" if case.geometry.is_rectangle else "outline"
+    return f"`{name}`", case.title, case.geometry.model, a, f"{1e3 * case.grid.spacing:g} mm"
 
 
 def _key_rows(table: tuple[str, ...]) -> Iterator[tuple[str, ...]]:
@@ -71,7 +73,7 @@ def _accepted(field: FieldInfo) -> str:
 
 def _unit(field: FieldInfo) -> str:
     number = fields.number_of(field) or fields.item_number(field)
-    return number.unit if number else ""
+    return number.unit if number else "m" if isinstance(fields.converter_of(field), OutlinePoints) else ""
 
 
 def _default(field: FieldInfo) -> str:

@@ -9,6 +9,7 @@ from pydantic import Field, field_validator
 from pydantic_core import PydanticCustomError
 
 from mpmcol.case.constraints import violations
+from mpmcol.case.tables import GeometryTable
 from mpmcol.case.values import leaf_values
 from mpmcol.mpm.constitutive import LAWS, elastic
 from mpmcol.units import Table, option, quantity
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
 else:
     _materials = tuple(law.Material for law in LAWS.values())
     Material = Annotated[Union[_materials], Field(discriminator="law")]  # noqa: UP007
+
+MOST_LAYERS = {2: 14, 3: 2}  # by dimension: cells of a tile times materials are numbered in a byte
 
 
 class LayerTable(Table):
@@ -65,8 +68,11 @@ def _shared(material: Mapping[str, Any], law: Any) -> dict[str, Any]:
     return {key: material[key] for key in keys if key in material}
 
 
-def check_layers(layers: tuple[LayerTable, ...], law: str, height: float, most: int) -> None:
+def check_layers(layers: tuple[LayerTable, ...], law: str, geometry: GeometryTable) -> None:
     """Raise PydanticCustomError if layers overlap, begin above the column, have another law, or are too many."""
+    height, most = geometry.h_i, MOST_LAYERS[geometry.dimension]
+    if geometry.outline is not None:
+        raise _refusal("layers are for columns given by radius and height, not for geometry.outline")
     if len(layers) > most:
         raise _refusal(f"{len(layers)} layers, expected at most {most} for this model")
     top = 0.0

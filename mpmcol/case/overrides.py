@@ -9,8 +9,13 @@ from typing import Any
 from mpmcol.case.problem import Problem, case_error, set_option
 from mpmcol.case.toml_lines import KeyPath, TomlError, parse
 
-# an override of one of these removes the other
-_ALTERNATIVES: dict[KeyPath, str] = {("geometry", "height"): "aspect", ("geometry", "aspect"): "height"}
+# a key of `geometry` that is given -> keys that are removed, since it replaces them
+_ALTERNATIVES: dict[KeyPath, tuple[str, ...]] = {
+    ("geometry", "height"): ("aspect",),
+    ("geometry", "aspect"): ("height",),
+    ("geometry", "radius"): ("outline",),
+    ("geometry", "outline"): ("radius", "height", "aspect"),
+}
 
 
 @dataclass(frozen=True)
@@ -55,9 +60,9 @@ def apply_overrides(tables: dict[str, Any], overrides: Mapping[KeyPath, Override
         if isinstance(table, list):
             table = _inside(table, name, override)
         table[name] = override.value
-        other = _ALTERNATIVES.get(key)
-        if other and (*path, other) not in overrides:
-            table.pop(other, None)
+        for other in _ALTERNATIVES.get(key, ()):
+            if (*path, other) not in overrides:
+                table.pop(other, None)
 
 
 def _inside(table: Any, part: str, override: Override) -> Any:
@@ -77,17 +82,18 @@ def merge_cases(parent: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
     """Tables of a case that extends `parent`: its own keys replace those of the parent.
 
     A material with another law replaces the whole table, since the keys depend on the law. As in an override, the
-    height removes the aspect ratio, and vice versa.
+    height removes the aspect ratio, and vice versa, and so do an outline and the radius.
     """
     merged = _merge(parent, own)
     for name in ("material", "base_material"):
         old, new = parent.get(name), own.get(name)
         if isinstance(old, dict) and isinstance(new, dict) and new.get("law", old.get("law")) != old.get("law"):
             merged[name] = new
-    for (table, key), other in _ALTERNATIVES.items():
+    for (table, key), others in _ALTERNATIVES.items():
         given = own.get(table)
-        if isinstance(given, dict) and key in given and other not in given and isinstance(merged[table], dict):
-            merged[table].pop(other, None)
+        if isinstance(given, dict) and key in given and isinstance(merged[table], dict):
+            for other in set(others) - given.keys():
+                merged[table].pop(other, None)
     return merged
 
 

@@ -11,6 +11,7 @@ from pydantic_core import PydanticUndefined
 
 from mpmcol.case import fields
 from mpmcol.case.not_modelled import answer_to
+from mpmcol.case.outline import COORDINATE, FEWEST, OutlinePoints
 from mpmcol.case.schema import Case
 from mpmcol.case.tables import LawName
 from mpmcol.errors import UsageError
@@ -190,6 +191,9 @@ def _value_schema(field: FieldInfo) -> dict[str, Any]:
         return _number_schema(number.bounds)
     if item := fields.item_number(field):
         return {"type": "array", "items": _number_schema(item.bounds), "minItems": 1}
+    if isinstance(fields.converter_of(field), OutlinePoints):
+        point = {"type": "array", "items": _number_schema(COORDINATE.bounds), "minItems": 2, "maxItems": 2}
+        return {"oneOf": [{"type": "string"}, {"type": "array", "items": point, "minItems": FEWEST}]}
     if allowed := fields.allowed(field):
         return {"enum": list(allowed)}
     kind = {bool: "boolean", int: "integer"}.get(fields.value_type(field), "string")

@@ -25,7 +25,6 @@ from mpmcol.case.values import leaf_values
 from mpmcol.mpm.constitutive import elastic
 from mpmcol.units import Table, option
 
-MOST_LAYERS = {2: 14, 3: 2}  # by dimension: cells of a tile times materials are numbered in a byte
 MAX_TIME_FACTOR = 10.0  # default of stages.collapse.max_time_factor on a horizontal base
 
 
@@ -87,8 +86,8 @@ class Case(Table):
     @classmethod
     def _check_layers(cls, layers: tuple[LayerTable, ...], info: ValidationInfo) -> tuple[LayerTable, ...]:
         geometry, material = info.data.get("geometry"), info.data.get("material")
-        if geometry is not None and material is not None:
-            check_layers(layers, material.law, geometry.h_i, MOST_LAYERS[geometry.dimension])
+        if geometry is not None and material is not None and layers:
+            check_layers(layers, material.law, geometry)
         return layers
 
     @field_validator("stages", mode="before")
@@ -100,8 +99,8 @@ class Case(Table):
         if material is None or geometry is None or not isinstance(given, dict):
             return given
         filled = {"k0": _active_ratio(material), **given}
-        defaults = {
-            "equilibrate": {"law": material.law},
+        defaults: dict[str, dict[str, Any]] = {
+            "equilibrate": {"law": material.law if given.get("gate", True) else "elastic"},
             "collapse": {"max_time_factor": MAX_TIME_FACTOR * slope_factor(geometry.slope_deg, material)},
         }
         for stage, values in defaults.items():

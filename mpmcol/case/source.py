@@ -11,14 +11,16 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from mpmcol.case.fields import nearest, shortened
+from mpmcol.case.fields import nearest, shortened, shown
+from mpmcol.case.outline import read_outline
 from mpmcol.case.overrides import Override, apply_overrides, merge_cases
-from mpmcol.case.problem import Problem, case_error
+from mpmcol.case.problem import Problem, case_error, set_option
 from mpmcol.case.toml_lines import SYNTAX_ERROR, KeyPath, TomlError, locate, parse, value_at
 from mpmcol.errors import CaseError
 
 MAX_FILE_SIZE = 200_000  # bytes
 UTF_16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)  # what `>` of Windows PowerShell writes
+OUTLINE: KeyPath = ("geometry", "outline")
 _LONGEST_LINE = 200  # characters that are searched for a hint
 _MOST_NAMED = 3  # files of a folder in a hint
 _LIST_HINT = "(mpmcol cases lists the shipped cases)"
@@ -99,7 +101,7 @@ def shipped_cases() -> dict[str, Path]:
 
 
 def read_case(source: str | Path, overrides: Mapping[KeyPath, Override]) -> CaseInput:
-    """Read a case file or a shipped case with the cases that it extends, and apply the overrides.
+    """Read a case file or a shipped case with the cases that it extends and its outline, and apply the overrides.
 
     Raises CaseError if a file cannot be read.
     """
@@ -108,7 +110,9 @@ def read_case(source: str | Path, overrides: Mapping[KeyPath, Override]) -> Case
     for link in reversed(chain):
         tables = merge_cases(tables, {name: value for name, value in link.tables.items() if name != "extends"})
     apply_overrides(tables, overrides)
-    return CaseInput(tables, chain, overrides)
+    given = CaseInput(tables, chain, overrides)
+    _read_outline(given)
+    return given
 
 
 def read_chain(source: str | Path) -> list[Source]:
@@ -120,6 +124,23 @@ def read_chain(source: str | Path) -> list[Source]:
             raise _extends_error(last, "the case extends itself, directly or through another case")
         chain.append(parent)
     return chain
+
+
+def _read_outline(given: CaseInput) -> None:
+    """Replace the path of an outline by the points in the file, in place."""
+    geometry = given.tables.get("geometry")
+    name = geometry.get("outline") if isinstance(geometry, dict) else None
+    if not isinstance(name, str):
+        return
+    override, source = given.override_of(OUTLINE), given.source_of(OUTLINE)
+    path = Path(name) if override else source.path.parent / name
+    try:
+        given.tables["geometry"]["outline"] = read_outline(path)
+    except ValueError as wrong:
+        message = f"[geometry] outline = {shown(name)}: {wrong}"
+        if override:
+            raise _error(set_option(override.argument), message, key="geometry.outline") from None
+        raise _error(source.name, message, *source.location(OUTLINE), key="geometry.outline") from None
 
 
 def _has(tables: dict[str, Any], key: KeyPath) -> bool:

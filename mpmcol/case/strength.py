@@ -15,6 +15,9 @@ def strength_of(case: Case) -> Strength:
 
 
 def experiment_of(case: Case) -> Experiment:
-    """The experiment of score.experiment; on a slope one without laws, since all published ones are horizontal."""
+    """The experiment of score.experiment; one without laws on a slope and for an outline.
+
+    All published columns are rectangles on a horizontal base.
+    """
     geometry = case.geometry
-    return find_experiment(case.score.experiment, geometry.model, geometry.section, geometry.slope_deg)
+    return find_experiment(case.score.experiment, geometry.model, geometry.column_section, geometry.slope_deg)

@@ -9,7 +9,8 @@ from pydantic import BeforeValidator, Field, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from mpmcol.case.constraints import FILTER_STRENGTH
-from mpmcol.experiments import EXPERIMENTS
+from mpmcol.case.outline import Outline, OutlinePoints, extent, is_rectangle
+from mpmcol.experiments import EXPERIMENTS, OUTLINE
 from mpmcol.mpm.constitutive import LAWS
 from mpmcol.units import Number, Table, option, quantity
 
@@ -28,6 +29,9 @@ def integer(value: Any) -> Any:
     return value
 
 
+_OUTLINE = OutlinePoints()
+
+
 class GeometryTable(Table):
     """The column, its base and the domain."""
 
@@ -40,12 +44,21 @@ class GeometryTable(Table):
     section: Literal["cylinder", "box"] = option(
         "quarter and full models: horizontal section of the column, circular or rectangular", "cylinder"
     )
-    radius: float = quantity(
-        "r_i: radius of a cylinder, width of a plane column (half-width if two-sided), half-width of a box", "m", gt=0
+    radius: float | None = quantity(
+        "r_i: radius of a cylinder, width of a plane column (half-width if two-sided), half-width of a box; required "
+        "without outline",
+        "m",
+        None,
+        gt=0,
     )
     depth: float | None = quantity("half-depth of a box; default: radius", "m", None, gt=0)
     height: float | None = quantity("h_i: initial height of the column; alternative to aspect", "m", None, gt=0)
     aspect: float | None = quantity("a = h_i / r_i: aspect ratio of the column; alternative to height", "", None, gt=0)
+    outline: Annotated[Outline | None, _OUTLINE, BeforeValidator(_OUTLINE)] = option(
+        "plane and axisymmetric models: polygon of a slope, heap or trapezoid, instead of radius, height and aspect; "
+        "r_i is the largest x (or radius), h_i the largest y; a path is relative to the case file",
+        None,
+    )
     base: Literal["elastic", "rigid", "granular"] = option(
         "elastic layer of material points (the paper), rigid floor of no-slip grid nodes, or bed of granular material "
         "on such a floor, which the flow can erode",
@@ -95,18 +108,32 @@ class GeometryTable(Table):
 
     @property
     def r_i(self) -> float:
-        """Initial width or radius, m."""
-        return self.radius
+        """Initial width or radius, m; of an outline the largest x."""
+        if self.outline is not None:
+            return extent(self.outline)[0]
+        return math.nan if self.radius is None else self.radius
 
     @property
     def h_i(self) -> float:
-        """Initial height, m."""
-        return self.height if self.height is not None else self.radius * (self.aspect or math.nan)
+        """Initial height, m; of an outline the largest y."""
+        if self.outline is not None:
+            return extent(self.outline)[1]
+        return self.height if self.height is not None else self.r_i * (self.aspect or math.nan)
 
     @property
     def a(self) -> float:
         """Aspect ratio h_i / r_i."""
-        return self.aspect if self.aspect is not None else self.h_i / self.radius
+        return self.aspect if self.aspect is not None else self.h_i / self.r_i
+
+    @property
+    def is_rectangle(self) -> bool:
+        """Whether the column is a rectangle in the plane of x and y, as those of the experiments."""
+        return self.outline is None or is_rectangle(self.outline)
+
+    @property
+    def column_section(self) -> str:
+        """Section of the column by which experiments are selected: "outline" if it is no rectangle."""
+        return self.section if self.is_rectangle else OUTLINE
 
 
 class GridTable(Table):
@@ -210,7 +237,7 @@ class EquilibrateTable(Table):
 
     damping: float = quantity("local damping coefficient alpha_d", "", 0.5, ge=0, lt=1)
     law: LawName = option(
-        "constitutive law of the column in this stage: elastic, or that of the material (default)", None
+        "constitutive law of the column in this stage: elastic (default without a gate), or that of the material", None
     )
     max_time_factor: float = quantity("maximum duration in units of 4 h_i / c_p", "", 40.0, gt=0)
     tolerance: float = quantity("unbalanced force ratio at which the column is in equilibrium", "", 1e-4, gt=0, lt=1)
@@ -240,6 +267,11 @@ class StagesTable(Table):
     )
     equilibrate: EquilibrateTable = option("first stage: equilibrium under gravity behind the gate", EquilibrateTable())
     collapse: CollapseTable = option("second stage: collapse after the removal of the gate", CollapseTable())
+    gate: bool = option(
+        "whether a gate at x = r_i holds the material until the release; false: the material stands free, and in the "
+        "first stage its law is elastic by default",
+        True,
+    )
     gate_speed: float = quantity(
         "speed at which the gate is lifted, opening from the bottom; inf: instantaneous removal",
         "m/s",

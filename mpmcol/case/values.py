@@ -39,6 +39,10 @@ def case_hash(case: Case) -> str:
         del content["layers"]
     if case.geometry.dimension == 2:  # keys without a meaning in 2D
         del content["geometry"]["section"], content["geometry"]["depth"]
+    if case.geometry.outline is None:
+        del content["geometry"]["outline"]
+    if case.stages.gate:
+        del content["stages"]["gate"]
     if case.geometry.slope_deg == 0.0:  # without effect: the hash is that of a case without the key
         del content["geometry"]["slope_deg"]
     content["friction"] = {key: value for key, value in content["friction"].items() if value is not None}

@@ -20,16 +20,18 @@ def check(case: str, aspect: str | None, overrides: tuple[str, ...], resolved: b
     problems are printed with file, line and key, and the exit code is 2.
     """
     from mpmcol.case import case_hash, load_case, resolved_toml
-    from mpmcol.setup.discretization import discretize
+    from mpmcol.setup.discretization import discretize, require_thick_outline
     from mpmcol.setup.memory import require_memory_for
     from mpmcol.setup.unfit_settings import require_stiff_column
 
     loaded = load_case(case, with_aspect(overrides, aspect))
     discretization = discretize(loaded)
     require_memory_for(discretization)
+    require_thick_outline(discretization)
     require_stiff_column(loaded)
     column = loaded.geometry
     kind = column.model if column.dimension == 2 else f"{column.model} {column.section}"
+    kind += f", outline of {len(column.outline)} points" if column.outline else ""
     slope = f"slope {column.slope_deg:g} deg, " if column.slope_deg else ""
     click.echo(
         f"{case}: no problems. {loaded.title or 'Untitled'}: {kind}, {loaded.material.law}, "

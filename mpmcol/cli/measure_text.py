@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from mpmcol.experiments import EXPERIMENTS
+from mpmcol.experiments import EXPERIMENTS, find_experiment
 from mpmcol.units import length_scale, length_text
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ def _deposit_lines(measured: Measured) -> list[str]:
     undisturbed, angle, energy = measurement.undisturbed_radius, measurement.repose_angle_deg, measured.energy_released
     kind = shape.release if shape.dimension == 2 else shape.section
     return [
-        f"{shape.model}, {kind}, a = {shape.a:.3g}, r_i = {length_text(shape.r_i)}{shape.slope_text}",
+        f"{shape.model}, {kind}, {shape.proportions}, r_i = {length_text(shape.r_i)}{shape.slope_text}",
         *(_front_line(name, measured) for name in measurement.front),
         f"{'spread of zeta':<20} {measurement.spread:9.3f}",
         f"{'height':<20} {_length(measurement.height, shape)}   beta {measurement.beta:7.3f}",
@@ -69,6 +69,8 @@ def _length(metres: float, shape: ColumnShape) -> str:
 
 
 def _heading(measured: Measured) -> str:
+    if measured.shape.outline is not None:
+        return find_experiment("paper", measured.shape.model, measured.shape.section).title
     subject = "error" if measured.is_deposit else "not a deposit at rest; its error"
     return f"{subject} relative to published laws (zeta: front_max / front_connected / front_height; * beyond scatter)"
 

@@ -43,7 +43,8 @@ def _measured(results: Results) -> Iterator[str]:
             yield _line(label, f"{factor * front:.4g}", zeta, comparison)
     yield _line("spread of zeta (uncertainty of the front)", "", summary["spread"], "")
     comparison = _comparison(errors.get(("beta", "")))
-    yield _line("beta, height at the wall or axis", f"{factor * summary['height']:.4g}", summary["beta"], comparison)
+    place = "at the wall or axis" if shape.outline is None else "of the deposit"
+    yield _line(f"beta, height {place}", f"{factor * summary['height']:.4g}", summary["beta"], comparison)
     if erosion := summary.get("erosion"):
         mass = f"{erosion['eroded_mass']:.3g} {summary['energy_unit'].replace('J', 'kg', 1)}"
         yield f"bed: {mass} moved, down to a depth of {length_text(erosion['eroded_depth'])}"

@@ -6,12 +6,13 @@ To add an experiment, write a module in `records` that satisfies `ExperimentReco
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, Protocol
+from typing import Any, Literal, Protocol
 
 from numpy.typing import ArrayLike
 
 from mpmcol.errors import UsageError, suggestion
 from mpmcol.experiments.base import (
+    OUTLINE,
     Experiment,
     Law,
     Piece,
@@ -42,6 +43,7 @@ from mpmcol.experiments.scores import score_laws, score_profile
 
 __all__ = [
     "EXPERIMENTS",
+    "OUTLINE",
     "Experiment",
     "ExperimentRecord",
     "Law",
@@ -91,19 +93,22 @@ _LONGEST_RUNOUT = {
     "axisymmetric": lajeunesse_2004.EXPERIMENT.laws[0],
     "box": bougouin_lacaze_2018.EXPERIMENT.laws[0],
 }
-_NO_EXPERIMENT = Experiment(
-    name="none",
-    title="no published collapse of a box",
-    model="box",
-    release="two-sided",
-    kind="laboratory",
-    material="",
-    laws=(),
-)
+
+
+def _without_laws(kind: Literal["box", "outline"], title: str) -> Experiment:
+    return Experiment(
+        name="none", title=title, model=kind, release="two-sided", kind="laboratory", material="", laws=()
+    )
+
+
+_NO_EXPERIMENT = {
+    "box": _without_laws("box", "no published collapse of a box"),
+    OUTLINE: _without_laws("outline", "no published law (the column is no rectangle)"),
+}
 
 
 def find_experiment(name: str, model: str, section: str = "cylinder", slope_deg: float = 0.0) -> Experiment:
-    """Experiment of a name; "paper" is the paper's own for the model, or one without laws for a box.
+    """Experiment of a name; "paper" is the paper's own for the model, or one without laws for a box or an outline.
 
     On a slope (degrees) it is one without laws: all experiments have a horizontal base.
 
@@ -112,10 +117,10 @@ def find_experiment(name: str, model: str, section: str = "cylinder", slope_deg:
     """
     if slope_deg:
         title = f"no published law for a slope of {slope_deg:g} deg, all are for a horizontal base"
-        return replace(_NO_EXPERIMENT, title=title)  # of the kind "box", of which charts know no other law either
+        return replace(_NO_EXPERIMENT["box"], title=title)  # charts know no law for it either
     kind = column_kind(model, section)
-    if name == "paper" and kind == "box":
-        return _NO_EXPERIMENT
+    if name == "paper" and kind in _NO_EXPERIMENT:
+        return _NO_EXPERIMENT[kind]
     experiment = EXPERIMENTS.get(f"paper-{kind}" if name == "paper" else name)
     if experiment is None:
         raise UsageError(f"there is no experiment {name!r}; {suggestion(name, ['paper', *EXPERIMENTS])}")
@@ -134,7 +139,7 @@ def score(
             a mapping of front definitions to numbers, or to the mean, min and max of a 3D result.
         a: aspect ratio h_i / r_i.
         model: "plane", "axisymmetric", "quarter" or "full".
-        section: horizontal section of a 3D column, "cylinder" or "box".
+        section: horizontal section of a 3D column, "cylinder" or "box"; "outline" of a column that is no rectangle.
         strength: of the material; without it, materials are not compared.
 
     Laws are not extrapolated: where a law has no value at a, or the material does not resemble that of the experiment,

@@ -14,6 +14,7 @@ HEIGHT_SCATTER = 0.05
 # Friction angles of materials that resemble those of an experiment, degrees: from the angle of repose, or of the grains
 # in simple shear, to the peak of dense grains.
 DRY_SAND, GLASS_BEADS = (28.0, 40.0), (20.0, 30.0)
+OUTLINE = "outline"
 MAX_COHESION = 0.01  # of rho g h_i: above it, a column does not resemble one of dry grains
 
 
@@ -23,10 +24,12 @@ def mark(verified: bool) -> str:
 
 
 def column_kind(model: str, section: str = "cylinder") -> str:
-    """Kind of column by which experiments are selected: "plane", "axisymmetric" or "box".
+    """Kind of column by which experiments are selected: "plane", "axisymmetric", "box" or "outline".
 
-    A cylinder is the same column in the axisymmetric, the quarter and the full model.
+    A cylinder is the same column in the axisymmetric, the quarter and the full model; an outline is no rectangle.
     """
+    if section == OUTLINE:
+        return OUTLINE
     if model in ("quarter", "full"):
         return "axisymmetric" if section == "cylinder" else "box"
     return model
@@ -114,7 +117,7 @@ class Experiment:
 
     name: str
     title: str  # author and year, then a comma and the test
-    model: Literal["plane", "axisymmetric", "box"]  # kind of column, see `column_kind`
+    model: Literal["plane", "axisymmetric", "box", "outline"]  # kind of column, see `column_kind`
     release: Literal["one-sided", "two-sided"]
     kind: Literal["laboratory", "simulation"]
     material: str

@@ -56,7 +56,7 @@ class Measurement:
     front: dict[str, float]  # mean over the sections
     zeta: dict[str, float]  # (front - r_i) / r_i
     spread: float  # max - min of zeta
-    height: float  # top of the contiguous pile at the wall or axis, above the base
+    height: float  # top of the contiguous pile at the wall or axis, above the base; of an outline, anywhere
     beta: float  # height / h_i
     area_factor: float  # plane, box: V / (r_f h_f); cylinder: V / (pi r_f^2 h_f)
     repose_angle_deg: float | None  # inclination of the flank to the base; None if it has too few cells

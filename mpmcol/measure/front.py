@@ -42,13 +42,14 @@ def fronts(section: Section, profile_x: Array, profile_y: Array, shape: ColumnSh
 
 
 def pile_height(sections: Sequence[Section], shape: ColumnShape) -> float:
-    """Top of the contiguous pile within WALL_CELLS cells of the wall or axis, m.
+    """Top of the contiguous pile within WALL_CELLS cells of the wall or axis, m; of an outline, anywhere.
 
     The strip is several cells wide, since a crack could interrupt the pile in a single cell. In 3D the pile must be
     contiguous within vertical columns of 2 by 2 cells; otherwise points in flight at different azimuths would close
     each other's gaps.
     """
-    near = np.concatenate([section.x[section.distance < WALL_CELLS * shape.spacing] for section in sections])
+    reach = WALL_CELLS * shape.spacing if shape.outline is None else np.inf
+    near = np.concatenate([section.x[section.distance < reach] for section in sections])
     width = shape.spacing * WALL_CELLS ** (1.0 / (shape.dimension - 1))
     pile = near[connected_to_base(near[:, 1], column_index(near, width, shape), shape), 1]
     return float(pile.max() + shape.point_size / 2.0) if pile.size else 0.0

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from math import cos, pi, radians
 
 import numpy as np
+from numpy.typing import NDArray
 
 AZIMUTHS = {"quarter": (0.0, pi / 2.0), "full": (-pi, pi)}  # range of azimuth of the 3D models, rad
 
@@ -30,15 +31,27 @@ class ColumnShape:
     spacing: float  # grid node spacing h
     density: float  # at release, of the column without its layers
     point_size: float  # distance between neighbouring points at the start
-    section: str = "cylinder"  # of a 3D column: "cylinder" | "box"
+    section: str = "cylinder"  # of a 3D column: "cylinder" | "box"; "outline" of a 2D column that is no rectangle
     depth: float | None = None  # half-depth of a box in z; r_i if None
     layers: tuple[Layer, ...] = ()  # of the column
     slope_deg: float = 0.0  # inclination of the base, downward along x, degrees
+    outline: tuple[tuple[float, float], ...] | None = None  # counterclockwise, m; None for a rectangle
+    gate: bool = True  # whether a gate at r_i held the column
 
     @property
     def a(self) -> float:
         """Aspect ratio h_i / r_i."""
         return self.h_i / self.r_i
+
+    @property
+    def rectangle_a(self) -> float | None:
+        """Aspect ratio of a rectangle; None for an outline, which it does not describe."""
+        return self.a if self.outline is None else None
+
+    @property
+    def proportions(self) -> str:
+        """The aspect ratio in a text, or that the column is no rectangle."""
+        return f"a = {self.a:.3g}" if self.outline is None else f"outline of {len(self.outline)} points"
 
     @property
     def dimension(self) -> int:
@@ -84,6 +97,13 @@ class ColumnShape:
         return self.r_i if self.depth is None else self.depth
 
     @property
+    def surface(self) -> NDArray[np.float64]:
+        """Line of the surface as released, (2, n), m; the closed outline of a column that is no rectangle."""
+        if self.outline is None:
+            return np.array([[0.0, self.r_i, self.r_i], [self.h_i, self.h_i, 0.0]])
+        return np.array([*self.outline, self.outline[0]]).T
+
+    @property
     def footprint(self) -> float:
         """Area of the base of the modelled column: m2, or m2 per radian, or m2 per metre of width."""
         if self.is_round:
@@ -96,10 +116,12 @@ class ColumnShape:
 
         J; per metre of width in plane strain, per radian in axisymmetry.
         """
-        moment = self.density * self.h_i**2 / 2.0
+        moment = self.footprint * self.h_i**2 / 2.0 if self.outline is None else self._moment_of_outline()
+        total = self.density * moment
         for layer in self.layers:
-            moment += (layer.density - self.density) * (min(layer.upper, self.h_i) ** 2 - layer.lower**2) / 2.0
-        return moment * gravity * cos(radians(self.slope_deg)) * self.footprint
+            difference = (min(layer.upper, self.h_i) ** 2 - layer.lower**2) / 2.0
+            total += (layer.density - self.density) * difference * self.footprint
+        return total * gravity * cos(radians(self.slope_deg))
 
     def uniform_mass(self, mass: np.ndarray, material: np.ndarray) -> np.ndarray:
         """Masses (n,) that points would have with the density of the column: heights are mass over this density.
@@ -109,4 +131,12 @@ class ColumnShape:
         if not self.layers:
             return mass
         densities = np.array([self.density, np.nan, *(layer.density for layer in self.layers)])
-        return mass * (self.density / densities[material])
+        return np.asarray(mass * (self.density / densities[material]))
+
+    def _moment_of_outline(self) -> float:
+        """Integral of y, in axisymmetry of x y, over the outline, as a sum over its edges (Green's theorem)."""
+        (x, x_next), (y, y_next) = ((values[:-1], values[1:]) for values in self.surface)
+        edges = (x * y_next - x_next * y) / 24.0
+        if self.is_round:
+            return float(np.sum(edges * (2.0 * x * y + x * y_next + x_next * y + 2.0 * x_next * y_next)))
+        return float(np.sum(edges * 4.0 * (y + y_next)))

@@ -12,6 +12,7 @@ from mpmcol.case import Case
 from mpmcol.case.fields import number_of
 from mpmcol.case.reference import field_at
 from mpmcol.case.values import leaf_values
+from mpmcol.experiments import OUTLINE
 from mpmcol.io.results import Results
 from mpmcol.io.snapshot import Meta
 from mpmcol.measure import ColumnShape
@@ -23,22 +24,30 @@ MODELS = {"plane": "plane strain", "axisymmetric": "axisymmetric", "quarter": "3
 LENGTHS = {"r_i": "r_i", "h_i": "h_i", "h": "spacing"}  # symbols
 FRICTION = ("friction_deg", "friction_peak_deg", "friction_residual_deg")
 MOST_KEYS = 2  # in the name of a run
+OUTLINE_KEY = "geometry.outline"  # too long for a name
 DERIVED = "stages.k0"  # by default from the friction angle, with which it differs
 _ASPECT = re.compile(r",? *\ba = \d+(\.\d+)?")
 
 
 def heading_of(case: Case, shape: ColumnShape) -> Heading:
     """The title of the case with the aspect ratio as resolved, and model, size, grid and material below it."""
-    return Heading(run_title(case.title, shape.model, shape.a), ", ".join(_parameters(vars(shape), _material(case))))
+    title = run_title(case.title, shape.model, shape.rectangle_a)
+    return Heading(title, ", ".join(_parameters(vars(shape), _material(case))))
 
 
 def heading_of_snapshot(meta: Meta) -> Heading:
     """As `heading_of`, from the metadata of a snapshot."""
-    case: dict[str, Any] = {}
-    with contextlib.suppress(tomllib.TOMLDecodeError):  # of another program; the caption is then shorter
-        case = tomllib.loads(str(meta.get("case", "")))
-    title = run_title(str(meta["title"]), str(meta["model"]), float(meta["h_i"]) / float(meta["r_i"]))
+    case = tables_of_snapshot(meta)
+    a = None if meta.get("section") == OUTLINE else float(meta["h_i"]) / float(meta["r_i"])
+    title = run_title(str(meta["title"]), str(meta["model"]), a)
     return Heading(title, ", ".join(_parameters(meta, case.get("material", {}))))
+
+
+def tables_of_snapshot(meta: Meta) -> dict[str, Any]:
+    """Tables of the resolved case in the metadata of a snapshot; empty if another program wrote it."""
+    with contextlib.suppress(tomllib.TOMLDecodeError):
+        return tomllib.loads(str(meta.get("case", "")))
+    return {}
 
 
 def common_heading(title: str, runs: Sequence[tuple[Case, ColumnShape]]) -> Heading:
@@ -47,9 +56,12 @@ def common_heading(title: str, runs: Sequence[tuple[Case, ColumnShape]]) -> Head
     return Heading(_ASPECT.sub("", title), ", ".join(p for p in parameters[0] if all(p in own for own in parameters)))
 
 
-def run_title(title: str, model: str, a: float) -> str:
-    """The title of a case with the aspect ratio of the column, which may differ from the one that the title had."""
-    return f"{_ASPECT.sub('', title) or MODELS[model]}, a = {a:.3g}"
+def run_title(title: str, model: str, a: float | None) -> str:
+    """The title of a case with the aspect ratio of the column, which may differ from the one that the title had.
+
+    a: None if the column is no rectangle.
+    """
+    return (_ASPECT.sub("", title) or MODELS[model]) + ("" if a is None else f", a = {a:.3g}")
 
 
 def _parameters(shape: Mapping[str, Any], material: Mapping[str, Any]) -> list[str]:
@@ -81,7 +93,7 @@ def run_names(runs: Sequence[Results]) -> list[str]:
     keys = dict.fromkeys(key for one in values for key in one if not key.startswith(("title", "output.", "score.")))
     differing = [key for key in keys if len({str(one.get(key)) for one in values}) > 1]
     differing = [key for key in differing if key != DERIVED] or differing
-    if 1 <= len(differing) <= MOST_KEYS:
+    if 1 <= len(differing) <= MOST_KEYS and OUTLINE_KEY not in differing:
         names = [", ".join(_value_text(key, one.get(key)) for key in differing) for one in values]
         if len(set(names)) == len(names):
             return names

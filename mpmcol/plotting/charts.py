@@ -74,7 +74,7 @@ def profile_chart(
     known, names = draw_experiment(target, shape, experiment)
     fronts, text = draw_fronts(target, deposits[-1][1])
     measured, series = draw_points(target, points)
-    add_heading(target.axes, heading or Heading(run_title("", shape.model, shape.a)))
+    add_heading(target.axes, heading or Heading(run_title("", shape.model, shape.rectangle_a)))
     handles, labels = [last, tuple(fronts), *known, *measured], [str(last.get_label()), text, *names, *series]
     legend_below(figure, handles, labels)
     return save_figure(figure, path, svg)
@@ -126,12 +126,13 @@ def front_chart(
         heading: title and caption (default: model and aspect ratio).
         gravity: m/s2.
     """
-    figure, upper, lower = history_panels(heading or Heading(run_title("", shape.model, shape.a)))
+    figure, upper, lower = history_panels(heading or Heading(run_title("", shape.model, shape.rectangle_a)))
     tau = time / sqrt(shape.h_i / gravity)
     for name, front in fronts.items():
         style = {key: value for key, value in FRONT_STYLES[name].items() if key != "marker"}
         upper.plot(tau, front / shape.r_i - 1.0, label=FRONT_LABELS[name], **style)
-    lower.plot(tau, height / shape.h_i, color="black", label=f"height at the {origin(shape)}")
+    place = f"at the {origin(shape)}" if shape.outline is None else "of the deposit"
+    lower.plot(tau, height / shape.h_i, color="black", label=f"height {place}")
     for axes, quantity in ((upper, "zeta"), (lower, "beta")):
         draw_band(axes, experiment, quantity, shape.a)
         axes.legend(frameon=False, fontsize=LABEL_SIZE)
@@ -193,7 +194,7 @@ def energy_chart(
     lower.plot(tau, residual, color="black")
     largest = float(np.abs(residual).max())
     limit = max(1.2 * largest, LEAST_RESIDUAL)
-    add_heading(upper, heading or Heading(run_title("", shape.model, shape.a)))
+    add_heading(upper, heading or Heading(run_title("", shape.model, shape.rectangle_a)))
     scale = f"% of {total:.3g} {ENERGY_UNITS[shape.model][1]}"
     upper.set(ylabel=f"energy ({scale},\nthe potential energy at release)")
     lower.set(ylabel="residual (%)", xlabel=TIME_LABEL, ylim=(-limit, limit))

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 
 from mpmcol.case import experiment_of
 from mpmcol.errors import UsageError
-from mpmcol.experiments import Experiment, column_kind
+from mpmcol.experiments import Experiment
 from mpmcol.io.atomic import make_folder
 from mpmcol.io.results import Results
 from mpmcol.measure import Array, ColumnShape, Measurement
@@ -23,6 +23,7 @@ from mpmcol.plotting.charts import TIME_LABEL, draw_band, history_panels
 from mpmcol.plotting.figures import MOST_ENTRIES, Heading, add_heading, legend_below, save_figure
 from mpmcol.plotting.measured_series import MeasuredSeries
 from mpmcol.plotting.profiles import (
+    RELEASED,
     LengthAxes,
     distance_label,
     draw_experiment,
@@ -42,7 +43,6 @@ COMPARED_ENERGIES = {
     "kinetic": ("kinetic", 1.0),
     "plastic": ("plastic work", 1.0),
 }
-KINDS = {"plane": "plane strain", "axisymmetric": "a cylinder", "box": "a box"}
 
 
 @dataclass(frozen=True)
@@ -106,12 +106,19 @@ def _require_comparable(runs: Sequence[Results]) -> None:
         raise UsageError(f"{twice}: given twice; give each run once")
     first = runs[0]
     for run in runs[1:]:
-        kinds = [column_kind(one.shape.model, one.shape.section) for one in (first, run)]
+        kinds = [_kind(one.shape) for one in (first, run)]
         if kinds[0] != kinds[1]:
             raise UsageError(
-                f"{first.folder} is {KINDS[kinds[0]]} and {run.folder} is {KINDS[kinds[1]]}: their runout and height "
+                f"{first.folder} is {kinds[0]} and {run.folder} is {kinds[1]}: their runout and height "
                 "follow different laws and cannot be compared in one chart; plot them separately"
             )
+
+
+def _kind(shape: ColumnShape) -> str:
+    """What determines the meaning of distances and masses; a rectangle and an outline are of one kind."""
+    if shape.is_round:
+        return "a cylinder"
+    return "a box" if shape.dimension == 3 else "plane strain"
 
 
 def _compared(results: Results, name: str, i: int) -> ComparedRun:
@@ -151,6 +158,8 @@ def _profiles(
     if same_size:
         tallest = max((run.shape for run in runs), key=lambda one: one.h_i)
         flatness = set_up_axes(target, tallest, deposits, reach)
+        for other in (run.shape for run in runs if run.shape.outline != tallest.outline):
+            axes.plot(*(factor * other.surface), **RELEASED)
     else:
         flatness = _set_up_relative(axes, runs, deposits)
     if shape.model == "plane" and all(run.shape.slope_deg == shape.slope_deg for run in runs):
@@ -170,7 +179,8 @@ def _profiles(
 def _set_up_relative(axes: Axes, runs: Sequence[ComparedRun], deposits: Sequence[Measurement]) -> float:
     """Axes for columns of different sizes, relative to r_i; returns height over length."""
     axes.set(xlabel=f"{distance_label(runs[0].shape)} over $r_i$ (-)", ylabel="height over $r_i$ (-)")
-    draw_gate(axes, 1.0)
+    if any(run.shape.gate for run in runs):
+        draw_gate(axes, 1.0)
     axes.axhline(0.0, color="black", linewidth=0.8, zorder=0)
     ends = (deposit.max_distance / run.shape.r_i for run, deposit in zip(runs, deposits, strict=True))
     return max(run.shape.a for run in runs) / max(ends)

@@ -17,6 +17,7 @@ from mpmcol.plotting.measured_series import MeasuredSeries
 from mpmcol.plotting.styles import FRONT_STYLES, GATE_STYLE, HOLLOW, POINT_MARKERS, POINTS_COLOUR, author_of
 from mpmcol.plotting.styles import experiment_style as style_of
 
+RELEASED: dict[str, Any] = {"color": "0.6", "linestyle": "--"}  # line of the column at release
 SAMPLES = 8  # of the drawn line per bin
 ARROW_TIP, ARROW_LENGTH = (0.95, 0.7), 30.0  # of gravity: fractions of the axes, points
 MOST_SERIES = 2  # of the user's with legend entries of their own
@@ -45,9 +46,9 @@ def set_up_axes(
         xlabel=f"{distance_label(shape)} ({unit})",
         ylabel=ylabel or f"{height} ({unit})",
     )
-    column = factor * np.array([[0.0, shape.r_i, shape.r_i], [shape.h_i, shape.h_i, 0.0]])
-    axes.plot(*column, color="0.6", linestyle="--", label="column at release")
-    draw_gate(axes, factor * shape.r_i)
+    axes.plot(*(factor * shape.surface), label="column at release", **RELEASED)
+    if shape.gate:
+        draw_gate(axes, factor * shape.r_i)
     axes.axhline(0.0, color="black", linewidth=0.8, zorder=0)
     return float(top / length)
 

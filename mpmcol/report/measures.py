@@ -19,7 +19,7 @@ FRONT_NAMES = {
     "front_max": "Runout, farthest point (front_max)",
 }
 SHARES = ("friction", "wall_friction", "damping", "walls", "transfer", "filter")
-HEIGHT, ANGLE, END = "Height at the wall or axis", "Angle of repose", "End of the run"
+HEIGHT, ANGLE, END = "Height at the wall or axis (outline: largest)", "Angle of repose", "End of the run"
 TIME_UNIT = "sqrt(h_i/g)"
 
 

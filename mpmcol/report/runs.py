@@ -30,6 +30,7 @@ def run_page(results: Results) -> Page:
     deposit = measure_table(measures(results), MEASURES)
     others = [value_table(energy_measures(results), ENERGY), value_table(cost_measures(results), COST)]
     profile, *charts = chart_pictures(results)
+    laws = law_table(results.summary)
     return Page(
         title=_title(results),
         kind="mpmcol: report of a run",
@@ -39,7 +40,7 @@ def run_page(results: Results) -> Page:
             Section("Judgement", lines=[line[:1].upper() + line[1:] for line in judge(results)]),
             *_warnings([results], [""]),
             Section("Collapse and deposit", pictures=[animation(results), deposit_picture(results)]),
-            Section("Measurements", tables=[deposit, law_table(results.summary)]),
+            Section("Measurements", tables=[deposit, *([laws] if laws.rows else [])]),
             Section("Profiles", pictures=[profile], is_wide=True),
             Section("Front, height and energy in time", pictures=charts, is_wide=True),
             Section("Energy, stresses and cost", tables=others),
@@ -73,14 +74,14 @@ def comparison_page(runs: Sequence[Results]) -> Page:
 
 
 def _title(results: Results) -> str:
-    return run_title(results.case.title, results.shape.model, results.shape.a)
+    return run_title(results.case.title, results.shape.model, results.shape.rectangle_a)
 
 
 def _facts(results: Results) -> list[str]:
     """The column, its material and its grid."""
     shape, case = results.shape, results.case
     return [
-        f"{MODELS[shape.model]}, a = {shape.a:.3g}, r_i = {length_text(shape.r_i)}, h_i = {length_text(shape.h_i)}"
+        f"{MODELS[shape.model]}, {shape.proportions}, r_i = {length_text(shape.r_i)}, h_i = {length_text(shape.h_i)}"
         f"{shape.slope_text}, {case.material.law}, h = {length_text(shape.spacing)}, "
         f"{results.summary['points']:,} material points",
     ]

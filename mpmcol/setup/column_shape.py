@@ -18,8 +18,10 @@ def column_shape(case: Case, discretization: Discretization) -> ColumnShape:
         spacing=discretization.h,
         density=case.material.density,
         point_size=discretization.point_size,
-        section=case.geometry.section,
+        section=case.geometry.column_section,
         depth=discretization.depth,
         layers=tuple(Layer(layer.from_, layer.to, layer.material.density) for layer in case.layers),
         slope_deg=case.geometry.slope_deg,
+        outline=None if case.geometry.is_rectangle else case.geometry.outline,
+        gate=case.stages.gate,
     )

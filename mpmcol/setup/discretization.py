@@ -9,12 +9,16 @@ from math import ceil
 import numpy as np
 
 from mpmcol.case import Case
-from mpmcol.mpm.boundary import OPEN_END, Faces
+from mpmcol.case.outline import Outline, area
+from mpmcol.errors import UsageError
+from mpmcol.mpm.boundary import AXIS, OPEN_END, Faces
+from mpmcol.setup.cut_cells import material_above, point_shares
 from mpmcol.setup.domain import domain_size
 from mpmcol.setup.geometry import GEOMETRIES, Geometry, domain_faces, points_per_axis
 from mpmcol.setup.unfit_settings import setting_warnings
 from mpmcol.setup.walls import Wall, recorded_walls
 
+MOST_SHARE = 8.0  # of its cell: largest volume of a point, the end of a slope of 2 degrees
 ROUNDING = 5e-5  # relative change of a length above which a warning is issued: less is 0.00 %
 
 
@@ -35,6 +39,7 @@ class Discretization:
     points_per_axis: int
     rows: int  # of points over the height of the column
     warnings: tuple[str, ...]
+    outline: Outline | None = None  # of a column that is not given by r_i and h_i
 
     @property
     def geometry(self) -> Geometry:
@@ -74,10 +79,25 @@ class Discretization:
         return self.h / self.points_per_axis
 
     @property
+    def row_height(self) -> float:
+        """Vertical distance between points of the column, m."""
+        return self.h_i / self.rows
+
+    @property
+    def lattice_cells(self) -> int:
+        """Cells of the lattice of points of a two-dimensional column; an outline does not fill all of them."""
+        return round(self.r_i / self.point_size) * self.rows
+
+    @property
     def most_points(self) -> int:
-        """Upper bound of the number of points: a round column is counted as the square around it."""
+        """Upper bound of the number of points: a round column is counted as the square around it.
+
+        For an outline, the number by its area.
+        """
         lengths = (self.length, self.r_i, self.depth, self.base)
         along, wide, deep, below = (round(length / self.point_size) for length in lengths)
+        if self.outline is not None:
+            return round(area(self.outline) / (self.point_size * self.row_height)) + along * below
         if self.dimension == 2:
             return wide * self.rows + along * below
         return (4 if self.is_full else 1) * (wide * deep * self.rows + along**2 * below)
@@ -110,6 +130,29 @@ class Discretization:
         """Horizontal positions (n, d - 1) of the points of the column, m."""
         positions = self.lattice(max(self.r_i, self.depth))
         return positions[~np.logical_or.reduce(self.beyond_column(tuple(positions.T)))]
+
+    def outline_shares(self) -> np.ndarray:
+        """Volume of the points of an outline over that of their cells, (n columns, rows); 0 for cells without a point.
+
+        Raises UsageError if parts of the outline are too thin for the points.
+        """
+        assert self.outline is not None
+        x_lines = self.point_size * np.arange(round(self.r_i / self.point_size) + 1)
+        y_lines = self.row_height * np.arange(self.rows + 1)
+        shares = point_shares(self.outline, x_lines, y_lines, self.faces[0][0] == AXIS)
+        if not 0.0 < shares.max() <= MOST_SHARE:
+            raise UsageError(
+                f"geometry.outline is thinner than half the distance between points, {self.point_size:.4g} m, over a "
+                "length of many points; decrease grid.spacing, or omit its thin parts"
+            )
+        return shares
+
+    def material_above(self, horizontal: tuple[np.ndarray, ...], y: np.ndarray) -> np.ndarray:
+        """Height of the material of the column above positions, m; on and below the base all of it."""
+        if self.outline is not None:
+            return material_above(self.outline, horizontal[0], np.maximum(y, 0.0))
+        beyond = np.logical_or.reduce(self.beyond_column(horizontal))
+        return np.where(beyond, 0.0, self.h_i - np.maximum(y, 0.0))
 
 
 def discretize(case: Case) -> Discretization:
@@ -145,7 +188,14 @@ def discretize(case: Case) -> Discretization:
         points_per_axis=per_axis,
         rows=max(round(geometry.h_i / h * per_axis), 1),
         warnings=tuple(warnings),
+        outline=geometry.outline,
     )
+
+
+def require_thick_outline(discretization: Discretization) -> None:
+    """Raise UsageError if parts of an outline are too thin for the points, as `build_model` does."""
+    if discretization.outline is not None:
+        discretization.outline_shares()
 
 
 def _whole_cells(key: str, length: float, h: float, warnings: list[str]) -> float:

@@ -14,11 +14,14 @@ from mpmcol.setup.discretization import Discretization
 BYTES_PER_POINT = {2: 800, 3: 1060}
 BYTES_PER_NODE = 5  # masks, and the arrays that they are made from
 BYTES_PER_SLOT, BYTES_PER_CONTACT = 4, 135  # with friction or recorded forces: of each node, and of each on the floor
+BYTES_PER_CUT_CELL = 64  # of the lattice of points of an outline, while its volumes are computed
 
 
 def memory_bytes(discretization: Discretization) -> int:
     """Memory in use, bytes: of the node records, only those near material are ever touched."""
     points = discretization.most_points * BYTES_PER_POINT[discretization.dimension]
+    if discretization.outline is not None:
+        points += discretization.lattice_cells * BYTES_PER_CUT_CELL
     cells, cells_up = prod(discretization.cells), discretization.cells_up
     contacts = cells * BYTES_PER_SLOT + cells // cells_up * BYTES_PER_CONTACT if discretization.walls else 0
     return points + cells * BYTES_PER_NODE + contacts

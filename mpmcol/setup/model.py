@@ -18,7 +18,7 @@ from mpmcol.mpm.particles import BASE, LAYER, Points
 from mpmcol.mpm.settings import Scheme, Settings
 from mpmcol.mpm.solver import Body, Solver
 from mpmcol.setup.discretization import Discretization, discretize
-from mpmcol.setup.geometry import VERTICAL
+from mpmcol.setup.geometry import VERTICAL, Coordinates
 from mpmcol.setup.memory import require_memory_for
 from mpmcol.setup.stability_limit import TRANSFER_COEFFICIENTS
 from mpmcol.setup.time_step import axis_gap
@@ -67,7 +67,7 @@ class Model:
 
 
 def build_model(case: Case) -> Model:
-    """Allocate and fill all arrays of a case, with the gate closed.
+    """Allocate and fill all arrays of a case, with the gate closed if there is one.
 
     Raises UsageError if the arrays do not fit into memory or the domain is too small.
     """
@@ -77,7 +77,7 @@ def build_model(case: Case) -> Model:
     if case.stages.initial_stress == "k0":
         assign_k0(case, discretization, points)
     grid = allocate_grid(discretization.origin, discretization.h, discretization.cells)
-    set_boundaries(grid, discretization, gate_opening=0.0)
+    set_boundaries(grid, discretization, initial_gate_opening(case))
     law, stages = LAWS[case.material.law], case.stages
     first_law = elastic if stages.equilibrate.law == "elastic" else law
     return Model(
@@ -108,6 +108,11 @@ def make_solver(model: Model, stage: StageSetup) -> Solver:
     return Solver(
         model.points, model.grid, stage.settings, stage.column, model.base, model.scheme, stage.layers, model.contacts
     )
+
+
+def initial_gate_opening(case: Case) -> float:
+    """Opening of the gate before the release, m; inf without a gate."""
+    return 0.0 if case.stages.gate else math.inf
 
 
 def set_boundaries(grid: Grid, discretization: Discretization, gate_opening: float) -> None:
@@ -201,9 +206,12 @@ def largest_drop(case: Case, discretization: Discretization) -> float:
 
 
 def make_points(case: Case, discretization: Discretization) -> Points:
-    """Points of the column, followed by those of the base, on regular lattices."""
-    size, base, dy = discretization.point_size, discretization.base, discretization.h_i / discretization.rows
-    column = _stack(discretization.column_lattice(), dy * (np.arange(discretization.rows) + 0.5))
+    """Points of the column, followed by those of the base, on regular lattices.
+
+    Raises UsageError if the outline of the column has no point.
+    """
+    size, base, dy = discretization.point_size, discretization.base, discretization.row_height
+    column, shares = _column_points(discretization)
     below = _stack(discretization.lattice(discretization.length), size * (np.arange(round(base / size)) + 0.5) - base)
     points = Points(len(column) + len(below), discretization.dimension)
     points.x[:] = np.concatenate([column, below])
@@ -213,8 +221,19 @@ def make_points(case: Case, discretization: Discretization) -> Points:
     area = size ** (discretization.dimension - 1)
     sizes = np.where(points.kind == BASE, area * size, area * dy)
     points.V0[:] = discretization.geometry.volumes(sizes, points.x)
+    points.V0[: len(column)] *= shares
     points.m[:] = points.V0 * np.array([material.density for material in case.materials])[points.kind.astype(np.intp)]
     return points
+
+
+def _column_points(discretization: Discretization) -> tuple[np.ndarray, np.ndarray | float]:
+    """Positions of the points of the column, (n, d), m, and their volumes over those of their cells, (n,) or 1."""
+    heights = discretization.row_height * (np.arange(discretization.rows) + 0.5)
+    lattice = _stack(discretization.column_lattice(), heights)
+    if discretization.outline is None:
+        return lattice, 1.0
+    shares = discretization.outline_shares().reshape(-1)
+    return lattice[shares > 0.0], shares[shares > 0.0]
 
 
 def _stack(horizontal: np.ndarray, y: np.ndarray) -> np.ndarray:
@@ -234,18 +253,17 @@ def assign_k0(case: Case, discretization: Discretization, points: Points) -> Non
     nu = case.base_material.poissons_ratio
     base_ratio = ratio if case.geometry.base == "granular" else nu / (1.0 - nu)
     x, y, *z = points.x.T
-    beyond = np.logical_or.reduce(discretization.beyond_column((x, *z)))
     is_base = points.kind == BASE
-    load = np.where(beyond, 0.0, mass_above(case, discretization.h_i, np.maximum(y, 0.0)))
+    load = mass_above(case, discretization, (x, *z), y)
     vertical = -gravity * (load + np.where(is_base, case.base_material.density * -y, 0.0))
     horizontal = np.where(is_base, base_ratio, ratio) * vertical
     points.sigma = np.stack([horizontal, vertical, horizontal, *3 * [np.zeros_like(vertical)]], axis=1)
 
 
-def mass_above(case: Case, height: float, y: np.ndarray) -> np.ndarray:
-    """Mass of the column per area above positions y, kg/m2: that of its material, and what the layers differ by."""
-    mass = case.material.density * (height - y)
+def mass_above(case: Case, discretization: Discretization, horizontal: Coordinates, y: np.ndarray) -> np.ndarray:
+    """Mass of the column per area above positions, kg/m2: that of its material, and what the layers differ by."""
+    mass = case.material.density * discretization.material_above(horizontal, y)
     for layer in case.layers:
-        thickness = np.clip(min(layer.to, height) - np.maximum(y, layer.from_), 0.0, None)
-        mass += (layer.material.density - case.material.density) * thickness
+        above = [discretization.material_above(horizontal, np.maximum(y, end)) for end in (layer.from_, layer.to)]
+        mass += (layer.material.density - case.material.density) * (above[0] - np.maximum(above[1], 0.0))
     return mass

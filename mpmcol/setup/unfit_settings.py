@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator
+from itertools import pairwise
 from math import atan, ceil, degrees, pi, radians, sin, sqrt
 
 from mpmcol.case import Case
 from mpmcol.case.slope import ENDLESS_REMEDY, endless_flow
+from mpmcol.case.tables import GeometryTable
 from mpmcol.errors import UsageError
 from mpmcol.setup.domain import LEAST_CELLS, default_length, expected_front, usable
 from mpmcol.setup.time_step import time_step_warnings
@@ -167,6 +169,26 @@ def _angles(case: Case, prefix: str) -> Iterator[tuple[str, float]]:
     return ((name, value) for name, value in case.material if name.startswith(prefix))
 
 
+def flow_before_release(case: Case, h: float) -> str | None:
+    """In the first stage, a slope of the material's own law is held by a gate that it leans on, or by nothing."""
+    stages, geometry = case.stages, case.geometry
+    if stages.equilibrate.law == "elastic" or (stages.gate and _leans_on_gate(geometry)):
+        return None
+    law = stages.equilibrate.law
+    key = f'stages.equilibrate.law = "{law}" without a gate' if not stages.gate else "stages.gate = true"
+    remedy = "stages.gate = false" if stages.gate else 'stages.equilibrate.law = "elastic"'
+    return (
+        f"{key}: nothing holds the slope in the first stage, whose law is {law}; if it is too steep, it fails before "
+        f"the release (a heap of 40 degrees loses 23 % of its height); set {remedy}"
+    )
+
+
+def _leans_on_gate(geometry: GeometryTable) -> bool:
+    """Whether a part of the surface is vertical at x = r_i, where the gate is."""
+    outline, r_i = geometry.outline, geometry.r_i
+    return outline is None or any(a[0] == b[0] == r_i for a, b in pairwise((*outline, outline[0])))
+
+
 def short_domain(case: Case, h: float) -> str | None:
     """The flow reaches the cells at the end of the domain that arrest it."""
     length, front = case.geometry.domain_length, expected_front(case)
@@ -197,4 +219,5 @@ CHECKS: tuple[Callable[[Case, float], str | None], ...] = (
     soft_column,
     short_domain,
     slope_without_rest,
+    flow_before_release,
 )

@@ -18,7 +18,7 @@ class RunProgress:
     converged_checks: int = 0  # consecutive checks during equilibration with the unbalanced force below the tolerance
     checks: int = 0  # checks since the release
     release_step: int = 0
-    gate_opening: float = 0.0  # m: height that the lower edge of the gate has reached
+    gate_opening: float = 0.0  # m: height that the lower edge of the gate has reached; inf without a gate
     at_rest: bool = False
     valid_checks: int = 0  # checks of the present stage that found no failure
     cfl_factor: float = 1.0  # factor of time.cfl, halved by each retry

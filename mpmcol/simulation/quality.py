@@ -13,6 +13,7 @@ from mpmcol.measure.stress import StressQuality, stress_quality
 from mpmcol.simulation.state import Simulation
 
 MEASURED = ("position", "stress", "mass", "volume")
+LEAST_RELEASED = 1e-3  # of m g h_i: a column that released less has not moved
 MOST_DAMPING = 2.0  # times that of a smooth flow
 MOST_NUMERICAL = 0.1  # share of the released energy
 MOST_STRESS_FREE, HIGHEST_PRESSURE = 0.1, 2.0  # share of the points; multiple of the weight at the foot
@@ -41,7 +42,9 @@ def stress_quality_of(simulation: Simulation, snapshot: Snapshot) -> StressQuali
 def quality_notes(simulation: Simulation) -> Iterator[str]:
     """What a user must know of the energies of a collapse, and of the stresses if it is at rest."""
     is_filtered = simulation.case.method.stress_filter != "none"
-    if shares := dissipation_of(simulation):
+    model, gravity = simulation.model, simulation.case.geometry.gravity
+    least = LEAST_RELEASED * model.column_mass * gravity * model.discretization.h_i
+    if (shares := dissipation_of(simulation)) and shares.released > least:
         yield from _dissipation_notes(shares, is_filtered)
     if simulation.progress.at_rest:
         solver = simulation.solver

@@ -61,7 +61,7 @@ class Stages:
         self.collapse()
 
     def equilibrate(self) -> None:
-        """Damped loading under gravity behind the closed gate, until the unbalanced nodal force is small."""
+        """Damped loading under gravity, behind the gate if there is one, until the unbalanced nodal force is small."""
         options, solver, progress = self.case.stages.equilibrate, self.solver, self.simulation.progress
         transit = self.model.discretization.wave_time(self.model.equilibrate.column.wave_speed2)
         limit = options.max_time_factor * transit
@@ -97,7 +97,8 @@ class Stages:
         self.recorder.start_ledger()
         self.recorder.record("release")
         self.recorder.write_snapshot("release")
-        self._notify_stage("release", f"gate speed {self.case.stages.gate_speed:g} m/s")
+        stages = self.case.stages
+        self._notify_stage("release", f"gate speed {stages.gate_speed:g} m/s" if stages.gate else "without a gate")
         self.simulation.valid_states.clear()
         self.simulation.keep_valid_state()
 

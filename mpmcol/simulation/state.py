@@ -15,7 +15,7 @@ from mpmcol.mpm.boundary import inactive_nodes, set_inactive_nodes
 from mpmcol.mpm.grid import Tiles
 from mpmcol.mpm.kernels import loop
 from mpmcol.mpm.solver import Solver
-from mpmcol.setup.model import Model, set_boundaries
+from mpmcol.setup.model import Model, initial_gate_opening, set_boundaries
 from mpmcol.simulation.progress import RunProgress
 from mpmcol.simulation.recorder import Recorder
 
@@ -83,7 +83,7 @@ class Simulation:
     ) -> None:
         self.case, self.model, self.recorder = case, model, recorder
         self.solver: Solver = recorder.solver
-        self.progress = RunProgress()
+        self.progress = RunProgress(gate_opening=initial_gate_opening(case))
         self.retry = retry
         self.valid_states: deque[RunState] = deque(maxlen=STATES_FOR_RETRY if retry else 1)  # the latest is the last
         self.show_progress, self.notify = show_progress, notify

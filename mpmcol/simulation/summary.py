@@ -34,9 +34,9 @@ def summarize(status: str, simulation: Simulation, final: Snapshot) -> dict[str,
     measured, fall_time = measure_snapshot(final, recorder.shape), simulation.fall_time
     profiles = profile_scores(
         measured.profile_x, measured.profile_y,
-        geometry.model, geometry.r_i, geometry.h_i, geometry.section, geometry.slope_deg,
+        geometry.model, geometry.r_i, geometry.h_i, geometry.column_section, geometry.slope_deg,
     )  # fmt: skip
-    scores = score(measured, geometry.a, geometry.model, geometry.section, strength_of(case))
+    scores = score(measured, geometry.a, geometry.model, geometry.column_section, strength_of(case))
     collapse_steps = solver.steps - progress.release_step if progress.stage == "collapse" else 0
     return {
         "schema": RESULT_SCHEMA,

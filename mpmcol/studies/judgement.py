@@ -35,7 +35,7 @@ def applicable_experiment(case: Case) -> tuple[Experiment | None, str]:
     """
     geometry, strength = case.geometry, strength_of(case)
     own = experiment_of(case)
-    kind = column_kind(geometry.model, geometry.section)
+    kind = column_kind(geometry.model, geometry.column_section)
     others = [one for one in EXPERIMENTS.values() if one.model == kind and one.kind == "laboratory"]
     for one in (own, *others):
         if not one.misfit(strength) and any(one.expected(quantity, geometry.a) for quantity in NAMES):
@@ -84,7 +84,9 @@ def _measured(summary: Mapping[str, Any], quantity: str, r_i: float) -> tuple[fl
 
 
 def _grid_lines(case: Case, error: StudiedError | None) -> Iterator[str]:
-    if error is None:
+    if not case.geometry.is_rectangle:
+        yield "error of the grid: not studied for outlines; compare with a run at half the grid.spacing"
+    elif error is None:
         advice = "" if case.geometry.slope_deg else "; --accuracy 5% chooses studied ones"  # none is studied on a slope
         yield f"error of the grid: not studied for these settings{advice}"
     else:

@@ -73,7 +73,7 @@ def _chart_groups(outcomes: Sequence[Outcome], rows: Sequence[Row]) -> list[Char
     for outcome, row in zip(outcomes, rows, strict=True):
         geometry = outcome.run.case.geometry
         if outcome.status == "done":
-            groups.setdefault(column_kind(geometry.model, geometry.section), []).append((outcome, row))
+            groups.setdefault(column_kind(geometry.model, geometry.column_section), []).append((outcome, row))
     return [_chart_group(name, group) for name, group in groups.items()]
 
 

@@ -19,7 +19,7 @@ from mpmcol.io.atomic import atomic_write, make_folder
 from mpmcol.io.names import GIVEN_CASE_FILE
 from mpmcol.provenance import code_version
 from mpmcol.setup.cost import durations
-from mpmcol.setup.discretization import Discretization, discretize
+from mpmcol.setup.discretization import Discretization, discretize, require_thick_outline
 from mpmcol.setup.memory import require_memory_for
 from mpmcol.setup.unfit_settings import kind_of, require_stiff_column
 from mpmcol.sweep.axes import MOST_VALUES, Axis
@@ -174,6 +174,7 @@ def _checked(
             case = load_case(source, [*overrides, *further])
         run = plan_run(case, out, inputs, name)
         require_memory_for(run.discretization)
+        require_thick_outline(run.discretization)
         require_stiff_column(case)
     except UsageError as error:
         raise case_error([Problem(f"run {name}", None, "", str(error), "")]) from None

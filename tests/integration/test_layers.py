@@ -30,9 +30,11 @@ def test_points_have_the_kind_and_the_mass_of_their_layer() -> None:
 def test_the_geostatic_stress_is_the_weight_above() -> None:
     case = load_case("layered-column", COLUMN_CASE)
     heights = np.array([0.0, 0.015, 0.03, 0.045, 0.09])
-    assert mass_above(case, 0.09, heights) == pytest.approx([318.0, 238.5, 159.0, 119.25, 0.0])
-    points = build_model(case).points
-    assert points.sigma[:, 1] == pytest.approx(-9.81 * mass_above(case, 0.09, points.x[:, 1]))
+    model, x = build_model(case), np.full(5, 0.01)
+    assert mass_above(case, model.discretization, (x,), heights) == pytest.approx([318.0, 238.5, 159.0, 119.25, 0.0])
+    points = model.points
+    weight = mass_above(case, model.discretization, (points.x[:, 0],), points.x[:, 1])
+    assert points.sigma[:, 1] == pytest.approx(-9.81 * weight)
 
 
 def test_a_layered_collapse_closes_its_ledger_and_measures_heights_by_volume(tmp_path: Path) -> None:

@@ -17,7 +17,7 @@ import numpy as np
 
 from mpmcol.case import Case, Problem, case_hash, load_case, resolved_toml
 from mpmcol.errors import CaseError, UsageError
-from mpmcol.setup.discretization import Discretization, discretize
+from mpmcol.setup.discretization import Discretization, discretize, require_thick_outline
 from mpmcol.setup.memory import grid_bytes, memory_bytes, require_memory_for
 from mpmcol.setup.model import build_model
 from mpmcol.sweep.runs import PlannedRun
@@ -82,6 +82,7 @@ def failure_in_reading(source: str | Path, overrides: Sequence[str] = ()) -> str
     try:
         discretization = discretize(case)
         require_memory_for(discretization)
+        require_thick_outline(discretization)
     except UsageError as refused:
         return None if re.search(r"\b[a-z]+\.[a-z_]+\b", str(refused)) else f"the message names no key: {refused}"
     return _failure_in_case(case, discretization)

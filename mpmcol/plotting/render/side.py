@@ -4,14 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 from matplotlib.ticker import MaxNLocator
 
+from mpmcol.experiments import OUTLINE
 from mpmcol.io.snapshot import Snapshot
+from mpmcol.plotting.captions import tables_of_snapshot
 from mpmcol.plotting.profiles import draw_gravity
 from mpmcol.plotting.render.coloring import Coloring
 from mpmcol.plotting.render.frame import (
@@ -55,16 +59,28 @@ class SideView(View):
     def draw_before(self, axes: Axes) -> None:
         """Draw the column at release (dashed), gate, wall (solid) or axis of symmetry (dash-dot), gravity, and axes."""
         left, _, _, top = self.extent
-        r_i, h_i = float(self.meta["r_i"]), float(self.meta["h_i"])
+        r_i = float(self.meta["r_i"])
         symmetric = self.meta["model"] == "axisymmetric" or self._is_half
         # halves of points beyond the wall or axis
         axes.axvspan(left, 0, facecolor="white", linewidth=0)
-        axes.plot([0, r_i], [h_i, h_i], **RELEASED)
-        axes.plot([r_i, r_i], [0, top], **GATE_STYLE)
+        axes.plot(*self._released_surface(), **RELEASED)
         axes.plot([0, 0], [0, top], linestyle="dashdot" if symmetric else "solid", **EDGE)
         draw_gravity(axes, float(self.meta.get("slope_deg", 0.0)), SMALL_SIZE)
-        axes.text(r_i, top, " gate", size=SMALL_SIZE, color=GATE_STYLE["color"], va="top")
+        if self._case.get("stages", {}).get("gate", True):
+            axes.plot([r_i, r_i], [0, top], **GATE_STYLE)
+            axes.text(r_i, top, " gate", size=SMALL_SIZE, color=GATE_STYLE["color"], va="top")
         self._add_ticks(axes)
+
+    def _released_surface(self) -> np.ndarray:
+        """Line (2, n), m: the top of the column, or the closed outline of one that is no rectangle."""
+        if self.meta.get("section") == OUTLINE and (outline := self._case.get("geometry", {}).get("outline")):
+            return np.array([*outline, outline[0]]).T
+        r_i, h_i = float(self.meta["r_i"]), float(self.meta["h_i"])
+        return np.array([[0.0, r_i], [h_i, h_i]])
+
+    @cached_property
+    def _case(self) -> dict[str, Any]:
+        return tables_of_snapshot(self.meta)
 
     def _add_ticks(self, axes: Axes) -> None:
         """Label the material's side of both axes in m or mm."""

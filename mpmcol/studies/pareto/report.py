@@ -78,7 +78,7 @@ def table_rows(study: StudyDefinition, references: References, scored: Scored) -
 def experiment_of(scored: ScoredConfiguration) -> Experiment:
     """Return the experiment that the case of a configuration names."""
     case = scored.runs[0].results.case
-    return find_experiment(case.score.experiment, case.geometry.model, case.geometry.section)
+    return find_experiment(case.score.experiment, case.geometry.model, case.geometry.column_section)
 
 
 def markdown(

@@ -58,7 +58,7 @@ def parameters_of(case: Case) -> ColumnParameters:
             f"geometry.slope_deg = {geometry.slope_deg:g}: the errors were studied on a horizontal base only; set "
             "grid.spacing instead of an accuracy"
         )
-    return ColumnParameters(column_kind(geometry.model, geometry.section), geometry.a, friction)
+    return ColumnParameters(column_kind(geometry.model, geometry.column_section), geometry.a, friction)
 
 
 @cache

@@ -18,7 +18,8 @@ from typing import Any
 import tomli_w
 
 from mpmcol.case import flattened_text, key_names, shipped_cases
-from mpmcol.case.fields import allowed, item_number, minimum, number_of, subtable, value_type
+from mpmcol.case.fields import allowed, converter_of, item_number, minimum, number_of, subtable, value_type
+from mpmcol.case.outline import OutlinePoints
 from mpmcol.case.reference import field_at, fields_at
 from mpmcol.units import FACTORS, Number
 from tests.support.bad_input import failure_in_reading, find_failure
@@ -85,6 +86,10 @@ def _values(draw: random.Random, field: Any) -> Iterator[Any]:
     elif item := item_number(field):
         yield sorted(abs(_number(draw, item)) for _ in range(draw.choice((0, 1, 3, 300))))
         yield [_number(draw, item) for _ in range(3)]
+    elif isinstance(converter_of(field), OutlinePoints):
+        yield [[draw.choice((0.0, draw.uniform(0.0, 0.3))) for _ in "xy"] for _ in range(draw.choice((2, 3, 4, 600)))]
+        yield [[0.0, 0.0], [draw.uniform(0.0, 1.0), 0.0], [draw.uniform(0.0, 1.0), draw.uniform(0.0, 1.0)]]
+        yield "outline.csv"
     elif options := allowed(field):
         yield from options
     elif value_type(field) is int:

@@ -2,9 +2,10 @@
 
 The draw covers all models, laws, bases, initial stresses and gates, slopes up to 40 degrees (in 3D 10), friction angles
 of 15 to 45 degrees, cohesions up to 1 kPa, Young's moduli of 0.1 to 100 MPa, Poisson's ratios up to 0.49, aspect ratios
-of 0.2 to 35 and r_i / h of 8 to 80. A case that would take longer than SECONDS gets another spacing, and after some
-tries other values altogether. The draw therefore has few fine and few tall columns, fewer of stiff material and in 3D,
-and in 3D hardly any finer than r_i / h = 12.
+of 0.2 to 35 and r_i / h of 8 to 80; some columns in 2D are heaps and trapezoids, and some stand without a gate. A case
+that would take longer than SECONDS gets another spacing, and after some tries other values altogether. The draw
+therefore has few fine and few tall columns, fewer of stiff material and in 3D, and in 3D hardly any finer than
+r_i / h = 12.
 
 The file random_cases-ends.csv beside the folders of the trials has one line for each case: how it ended.
 """
@@ -63,8 +64,10 @@ def draw_case(draw: random.Random) -> tuple[Case, list[str]]:
         if attempt % TRIES == 0:
             own = dict(_values(draw))
             own["geometry.aspect"] = _log_uniform(draw, 0.2, 35.0)
+            own["geometry.outline"] = _outline(draw, own)
         own["grid.spacing"] = RADIUS / round(_log_uniform(draw, 8.0, 80.0))
-        overrides = [f"{key}={as_text(value)}" for key, value in own.items()]
+        sizes = ("geometry.radius", "geometry.aspect") if own["geometry.outline"] else ("geometry.outline",)
+        overrides = [f"{key}={as_text(value)}" for key, value in own.items() if key not in sizes]
         if own["grid.spacing"] < own["geometry.aspect"] * RADIUS:
             case = load_case("coarse-channel", overrides)
             is_quick = PlannedRun({}, case, Path()).work * PACE[case.geometry.dimension] < SECONDS
@@ -87,12 +90,23 @@ def _values(draw: random.Random) -> Iterator[tuple[str, Any]]:
     yield "geometry.base", draw.choice(("elastic", "rigid"))
     yield "method.wall_impulse", "true"
     yield "stages.initial_stress", draw.choice(("gravity", "k0"))
-    yield "stages.gate_speed", draw.choice((math.inf, draw.uniform(0.5, 5.0)))
+    gate = draw.random() < 0.8
+    yield "stages.gate", str(gate).lower()
+    yield "stages.gate_speed", draw.choice((math.inf, draw.uniform(0.5, 5.0))) if gate else math.inf
     yield "output.snapshots", 1
     yield "material", _material(draw)
     if model == "full" or (model == "plane" and release == "one-sided"):
         steepest = 40.0 if model == "plane" else 10.0  # in 3D a long domain takes long
         yield "geometry.slope_deg", draw.choice((0.0, draw.uniform(0.0, steepest)))
+
+
+def _outline(draw: random.Random, own: dict[str, Any]) -> str:
+    """A heap or trapezoid as large as the rectangle for some of the cases in 2D; "" for a rectangle."""
+    if own["geometry.model"] in ("quarter", "full") or draw.random() < 0.7:
+        return ""
+    height = own["geometry.aspect"] * RADIUS
+    top, back = draw.uniform(0.0, RADIUS), draw.uniform(0.2, 1.0) * height
+    return f"[[0, 0], [{RADIUS}, 0], [{top}, {height}], [0, {back}]]"
 
 
 def _material(draw: random.Random) -> str:

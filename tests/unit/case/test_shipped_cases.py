@@ -16,6 +16,7 @@ SHIPPED = [
     "cylinder",
     "frictional-floor",
     "granular-bed",
+    "heap",
     "inclined-channel",
     "layered-column",
     "lube-channel",

@@ -199,3 +199,14 @@ def test_the_stop_time_is_none_while_the_front_moves() -> None:
     time, front = np.linspace(0.0, 1.0, 11), np.minimum(np.linspace(0.0, 1.0, 11), 0.7)
     assert stop_time(time, front, 1e-3) == pytest.approx(0.7)
     assert stop_time(time, time, 1e-3) is None
+
+
+@pytest.mark.parametrize("model", ["plane", "axisymmetric"])
+def test_the_height_of_an_outline_away_from_the_wall_is_that_of_its_crest(model: str) -> None:
+    ridge = ((0.1, 0.0), (0.3, 0.0), (0.2, 0.1))
+    shape = replace(PLANE, model=model, r_i=0.3, h_i=0.1, section="outline", outline=ridge)
+    result = measured(lattice(0.3, 0.1, lambda x, y: y < 0.1 - np.abs(x - 0.2), shape), shape)
+    assert result.beta == pytest.approx(1.0, abs=H / 0.1)
+    assert result.front["front_height"] == pytest.approx(0.297, abs=H)  # where the height is r_i / 100
+    volume = 0.01 if model == "plane" else 0.01 * 0.2 / (0.3 / 2.0)
+    assert result.area_factor == pytest.approx(volume / (0.3 * 0.1), rel=0.03)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 
 from mpmcol.case import load_case
 from mpmcol.mpm.settings import PAPER, Scheme
 from mpmcol.setup.discretization import discretize
-from mpmcol.setup.model import build_model
+from mpmcol.setup.model import build_model, initial_gate_opening, set_boundaries
 from mpmcol.setup.time_step import case_limit
 
 
@@ -72,6 +73,14 @@ def test_the_limit_in_a_message_is_itself_stable(overrides: list[str]) -> None:
     limit = warning.partition("exceeds ")[2].partition(",")[0]
     warnings = discretize(load_case("lube-channel", [*overrides, f"time.cfl={limit}"])).warnings
     assert not any("cfl" in text for text in warnings)
+
+
+def test_without_a_gate_its_nodes_are_free_from_the_start() -> None:
+    closed, free = (build_model(load_case("coarse-channel", [f"stages.gate={gate}"])) for gate in ("true", "false"))
+    assert np.count_nonzero(closed.grid.fixed) > np.count_nonzero(free.grid.fixed)
+    set_boundaries(closed.grid, closed.discretization, gate_opening=np.inf)
+    assert np.array_equal(closed.grid.fixed, free.grid.fixed)
+    assert initial_gate_opening(load_case("coarse-channel", ["stages.gate=false"])) == np.inf
 
 
 def test_the_model_on_a_slope() -> None:
