@@ -99,9 +99,10 @@ class Case(Table):
         if material is None or geometry is None or not isinstance(given, dict):
             return given
         filled = {"k0": _active_ratio(material), **given}
+        floor = friction.floor if (friction := info.data.get("friction")) else None
         defaults: dict[str, dict[str, Any]] = {
             "equilibrate": {"law": material.law if given.get("gate", True) else "elastic"},
-            "collapse": {"max_time_factor": MAX_TIME_FACTOR * slope_factor(geometry.slope_deg, material)},
+            "collapse": {"max_time_factor": MAX_TIME_FACTOR * slope_factor(geometry.slope_deg, material, floor)},
         }
         for stage, values in defaults.items():
             if isinstance(own := given.get(stage, {}), dict):

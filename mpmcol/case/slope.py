@@ -17,27 +17,36 @@ ENDLESS_REMEDY = (
 )
 
 
-def mobilised_friction(material: Any) -> float:
-    """Ratio of shear to normal stress of a layer in shear, tan(delta); inf for a law without a yield surface."""
-    return float(getattr(material, "mobilised_friction", inf))
+def mobilised_friction(material: Any, floor: float | None = None) -> float:
+    """Ratio of shear to normal stress of a layer in shear, tan(delta), or that of a floor with less friction.
+
+    inf for a law without a yield surface. floor: coefficient of Coulomb friction; None without slip.
+    """
+    return min(float(getattr(material, "mobilised_friction", inf)), inf if floor is None else floor)
 
 
-def slope_factor(slope_deg: float, material: Any) -> float:
+def slope_factor(slope_deg: float, material: Any, floor: float | None = None) -> float:
     """Runout and duration over those on a horizontal base, at most LARGEST_FACTOR."""
-    return 1.0 / max(1.0 - tan(radians(slope_deg)) / mobilised_friction(material), 1.0 / LARGEST_FACTOR)
+    slope, friction = tan(radians(slope_deg)), mobilised_friction(material, floor)
+    if slope >= friction * (1.0 - 1.0 / LARGEST_FACTOR):
+        return LARGEST_FACTOR if slope > 0.0 else 1.0
+    return 1.0 / (1.0 - slope / friction)
 
 
-def limit_slope_deg(material: Any) -> float:
+def limit_slope_deg(material: Any, floor: float | None = None) -> float:
     """The slope from which on the material does not stop, delta, degrees; 90 with cohesion, which stops thin layers."""
-    return 90.0 if getattr(material, "cohesion", 0.0) else degrees(atan(mobilised_friction(material)))
+    is_cohesive = floor is None and getattr(material, "cohesion", 0.0) > 0.0
+    return 90.0 if is_cohesive else degrees(atan(mobilised_friction(material, floor)))
 
 
 def endless_flow(case: Any) -> str:
     """Why the flow of a case does not stop; "" if it stops."""
-    slope, limit = case.geometry.slope_deg, limit_slope_deg(case.material)
-    if slope < limit:
+    slope, floor = case.geometry.slope_deg, case.friction.floor
+    limit = limit_slope_deg(case.material, floor)
+    if slope < limit or slope == 0.0:
         return ""
-    return (
-        f"geometry.slope_deg = {slope:g}: the flow does not stop on this slope, since the friction of the material in "
-        f"shear is {limit:.3g} degrees, atan(sin(phi)) without dilatancy"
-    )
+    if floor is not None and limit < limit_slope_deg(case.material):
+        reason = f"the friction angle of the floor is {limit:.3g} degrees"
+    else:
+        reason = f"the friction of the material in shear is {limit:.3g} degrees, atan(sin(phi)) without dilatancy"
+    return f"geometry.slope_deg = {slope:g}: the flow does not stop on this slope, since {reason}"

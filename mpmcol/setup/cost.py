@@ -90,7 +90,7 @@ def durations(case: Case, discretization: Discretization) -> tuple[tuple[float, 
     transit, lifting = discretization.wave_time(case.material.wave_speed**2), discretization.h_i / stages.gate_speed
     longest = stages.equilibrate.max_time_factor * transit, stages.collapse.max_time_factor * tau + lifting
     equilibration = TYPICAL_TRANSITS[stages.initial_stress] * transit
-    collapse = TYPICAL_TAU * slope_factor(case.geometry.slope_deg, case.material) * tau + lifting
+    collapse = TYPICAL_TAU * slope_factor(case.geometry.slope_deg, case.material, case.friction.floor) * tau + lifting
     typical = min(equilibration, longest[0]), min(collapse, longest[1])
     return typical, longest
 

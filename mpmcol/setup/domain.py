@@ -53,7 +53,7 @@ def expected_front(case: Case) -> float:
 def expected_zeta(case: Case) -> float:
     """Runout over r_i, the longest among the experiments, and longer for lower friction and on a slope."""
     geometry = case.geometry
-    factor = _friction_runout_factor(case) * slope_factor(geometry.slope_deg, case.material)
+    factor = _friction_runout_factor(case) * slope_factor(geometry.slope_deg, case.material, case.friction.floor)
     return expected_runout(geometry.model, geometry.a, geometry.section) * factor
 
 

@@ -107,7 +107,7 @@ class Stages:
         options, solver, progress = self.case.stages.collapse, self.solver, self.simulation.progress
         lifting_time = self.model.discretization.h_i / self.case.stages.gate_speed
         limit = options.max_time_factor * self.fall_time + lifting_time
-        slow = slope_factor(self.case.geometry.slope_deg, self.case.material)
+        slow = slope_factor(self.case.geometry.slope_deg, self.case.material, self.case.friction.floor)
         usual = min(limit, USUAL_DURATION * slow * self.fall_time + lifting_time)
         snapshots = self._snapshot_times(limit, usual)
         while solver.time < limit and not (options.end == "rest" and progress.at_rest):

@@ -137,7 +137,10 @@ def inconsistencies(case: Case, results: Results) -> Iterator[str]:
     if not np.isfinite([*front.values(), measured.beta]).all():
         yield f"runout {front} and height {measured.beta} are not finite"
     usual = expected_runout(geometry.model, geometry.a, geometry.section)
-    if not front["front_connected"] <= MOST_ZETA * usual * slope_factor(geometry.slope_deg, case.material) + 1.0:
+    if (
+        not front["front_connected"]
+        <= MOST_ZETA * usual * slope_factor(geometry.slope_deg, case.material, case.friction.floor) + 1.0
+    ):
         yield f"its front is at {front['front_connected']:.3g} r_i"
     is_reported = any("detached particles" in warning for warning in results.summary["warnings"])
     if front["front_max"] > 2.0 * max(front["front_connected"], 0.0) + STRAY and not is_reported:

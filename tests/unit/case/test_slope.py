@@ -71,3 +71,16 @@ def test_no_experiment_applies_to_a_slope() -> None:
     assert experiment_of(case).laws == () and "slope of 10 deg" in experiment_of(case).title
     own = experiment_of(load_case("coarse-channel"))
     assert own.laws and own.misfit(strength_of(case)) == "for a horizontal base; here it slopes by 10 deg"
+
+
+def test_a_floor_with_less_friction_than_the_material_limits_the_slope() -> None:
+    floor = ["friction.floor=0.3", "geometry.slope_deg=10"]
+    case = load_case("inclined-channel", floor)
+    friction = math.sin(math.radians(28.5))
+    assert slope_factor(10.0, case.material, 0.3) == pytest.approx(0.3 / (0.3 - math.tan(math.radians(10.0))))
+    assert case.stages.collapse.max_time_factor == pytest.approx(10.0 * slope_factor(10.0, case.material, 0.3))
+    assert slope_factor(10.0, case.material, 2.0 * friction) == slope_factor(10.0, case.material)
+    assert (slope_factor(0.0, case.material, 0.0), slope_factor(5.0, case.material, 0.0)) == (1.0, LARGEST_FACTOR)
+    assert endless_flow(case) == ""
+    steep = endless_flow(load_case("inclined-channel", [*floor, "geometry.slope_deg=17"]))
+    assert "the friction angle of the floor is 16.7 degrees" in steep
