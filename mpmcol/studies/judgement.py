@@ -10,6 +10,7 @@ from mpmcol.case import Case, experiment_of, strength_of
 from mpmcol.experiments import EXPERIMENTS, Experiment, column_kind, mark
 from mpmcol.io.results import Results
 from mpmcol.studies.pareto.score import BETA, ZETA
+from mpmcol.studies.pareto.shipped import unstudied
 from mpmcol.studies.pareto.studied import StudiedError, studied_error
 from mpmcol.units import length_text
 
@@ -87,7 +88,7 @@ def _grid_lines(case: Case, error: StudiedError | None) -> Iterator[str]:
     if not case.geometry.is_rectangle:
         yield "error of the grid: not studied for outlines; compare with a run at half the grid.spacing"
     elif error is None:
-        advice = "" if case.geometry.slope_deg else "; --accuracy 5% chooses studied ones"  # none is studied on a slope
+        advice = "" if unstudied(case) else "; --accuracy 5% chooses studied ones"
         yield f"error of the grid: not studied for these settings{advice}"
     else:
         less = 50.0 * max(error.errors.values())

@@ -48,17 +48,31 @@ class ShippedConfiguration:
 def parameters_of(case: Case) -> ColumnParameters:
     """Return the parameters of a case; a softening material counts with its residual friction.
 
-    Raises UsageError for a material without friction, and on a slope.
+    Raises UsageError for a material without friction, and for what no case of the study has.
     """
     geometry, law, friction = case.geometry, case.material.law, strength_of(case).friction_deg
     if friction is None:
         raise UsageError(f"material.law = {law}: the errors were studied for materials with friction only")
-    if geometry.slope_deg:
-        raise UsageError(
-            f"geometry.slope_deg = {geometry.slope_deg:g}: the errors were studied on a horizontal base only; set "
-            "grid.spacing instead of an accuracy"
-        )
+    if reason := unstudied(case):
+        raise UsageError(f"{reason} only; set grid.spacing instead of an accuracy")
     return ColumnParameters(column_kind(geometry.model, geometry.column_section), geometry.a, friction)
+
+
+def unstudied(case: Case) -> str:
+    """For what else the errors were studied, if a case has something that no case of the study has; else ""."""
+    geometry = case.geometry
+    if geometry.slope_deg:
+        return f"geometry.slope_deg = {geometry.slope_deg:g}: the errors were studied on a horizontal base"
+    if geometry.base == "granular":
+        return 'geometry.base = "granular": the errors were studied on elastic and rigid bases'
+    if case.layers:
+        return "layers: the errors were studied for columns of one material"
+    for name, value in case.friction:
+        if value is not None:
+            return (
+                f"friction.{name} = {value:g}: the errors were studied without slip at the floor and with smooth walls"
+            )
+    return ""
 
 
 @cache

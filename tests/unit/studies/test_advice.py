@@ -16,12 +16,28 @@ from mpmcol.studies.definition import Value, as_overrides
 from mpmcol.studies.pareto.proposed import completed
 from mpmcol.studies.pareto.recommend import options, recommend
 from mpmcol.studies.pareto.savings import propose
+from mpmcol.studies.pareto.shipped import unstudied
 from tests.support.cli import invoke
 
 COLUMNS = ([], ["geometry.aspect=0.5"], ["geometry.aspect=8", "time.cfl=0.6"])
 
 
-LEVEL = [name for name in shipped_cases() if load_case(name).geometry.slope_deg == 0.0]
+def has_study(name: str) -> bool:
+    case = load_case(name)
+    return case.geometry.is_rectangle and not unstudied(case)
+
+
+STUDIED = list(filter(has_study, shipped_cases()))
+
+
+@pytest.mark.parametrize(
+    "override",
+    ["geometry.base=granular", "friction.floor=0.3", "layers=[{to=0.03, material={friction_deg=20}}]"],
+)
+def test_an_accuracy_is_refused_for_what_was_not_studied(override: str) -> None:
+    overrides = (override, "geometry.base=rigid") if override.startswith("friction") else (override,)
+    with pytest.raises(UsageError, match=f"^.*{override.partition('=')[0]}.*the errors were studied .* only; set grid"):
+        recommend("cylinder", ("method.wall_impulse=true", *overrides), 0.1)
 
 
 def test_an_accuracy_is_refused_on_a_slope() -> None:
@@ -35,9 +51,9 @@ def new_warnings(source: str, overrides: Sequence[str], values: dict[str, Value]
     return [text for text in after if kind_of(text) not in {kind_of(known) for known in before}]
 
 
-@pytest.mark.parametrize("name", LEVEL)
+@pytest.mark.parametrize("name", STUDIED)
 def test_no_configuration_that_an_accuracy_may_choose_causes_a_warning(name: str) -> None:
-    overrides = COLUMNS[LEVEL.index(name) % len(COLUMNS)]
+    overrides = COLUMNS[STUDIED.index(name) % len(COLUMNS)]
     for option in options(name, overrides):
         assert new_warnings(name, overrides, dict(option.values)) == [], str(option)
 
