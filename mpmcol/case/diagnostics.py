@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from functools import partial
 from typing import Any
 
 from pydantic import ValidationError
 from pydantic.fields import FieldInfo
-from pydantic_core import ErrorDetails
+from pydantic_core import ErrorDetails, PydanticCustomError
 
 from mpmcol.case import fields
 from mpmcol.case.constraints import ViolatedConstraint, violations
@@ -22,7 +23,7 @@ from mpmcol.mpm.constitutive import LAWS
 
 # errors that follow from others, or that are reported as violations with their locations
 _WITH_LAW = {table[-1] for table in MATERIALS}
-_DERIVED_ERRORS = ("constraints", "default_factory_not_called")
+_DERIVED_ERRORS = ("constraints", "derived")
 
 
 def find_problems(given: CaseInput, invalid: ValidationError) -> list[Problem]:
@@ -182,7 +183,8 @@ def _valid_values(
             yield from _valid_values(tables.get(name, {}), invalid_keys, law, key)
         else:
             value, converter = tables.get(name, field.default), fields.converter_of(field)
-            yield ".".join(key), converter(value) if converter else value
+            with suppress(PydanticCustomError):  # a key that was not checked, since its table is invalid
+                yield ".".join(key), converter(value) if converter else value
 
 
 def _violated(given: CaseInput, violation: ViolatedConstraint) -> Problem:

@@ -70,6 +70,8 @@ class Case(Table):
         if not isinstance(base_material, dict):
             return base_material
         if geometry is None or material is None:  # invalid: only the keys that are given can be checked
+            if geometry is not None and geometry.base == "granular" and "law" not in base_material:
+                raise PydanticCustomError("derived", "the law follows from an invalid material")
             return {"law": "elastic", **base_material}
         return with_inherited_keys(base_material, material.model_dump(), geometry.base)
 

@@ -49,8 +49,8 @@ class Solver:
         column: Body,
         base: Body,
         scheme: Scheme = PAPER,
-        layers: Sequence[Body] = (),
         contacts: Contacts | None = None,
+        layers: Sequence[Body] = (),
     ) -> None:
         self.points = points
         self.grid = grid

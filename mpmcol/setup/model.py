@@ -106,7 +106,7 @@ def build_model(case: Case) -> Model:
 def make_solver(model: Model, stage: StageSetup) -> Solver:
     """The solver of a model at the beginning of a stage."""
     return Solver(
-        model.points, model.grid, stage.settings, stage.column, model.base, model.scheme, stage.layers, model.contacts
+        model.points, model.grid, stage.settings, stage.column, model.base, model.scheme, model.contacts, stage.layers
     )
 
 

@@ -32,7 +32,7 @@ def slow_point(rows: np.ndarray, o: int, rate: float) -> float:
 def slow_points(rows: np.ndarray, tiles: Tiles, contacts: Contacts, dt: float, report: np.ndarray) -> None:
     """Friction of the side walls on all points of the column, before a step.
 
-    Reads: sigma, J. Writes: v, report (n_tiles, SIDE_WORK).
+    Reads: sigma, J. Writes: v, report (n_tiles, SIDE_WORK). A body force, as gravity in Eq. (1).
     """
     start, split, rate = tiles.start, tiles.split, contacts.side_friction * dt
     for t in prange(len(split)):
@@ -45,7 +45,7 @@ def slow_points(rows: np.ndarray, tiles: Tiles, contacts: Contacts, dt: float, r
 @device
 def sum_side_work(report: np.ndarray, contacts: Contacts) -> None:
     """Add the reports of all tiles to the work on the side walls, in a fixed order."""
-    lost = 0.0
+    lost, sums = 0.0, contacts.sums
     for t in range(len(report)):
         lost += report[t, SIDE_WORK]
-    contacts.sums[-1, FRICTION_WORK] += lost
+    sums[-1, FRICTION_WORK] += lost
