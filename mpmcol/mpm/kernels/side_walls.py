@@ -32,7 +32,7 @@ def slow_point(rows: np.ndarray, o: int, rate: float) -> float:
 def slow_points(rows: np.ndarray, tiles: Tiles, contacts: Contacts, dt: float, report: np.ndarray) -> None:
     """Friction of the side walls on all points of the column, before a step.
 
-    Reads: sigma, J. Writes: v, report (n_tiles, SIDE_WORK). A body force, as gravity in Eq. (1).
+    Reads: sigma, J. Writes: v, report (n_tiles, SIDE_WORK). A body force, b of Eq. (2).
     """
     start, split, rate = tiles.start, tiles.split, contacts.side_friction * dt
     for t in prange(len(split)):
