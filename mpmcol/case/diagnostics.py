@@ -21,8 +21,8 @@ from mpmcol.case.source import CaseInput
 from mpmcol.case.toml_lines import KeyPath, value_at
 from mpmcol.mpm.constitutive import LAWS
 
-# errors that follow from others, or that are reported as violations with their locations
 _WITH_LAW = {table[-1] for table in MATERIALS}
+# errors that follow from others, or that are reported as violations with their locations
 _DERIVED_ERRORS = ("constraints", "derived")
 
 

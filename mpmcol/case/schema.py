@@ -43,9 +43,7 @@ class Case(Table):
         validate_default=True,
         description="material of the base; keys that are not given are those of material",
     )
-    layers: tuple[LayerTable, ...] = option(
-        "layers of the column with other parameters, on which the rest of the column lies or which lie in it", ()
-    )
+    layers: tuple[LayerTable, ...] = option("layers of the column, whose material has other parameters", ())
     friction: FrictionTable = option("Coulomb friction of floor and walls", FrictionTable())
     method: MethodTable = option("variants of the material point method", MethodTable())
     time: TimeTable = option("time step", TimeTable())
