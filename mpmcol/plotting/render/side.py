@@ -47,14 +47,16 @@ class SideView(View):
         return " (half model by symmetry)" if self._is_half else ""
 
     def points(self, snapshot: Snapshot) -> tuple[np.ndarray, np.ndarray]:
-        """The points of the column."""
-        return snapshot.arrays["position"][snapshot.column], self.colors(snapshot)[snapshot.column]
+        """The points of the column, and of a granular bed."""
+        shown = snapshot.column | self._has_bed
+        return snapshot.arrays["position"][shown], self.colors(snapshot)[shown]
 
     def draw_behind(self, axes: Axes) -> None:
-        """Draw the base or floor."""
+        """Draw the base, or the floor below a granular bed."""
         right = self.extent[1]
-        axes.add_patch(Rectangle((0, -self.base), right, self.base, facecolor=BASE_COLOR, linewidth=0))
-        axes.plot([0, right], [0, 0], **EDGE)
+        floor = -self.base if self._has_bed else 0.0
+        axes.add_patch(Rectangle((0, -self.base), right, self.base + floor, facecolor=BASE_COLOR, linewidth=0))
+        axes.plot([0, right], [floor, floor], **EDGE)
 
     def draw_before(self, axes: Axes) -> None:
         """Draw the column at release (dashed), gate, wall (solid) or axis of symmetry (dash-dot), gravity, and axes."""
@@ -64,6 +66,8 @@ class SideView(View):
         # halves of points beyond the wall or axis
         axes.axvspan(left, 0, facecolor="white", linewidth=0)
         axes.plot(*self._released_surface(), **RELEASED)
+        if self._has_bed:
+            axes.plot([0, self.extent[1]], [0, 0], **RELEASED)
         axes.plot([0, 0], [0, top], linestyle="dashdot" if symmetric else "solid", **EDGE)
         draw_gravity(axes, float(self.meta.get("slope_deg", 0.0)), SMALL_SIZE)
         if self._case.get("stages", {}).get("gate", True):
@@ -77,6 +81,10 @@ class SideView(View):
             return np.array([*outline, outline[0]]).T
         r_i, h_i = float(self.meta["r_i"]), float(self.meta["h_i"])
         return np.array([[0.0, r_i], [h_i, h_i]])
+
+    @property
+    def _has_bed(self) -> bool:
+        return bool(self._case.get("geometry", {}).get("base") == "granular")
 
     @cached_property
     def _case(self) -> dict[str, Any]:

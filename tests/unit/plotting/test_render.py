@@ -229,6 +229,19 @@ def test_a_rigid_floor_is_a_line_without_a_base(folder: Path, tmp_path: Path):
     assert max(floor.get_xdata()) > last.x[last.column, 0].max()
 
 
+def test_a_granular_bed_is_drawn_by_its_points_on_a_floor(folder: Path):
+    last = read_snapshot(list_snapshots(folder)[-1])
+    layer = fit_view(list_snapshots(folder)[-1:], SIZE, DISPLACEMENT)
+    bed = replace(layer, meta={**layer.meta, "case": '[geometry]\nbase = "granular"'})
+    assert [len(view.points(last)[0]) for view in (layer, bed)] == [last.column.sum(), len(last.column)]
+    heights = []
+    for view in (layer, bed):
+        axes = Figure().add_subplot()
+        view.draw_behind(axes)
+        heights.append((axes.lines[0].get_ydata()[0], axes.patches[0].get_height()))
+    assert heights == [(0.0, pytest.approx(0.02)), (pytest.approx(-0.02), 0.0)]
+
+
 def test_the_base_has_straight_ends(folder: Path, tmp_path: Path, without_egl: None):
     render(folder, gif=False, size=SIZE, out=tmp_path / "a.png")
     view, (left, top, width, height) = fit_view(list_snapshots(folder)[-1:], SIZE, DISPLACEMENT), canvas_box(SIZE)
