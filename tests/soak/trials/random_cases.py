@@ -65,9 +65,11 @@ def draw_case(draw: random.Random) -> tuple[Case, list[str]]:
             own = dict(_values(draw))
             own["geometry.aspect"] = _log_uniform(draw, 0.2, 35.0)
             own["geometry.outline"] = _outline(draw, own)
+            own["layers"] = "" if own["geometry.outline"] else _layers(draw, own["geometry.aspect"] * RADIUS)
         own["grid.spacing"] = RADIUS / round(_log_uniform(draw, 8.0, 80.0))
         sizes = ("geometry.radius", "geometry.aspect") if own["geometry.outline"] else ("geometry.outline",)
-        overrides = [f"{key}={as_text(value)}" for key, value in own.items() if key not in sizes]
+        given = {key: value for key, value in own.items() if key not in sizes and value != ""}
+        overrides = [f"{key}={as_text(value)}" for key, value in given.items()]
         if own["grid.spacing"] < own["geometry.aspect"] * RADIUS:
             case = load_case("coarse-channel", overrides)
             is_quick = PlannedRun({}, case, Path()).work * PACE[case.geometry.dimension] < SECONDS
@@ -87,14 +89,24 @@ def _values(draw: random.Random) -> Iterator[tuple[str, Any]]:
     if model in ("quarter", "full") and draw.random() < 0.5:
         yield "geometry.section", "box"
         yield "geometry.depth", draw.uniform(0.5, 2.0) * RADIUS
-    yield "geometry.base", draw.choice(("elastic", "rigid"))
+    material = _material(draw)
+    base = draw.choice(("elastic", "rigid") if '"elastic"' in material else ("elastic", "rigid", "granular"))
+    yield "material", material
+    yield "geometry.base", base
+    if base == "rigid" and draw.random() < 0.5:
+        yield "friction.floor", _log_uniform(draw, 0.2, 2.0)
+    if model == "plane" and release == "one-sided" and draw.random() < 0.3:
+        yield "friction.back_wall", draw.uniform(0.0, 1.0)
+    if model == "plane" and draw.random() < 0.2:
+        yield "friction.side_walls", draw.uniform(0.0, 1.0)
+        yield "friction.channel_width", RADIUS * draw.uniform(0.5, 5.0)
+    yield "output.wall_forces", draw.choice(("true", "false"))
     yield "method.wall_impulse", "true"
     yield "stages.initial_stress", draw.choice(("gravity", "k0"))
     gate = draw.random() < 0.8
     yield "stages.gate", str(gate).lower()
     yield "stages.gate_speed", draw.choice((math.inf, draw.uniform(0.5, 5.0))) if gate else math.inf
     yield "output.snapshots", 1
-    yield "material", _material(draw)
     if model == "full" or (model == "plane" and release == "one-sided"):
         steepest = 40.0 if model == "plane" else 10.0  # in 3D a long domain takes long
         yield "geometry.slope_deg", draw.choice((0.0, draw.uniform(0.0, steepest)))
@@ -107,6 +119,15 @@ def _outline(draw: random.Random, own: dict[str, Any]) -> str:
     height = own["geometry.aspect"] * RADIUS
     top, back = draw.uniform(0.0, RADIUS), draw.uniform(0.2, 1.0) * height
     return f"[[0, 0], [{RADIUS}, 0], [{top}, {height}], [0, {back}]]"
+
+
+def _layers(draw: random.Random, height: float) -> str:
+    """A layer of another density and stiffness for some of the cases; "" for a column of one material."""
+    if draw.random() < 0.7:
+        return ""
+    lower = draw.uniform(0.0, 0.9) * height
+    material = f"{{ density = {draw.uniform(1400.0, 2700.0)}, poissons_ratio = {draw.uniform(0.0, 0.4)} }}"
+    return f"[{{ from = {lower}, to = {lower + draw.uniform(0.1, 1.0) * height}, material = {material} }}]"
 
 
 def _material(draw: random.Random) -> str:
