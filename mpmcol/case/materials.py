@@ -9,7 +9,7 @@ from pydantic import Field, field_validator
 from pydantic_core import PydanticCustomError
 
 from mpmcol.case.constraints import violations
-from mpmcol.case.tables import GeometryTable
+from mpmcol.case.geometry import GeometryTable
 from mpmcol.case.values import leaf_values
 from mpmcol.mpm.constitutive import LAWS, elastic
 from mpmcol.units import Table, option, quantity

@@ -9,10 +9,10 @@ from pydantic_core import PydanticCustomError
 
 from mpmcol.case.constraints import violations
 from mpmcol.case.friction import FrictionTable
+from mpmcol.case.geometry import GeometryTable
 from mpmcol.case.materials import LayerTable, Material, check_layers, with_column_material, with_inherited_keys
 from mpmcol.case.slope import slope_factor
 from mpmcol.case.tables import (
-    GeometryTable,
     GridTable,
     MethodTable,
     OutputTable,

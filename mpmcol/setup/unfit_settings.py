@@ -12,8 +12,8 @@ from itertools import pairwise
 from math import atan, ceil, degrees, pi, radians, sin, sqrt
 
 from mpmcol.case import Case
+from mpmcol.case.geometry import GeometryTable
 from mpmcol.case.slope import ENDLESS_REMEDY, endless_flow
-from mpmcol.case.tables import GeometryTable
 from mpmcol.errors import UsageError
 from mpmcol.setup.domain import LEAST_CELLS, default_length, expected_front, usable
 from mpmcol.setup.time_step import time_step_warnings

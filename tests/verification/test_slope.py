@@ -12,8 +12,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from mpmcol.case.geometry import GeometryTable
 from mpmcol.case.slope import limit_slope_deg
-from mpmcol.case.tables import GeometryTable
 from mpmcol.failure_modes.toolkit import (
     DENSITY,
     PHI,
