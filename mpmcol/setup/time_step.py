@@ -51,11 +51,17 @@ def _critical_positions(case: Case) -> Iterator[tuple[Position, ...]]:
 
 
 def _limit(case: Case, positions: tuple[Position, ...]) -> float:
+    """The smallest limit among the materials of the column and of a granular bed."""
+    moving = case.materials if case.geometry.base == "granular" else (case.material, *case.materials[2:])
+    return min(_limit_of(case, positions, nu) for nu in {material.poissons_ratio for material in moving})
+
+
+def _limit_of(case: Case, positions: tuple[Position, ...], nu: float) -> float:
     method = case.method
     return single_particle_limit(
         SingleParticle(
             position=tuple(each.s for each in positions),
-            nu=case.material.poissons_ratio,
+            nu=nu,
             faces=tuple(each.face for each in positions),
             axisymmetric=case.geometry.model == "axisymmetric",
             transfer=method.transfer,

@@ -115,3 +115,11 @@ def test_a_particle_that_separates_from_a_floor_with_friction_limits_the_time_st
 ) -> None:
     """It is less stable than beside a smooth floor (0.566 in plane strain) or one without slip (0.628)."""
     assert case_limit(load_case("frictional-floor", overrides)) == (pytest.approx(limit, abs=1e-3), f"next to {where}")
+
+
+def test_the_least_stable_material_limits_the_time_step() -> None:
+    stiff = case_limit(load_case("layered-column", ["material.poissons_ratio=0.4", "layers=[]"]))
+    layer = "layers=[{to = 0.03, material = {poissons_ratio = 0.4}}]"
+    assert case_limit(load_case("layered-column", [layer])) == stiff < case_limit(load_case("layered-column"))
+    bed = ["base_material.poissons_ratio=0.4", "layers=[]", "geometry.base=granular"]
+    assert case_limit(load_case("layered-column", bed)) == stiff
