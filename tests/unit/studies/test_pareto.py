@@ -12,6 +12,8 @@ import pytest
 from mpmcol.case import load_case
 from mpmcol.errors import CaseError, UsageError
 from mpmcol.measure.profile_distance import area_between
+from mpmcol.plotting.figures import MOST_ENTRIES
+from mpmcol.studies.pareto.chart import _named_variants
 from mpmcol.studies.pareto.reference import PROFILE
 from mpmcol.studies.pareto.score import BETA, ZETA, RelativeError, ScoredConfiguration
 from mpmcol.studies.pareto.selection import cheapest, effects, error_bounds, pareto_front
@@ -175,3 +177,12 @@ def test_a_small_study_from_end_to_end(tmp_path: Path, monkeypatch: pytest.Monke
     write(tmp_path, "cells = [5, 6, 7]", "cells = [3, 4, 5]")
     wrong = invoke("pareto", path)
     assert wrong.exit_code == 2 and "low, plain, r_i/h = 3:" in wrong.output and "at least one cell" in wrong.output
+
+
+def test_a_chart_names_the_baseline_and_the_best_variants_and_groups_the_others() -> None:
+    all_ = [scored(f"choice {n}", 20, 5.0 + n, 0.1) for n in range(30)]
+    all_ += [scored("baseline", n, 10.0 * n, 10.0 / n) for n in (10, 20, 40)]
+    all_ += [scored("best", n, n, 1.0 / n) for n in (10, 20, 40)]
+    named = _named_variants(all_, "baseline", MOST_ENTRIES - 2)
+    assert len(named) == MOST_ENTRIES - 2 and {"baseline", "best"} <= set(named)
+    assert _named_variants(all_[-6:], "baseline", MOST_ENTRIES - 2) == ["baseline", "best"]
