@@ -34,7 +34,10 @@ FACTORS: dict[str, dict[str, str]] = {
     "position update as printed (Eq. 27)": {"method__position_update": "paper"},
     "initial stress assigned instead of loaded": {"stages__initial_stress": "k0"},
     "wall impulse in the FLIP velocity increment": {"method__wall_impulse": "true"},
-    "B-splines truncated at walls": {"method__kernel_correction": "false"},
+    "B-splines truncated at walls": {
+        "method__kernel_correction": "false",
+        "method__stress_filter": "none",  # which needs the correction
+    },
 }
 SOFTENING: dict[str, dict[str, str]] = {
     UNCHANGED: {},

@@ -122,6 +122,11 @@ def test_figures_with_the_stress_filter_are_of_the_same_columns() -> None:
     assert [row["zeta.front_max"] for row in result.rows] == [1.5]
 
 
+def test_all_cases_with_the_stress_filter_are_valid(tmp_path: Path) -> None:
+    for run in dict.fromkeys(PaperStudy(list(FIGURES), quick=False, filtered=True).runs()):
+        run.plan(tmp_path)
+
+
 def test_an_unknown_figure_is_refused() -> None:
     result = invoke("paper", "fig4")
     assert result.exit_code == 2 and "'fig4'" in result.output and "fig5" in result.output
