@@ -22,7 +22,14 @@ SMALL_CASES = {  # name -> shipped case and overrides, to be cut short with SHOR
     "outline": ("channel", "grid.spacing=0.015", "geometry.outline=[[0, 0], [0.2, 0], [0, 0.2]]", "stages.gate=false"),
     "granular bed": ("granular-bed", "grid.spacing=0.015"),
     "quarter": ("quarter", "grid.spacing=0.0194", "geometry.aspect=0.4", "stages.initial_stress=k0"),
-    "friction": ("frictional-floor", "grid.spacing=0.015", "friction.back_wall=0.2", "stages.gate_speed=0.5"),
+    "friction": (
+        "frictional-floor",
+        "grid.spacing=0.015",
+        "friction.back_wall=0.2",
+        "friction.side_walls=0.3",
+        "friction.channel_width=0.1",
+        "stages.gate_speed=0.5",
+    ),
     "friction in 3D": (
         "quarter",
         "grid.spacing=0.0194",
