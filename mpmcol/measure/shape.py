@@ -37,6 +37,7 @@ class ColumnShape:
     slope_deg: float = 0.0  # inclination of the base, downward along x, degrees
     outline: tuple[tuple[float, float], ...] | None = None  # counterclockwise, m; None for a rectangle
     gate: bool = True  # whether a gate at r_i held the column
+    lean: float = 0.0  # distance that its sides lean upslope per height; 0 if they are normal to the base
 
     @property
     def a(self) -> float:
@@ -51,6 +52,8 @@ class ColumnShape:
     @property
     def proportions(self) -> str:
         """The aspect ratio in a text, or that the column is no rectangle."""
+        if self.lean:
+            return f"a = {self.a:.3g}, vertical sides"
         return f"a = {self.a:.3g}" if self.outline is None else f"outline of {len(self.outline)} points"
 
     @property
@@ -100,7 +103,8 @@ class ColumnShape:
     def surface(self) -> NDArray[np.float64]:
         """Line of the surface as released, (2, n), m; the closed outline of a column that is no rectangle."""
         if self.outline is None:
-            return np.array([[0.0, self.r_i, self.r_i], [self.h_i, self.h_i, 0.0]])
+            top = self.r_i - self.lean * self.h_i
+            return np.array([[0.0, top, self.r_i], [self.h_i, self.h_i, 0.0]])
         return np.array([*self.outline, self.outline[0]]).T
 
     @property

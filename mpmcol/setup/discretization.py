@@ -40,6 +40,7 @@ class Discretization:
     rows: int  # of points over the height of the column
     warnings: tuple[str, ...]
     outline: Outline | None = None  # of a column that is not given by r_i and h_i
+    lean: float = 0.0  # distance that the sides of the column lean upslope per height: x + lean y is that at the base
 
     @property
     def geometry(self) -> Geometry:
@@ -102,9 +103,13 @@ class Discretization:
             return wide * self.rows + along * below
         return (4 if self.is_full else 1) * (wide * deep * self.rows + along**2 * below)
 
-    def beyond_column(self, horizontal: tuple[np.ndarray, ...], tolerance: float = 0.0) -> tuple[np.ndarray, ...]:
-        """For each horizontal axis, where positions are at or beyond the surface of the column (tolerance in m)."""
-        return self.geometry.beyond(horizontal, self.r_i - tolerance, self.depth - tolerance)
+    def beyond_column(self, position: tuple[np.ndarray, ...], tolerance: float = 0.0) -> tuple[np.ndarray, ...]:
+        """For each horizontal axis, where positions are at or beyond the sides of the column (tolerance in m).
+
+        position: x, y and, in three dimensions, z.
+        """
+        x, y, *z = position
+        return self.geometry.beyond((x + self.lean * y, *z), self.r_i - tolerance, self.depth - tolerance)
 
     def in_end_zone(self, x: np.ndarray) -> np.ndarray:
         """Whether points at x (n, d) are in the zone of held nodes of an open end, or less than a cell from it."""
@@ -127,8 +132,13 @@ class Discretization:
         return np.stack(axes, axis=-1).reshape(-1, self.dimension - 1)
 
     def column_lattice(self) -> np.ndarray:
-        """Horizontal positions (n, d - 1) of the points of the column, m."""
-        positions = self.lattice(max(self.r_i, self.depth))
+        """Positions (n, d) of the points of the column, m; of an outline, of the rectangle around it."""
+        leaning = self.lean * self.h_i if self.outline is None else 0.0
+        positions = stack(
+            self.lattice(max(self.r_i + leaning, self.depth)), self.row_height * (np.arange(self.rows) + 0.5)
+        )
+        if self.outline is not None:
+            return positions
         return positions[~np.logical_or.reduce(self.beyond_column(tuple(positions.T)))]
 
     def outline_shares(self) -> np.ndarray:
@@ -151,7 +161,7 @@ class Discretization:
         """Height of the material of the column above positions, m; on and below the base all of it."""
         if self.outline is not None:
             return material_above(self.outline, horizontal[0], np.maximum(y, 0.0))
-        beyond = np.logical_or.reduce(self.beyond_column(horizontal))
+        beyond = np.logical_or.reduce(self.beyond_column((horizontal[0], y, *horizontal[1:])))
         return np.where(beyond, 0.0, self.h_i - np.maximum(y, 0.0))
 
 
@@ -188,8 +198,15 @@ def discretize(case: Case) -> Discretization:
         points_per_axis=per_axis,
         rows=max(round(geometry.h_i / h * per_axis), 1),
         warnings=tuple(warnings),
-        outline=geometry.outline,
+        outline=geometry.polygon,
+        lean=geometry.lean,
     )
+
+
+def stack(horizontal: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Positions (n, d) at all heights `y` over all horizontal positions (n, d - 1)."""
+    x = np.repeat(horizontal, len(y), axis=0)
+    return np.insert(x, 1, np.tile(y, len(horizontal)), axis=1)
 
 
 def require_thick_outline(discretization: Discretization) -> None:

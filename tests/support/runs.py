@@ -16,6 +16,7 @@ SMALL_CASES = {  # name -> shipped case and overrides, to be cut short with SHOR
     "softening": ("lube-channel-dense", "grid.spacing=0.015"),
     "lifted gate": ("coarse-channel", "grid.spacing=0.0125", "stages.gate_speed=0.5"),
     "slope": ("inclined-channel", "grid.spacing=0.02"),
+    "vertical sides": ("inclined-channel", "grid.spacing=0.02", "geometry.sides=vertical", "stages.gate_speed=0.5"),
     "axisymmetric": ("lube-cylinder", "grid.spacing=0.0139"),
     "base deactivated": ("lube-cylinder", "grid.spacing=0.0139", "method.deactivate_base=true"),
     "layers": ("layered-column", "grid.spacing=0.015"),

@@ -110,3 +110,14 @@ def test_an_outline_that_is_too_thin_for_the_points_is_refused(outline: Outline)
         build_model(case)
     with pytest.raises(UsageError, match=message):
         require_thick_outline(discretize(case))
+
+
+@pytest.mark.parametrize("spacing", [0.02, 0.01, 0.006])
+def test_the_mass_of_a_column_with_vertical_sides_is_exact(spacing: float) -> None:
+    """Plane strain: rho h_i (r_i - h_i tan(slope) / 2)."""
+    case = load_case("inclined-channel", ["geometry.sides=vertical", f"grid.spacing={spacing}"])
+    made, size = build_model(case), case.geometry
+    exact = 1550.0 * size.h_i * (size.r_i - 0.5 * size.h_i * np.tan(np.radians(10.0)))
+    assert made.column_mass == pytest.approx(exact, rel=1e-13)
+    potential = 9.81 * np.cos(np.radians(10.0)) * float(made.points.m @ made.points.x[:, 1])
+    assert column_shape(case, made.discretization).potential_energy(9.81) == pytest.approx(potential, rel=0.01)
