@@ -71,8 +71,6 @@ def _shared(material: Mapping[str, Any], law: Any) -> dict[str, Any]:
 def check_layers(layers: tuple[LayerTable, ...], law: str, geometry: GeometryTable) -> None:
     """Raise PydanticCustomError if layers overlap, begin above the column, have another law, or are too many."""
     height, most = geometry.h_i, MOST_LAYERS[geometry.dimension]
-    if geometry.outline is not None:
-        raise _refusal("layers are for columns given by radius and height, not for geometry.outline")
     if len(layers) > most:
         raise _refusal(f"{len(layers)} layers, expected at most {most} for this model")
     top = 0.0

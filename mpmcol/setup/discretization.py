@@ -40,6 +40,7 @@ class Discretization:
     rows: int  # of points over the height of the column
     warnings: tuple[str, ...]
     outline: Outline | None = None  # of a column that is not given by r_i and h_i
+    layers: tuple[tuple[float, float], ...] = ()  # heights of the lower and the upper ends of those of the column
     lean: float = 0.0  # distance that the sides of the column lean upslope per height: x + lean y is that at the base
 
     @property
@@ -131,12 +132,22 @@ class Discretization:
         axes = np.meshgrid(*[axis] * (self.dimension - 1), indexing="ij")
         return np.stack(axes, axis=-1).reshape(-1, self.dimension - 1)
 
+    def layers_at(self, y: np.ndarray) -> np.ndarray:
+        """Number of the layer of the column at heights y (n,), m, from 1; 0 for the column's own material."""
+        numbers = np.zeros(y.shape, np.intp)
+        for number, (lower, upper) in enumerate(self.layers, 1):
+            numbers[(y >= lower) & (y < upper)] = number
+        return numbers
+
+    @property
+    def row_heights(self) -> np.ndarray:
+        """Heights (rows,) of the points of the column, m."""
+        return self.row_height * (np.arange(self.rows) + 0.5)
+
     def column_lattice(self) -> np.ndarray:
         """Positions (n, d) of the points of the column, m; of an outline, of the rectangle around it."""
         leaning = self.lean * self.h_i if self.outline is None else 0.0
-        positions = stack(
-            self.lattice(max(self.r_i + leaning, self.depth)), self.row_height * (np.arange(self.rows) + 0.5)
-        )
+        positions = stack(self.lattice(max(self.r_i + leaning, self.depth)), self.row_heights)
         if self.outline is not None:
             return positions
         return positions[~np.logical_or.reduce(self.beyond_column(tuple(positions.T)))]
@@ -149,7 +160,8 @@ class Discretization:
         assert self.outline is not None
         x_lines = self.point_size * np.arange(round(self.r_i / self.point_size) + 1)
         y_lines = self.row_height * np.arange(self.rows + 1)
-        shares = point_shares(self.outline, x_lines, y_lines, self.faces[0][0] == AXIS)
+        per_radian, layers = self.faces[0][0] == AXIS, self.layers_at(self.row_heights)
+        shares = point_shares(self.outline, x_lines, y_lines, per_radian, layers)
         if not 0.0 < shares.max() <= MOST_SHARE:
             raise UsageError(
                 f"geometry.outline is thinner than half the distance between points, {self.point_size:.4g} m, over a "
@@ -199,6 +211,7 @@ def discretize(case: Case) -> Discretization:
         rows=max(round(geometry.h_i / h * per_axis), 1),
         warnings=tuple(warnings),
         outline=geometry.polygon,
+        layers=tuple((layer.from_, layer.to) for layer in case.layers),
         lean=geometry.lean,
     )
 

@@ -14,7 +14,7 @@ from mpmcol.mpm.boundary import AXIS, CONTACT, GATE, Boundary, apply_boundaries,
 from mpmcol.mpm.constitutive import LAWS, elastic
 from mpmcol.mpm.contact import Contacts, make_contacts
 from mpmcol.mpm.grid import TILE, Grid, allocate_grid, node_coordinates
-from mpmcol.mpm.particles import BASE, LAYER, Points
+from mpmcol.mpm.particles import BASE, COLUMN, LAYER, Points
 from mpmcol.mpm.settings import Scheme, Settings
 from mpmcol.mpm.solver import Body, Solver
 from mpmcol.setup.discretization import Discretization, discretize, stack
@@ -216,8 +216,8 @@ def make_points(case: Case, discretization: Discretization) -> Points:
     points = Points(len(column) + len(below), discretization.dimension)
     points.x[:] = np.concatenate([column, below])
     points.kind[len(column) :] = BASE
-    for number, layer in enumerate(case.layers):
-        points.kind[: len(column)][(column[:, 1] >= layer.from_) & (column[:, 1] < layer.to)] = LAYER + number
+    layers = discretization.layers_at(column[:, 1])
+    points.kind[: len(column)] = np.where(layers > 0, LAYER - 1 + layers, COLUMN)
     area = size ** (discretization.dimension - 1)
     sizes = np.where(points.kind == BASE, area * size, area * dy)
     points.V0[:] = discretization.geometry.volumes(sizes, points.x)

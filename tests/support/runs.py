@@ -20,7 +20,13 @@ SMALL_CASES = {  # name -> shipped case and overrides, to be cut short with SHOR
     "axisymmetric": ("lube-cylinder", "grid.spacing=0.0139"),
     "base deactivated": ("lube-cylinder", "grid.spacing=0.0139", "method.deactivate_base=true"),
     "layers": ("layered-column", "grid.spacing=0.015"),
-    "outline": ("channel", "grid.spacing=0.015", "geometry.outline=[[0, 0], [0.2, 0], [0, 0.2]]", "stages.gate=false"),
+    "outline": (
+        "channel",
+        "grid.spacing=0.015",
+        "geometry.outline=[[0, 0], [0.2, 0], [0, 0.2]]",
+        "stages.gate=false",
+        "layers=[{ from = 0.05, to = 0.1, material = { density = 1500 } }]",
+    ),
     "granular bed": ("granular-bed", "grid.spacing=0.015"),
     "quarter": ("quarter", "grid.spacing=0.0194", "geometry.aspect=0.4", "stages.initial_stress=k0"),
     "friction": (
