@@ -62,6 +62,15 @@ def with_column_material(layer: Any, material: Mapping[str, Any]) -> Any:
     return {**layer, "material": {**_shared(material, own.get("law", material.get("law"))), **own}}
 
 
+def with_law_of_column(case: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The tables of a case with the law of the column in its layers, so that they are checked if it is invalid."""
+    material, layers = case.get("material"), case.get("layers")
+    law = material.get("law") if isinstance(material, dict) else None
+    if law not in LAWS or not isinstance(layers, (list, tuple)):
+        return case
+    return {**case, "layers": [with_column_material(layer, {"law": law}) for layer in layers]}
+
+
 def _shared(material: Mapping[str, Any], law: Any) -> dict[str, Any]:
     """Keys of a material that one with this law has as well."""
     keys = material if material.get("law") == law else elastic.Elasticity.model_fields

@@ -27,7 +27,8 @@ from mpmcol.case.slope import slope_factor
 from mpmcol.errors import NumericalFailure
 from mpmcol.experiments import expected_runout
 from mpmcol.io.results import Results
-from mpmcol.setup.unfit_settings import MOST_SHORTENING, elastic_shortening
+from mpmcol.setup.shortening import elastic_shortening
+from mpmcol.setup.unfit_settings import MOST_SHORTENING
 from mpmcol.simulation.run import run
 from mpmcol.studies.definition import as_text
 from mpmcol.sweep.runs import PlannedRun

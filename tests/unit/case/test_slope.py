@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from mpmcol.case import case_hash, experiment_of, load_case, strength_of
+from mpmcol.case import case_hash, conditions_of, experiment_of, load_case
 from mpmcol.case.slope import LARGEST_FACTOR, endless_flow, slope_factor
 from tests.support.case_files import GOOD, Write, only_problem
 
@@ -71,7 +71,7 @@ def test_no_experiment_applies_to_a_slope() -> None:
     case = load_case("coarse-channel", ["geometry.slope_deg=10"])
     assert experiment_of(case).laws == () and "slope of 10 deg" in experiment_of(case).title
     own = experiment_of(load_case("coarse-channel"))
-    assert own.laws and own.misfit(strength_of(case)) == "for a horizontal base; here it slopes by 10 deg"
+    assert own.laws and own.misfit(conditions_of(case)) == "for a horizontal base; here it slopes by 10 deg"
 
 
 def test_a_floor_with_less_friction_than_the_material_limits_the_slope() -> None:
