@@ -27,7 +27,7 @@ def point_shares(
         x_lines, y_lines: edges of the cells, (n_x + 1,) and (n_y + 1,), m, from 0 to at least the size of the outline.
         per_radian: whether volumes are per radian about x = 0 (axisymmetric), not per metre (plane strain).
         layers: number of the layer of each row of cells, (n_y,): small parts are added to points of the same layer, so
-            that the mass of each layer is exact, too. A layer without a point is added to the nearest ones.
+            that the mass of each layer is also exact. A layer without a point is added to the nearest ones.
     """
     power = 2 if per_radian else 1
     cell = np.outer(np.diff(x_lines**power) / power, np.diff(y_lines))

@@ -93,7 +93,7 @@ def test_a_column_that_its_own_weight_compresses_by_a_third_is_refused(tmp_path:
 
 
 def test_a_soft_layer_and_a_soft_bed_shorten_the_column_as_a_stiff_one_does_not() -> None:
-    """Half the column with a modulus n times smaller: the shortening is (3 n + 1) / 4 of the uniform one, or (n + 3) / 4."""
+    """Half of it n times softer: the shortening is (3 n + 1) / 4 or (n + 3) / 4 of the uniform one."""
     uniform = elastic_shortening(load_case("layered-column", ["layers=[]"]))
     soft = "material = { youngs_modulus = 2e5 }"
     lower, upper = (
