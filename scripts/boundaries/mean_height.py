@@ -37,8 +37,6 @@ VARIANTS = {
     "Taylor-FLIP, stress filter and damping, h = 15 mm": (
         "grid.spacing=0.015", "method.stress_filter=flow", "stages.collapse.damping=0.05",
     ),
-    "FLIP, h = 15 mm, phi = 32": ("method.transfer=flip", "grid.spacing=0.015", "material.friction_deg=32"),
-    "FLIP, h = 15 mm, rough floor": ("method.transfer=flip", "grid.spacing=0.015", "friction.floor=10"),
 }  # fmt: skip
 
 

@@ -16,7 +16,7 @@ from matplotlib.ticker import MaxNLocator
 from mpmcol.case.geometry import GeometryTable
 from mpmcol.experiments import OUTLINE
 from mpmcol.io.snapshot import Snapshot
-from mpmcol.plotting.captions import tables_of_snapshot
+from mpmcol.plotting.captions import geometry_of_snapshot, tables_of_snapshot
 from mpmcol.plotting.profiles import draw_gravity
 from mpmcol.plotting.render.coloring import Coloring
 from mpmcol.plotting.render.frame import (
@@ -90,7 +90,7 @@ class SideView(View):
 
     @cached_property
     def _geometry(self) -> GeometryTable:
-        return GeometryTable(**self._case.get("geometry", {"model": self.meta["model"]}))
+        return geometry_of_snapshot(self.meta)
 
     @cached_property
     def _case(self) -> dict[str, Any]:
