@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from mpmcol.api.arguments import Notify, as_results, warn
-from mpmcol.case import strength_of
+from mpmcol.case import conditions_of
 from mpmcol.errors import OutputError
 from mpmcol.experiments import ProfileScore, Score, profile_scores, score
 from mpmcol.io.glossary import ENERGY_UNITS
@@ -69,7 +69,7 @@ def measure(run: Results | Path | str, snapshot: int = -1, *, notify: Notify = w
         stop_time=stop,
         energy_released=_energy_released(results) if is_last else None,
         energy_unit=ENERGY_UNITS[shape.model][1],
-        scores=score(values, shape.a, shape.model, shape.section, strength_of(results.case)),
+        scores=score(values, shape.a, shape.model, shape.section, conditions_of(results.case)),
         profiles=profile_scores(
             measurement.profile_x,
             measurement.profile_y,

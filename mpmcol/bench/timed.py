@@ -50,7 +50,8 @@ def make_vector_steps(dimension: int, column_law: ConstitutiveLaw, base_law: Con
             times[k, 2] = seconds()
             update_grid(grid, contacts, tiles, settings, smallest_mass, dt, node_report)
             times[k, 3] = seconds()
-            update_points(rows, grid, tiles, settings, column, base, c2_column, c2_base, dt, tile_report)
+            side_rate = dt * contacts.side_friction
+            update_points(rows, grid, tiles, settings, column, base, c2_column, c2_base, dt, side_rate, tile_report)
             times[k, 4] = seconds()
             sum_nodes(node_report, ledger)
             sum_points(tile_report, ledger, clock, settings.cfl * grid.h)

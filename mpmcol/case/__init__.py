@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+from mpmcol.case.conditions import conditions_of, experiment_of
 from mpmcol.case.load import flattened_text, load_case, resolved_toml
 from mpmcol.case.markdown import markdown_reference
 from mpmcol.case.problem import Problem
 from mpmcol.case.reference import explain, hint_for, json_schema, key_names
 from mpmcol.case.schema import Case
 from mpmcol.case.source import shipped_cases
-from mpmcol.case.strength import experiment_of, strength_of
 from mpmcol.case.values import case_hash
 
 __all__ = [
     "Case",
     "Problem",
     "case_hash",
+    "conditions_of",
     "experiment_of",
     "explain",
     "flattened_text",
@@ -25,5 +26,4 @@ __all__ = [
     "markdown_reference",
     "resolved_toml",
     "shipped_cases",
-    "strength_of",
 ]

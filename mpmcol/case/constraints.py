@@ -74,6 +74,15 @@ def _ends_before(outline: Outline | None, limit: float | None, axis: int) -> boo
     return outline is None or limit is None or extent(outline)[axis] < limit
 
 
+def _top_is_wide(
+    sides: str, slope: float, model: str, radius: float | None, height: float | None, aspect: float | None
+) -> bool:
+    """Whether a plane column with vertical sides has a top: r_i > h_i tan(slope)."""
+    if sides == "normal" or model != "plane" or radius is None:
+        return True
+    return radius > (radius * (aspect or 0.0) if height is None else height) * math.tan(math.radians(slope))
+
+
 FILTER_STRENGTH = 0.5  # default of method.filter_strength
 _3D = ("quarter", "full")
 _ORDERED_ANGLES = (
@@ -123,6 +132,35 @@ CONSTRAINTS = (
         ("geometry.slope_deg", "geometry.release"),
         lambda slope, release: slope == 0.0 or release == "one-sided",
         'must be 0 with {1}: the two sides of a slope differ; use "one-sided"',
+    ),
+    Constraint(
+        ("geometry.sides", "geometry.slope_deg"),
+        lambda sides, slope: sides == "normal" or slope > 0.0,
+        "has no meaning with {1}, where vertical sides are normal to the base: remove it",
+    ),
+    Constraint(
+        ("geometry.sides", "geometry.outline"),
+        lambda sides, outline: sides == "normal" or outline is None,
+        "must be absent with {1}: its points describe the sides",
+    ),
+    Constraint(
+        ("geometry.sides", "stages.initial_stress", "geometry.model"),
+        lambda sides, stress, model: sides == "normal" or stress != "k0" or model == "plane",
+        'must be "normal" with {1} and {2}: only gravity loading finds the stress of a column that leans to all sides; '
+        'set stages.initial_stress = "gravity"',
+    ),
+    Constraint(
+        (
+            "geometry.sides",
+            "geometry.slope_deg",
+            "geometry.model",
+            "geometry.radius",
+            "geometry.height",
+            "geometry.aspect",
+        ),
+        _top_is_wide,
+        "leads the front of the column to the wall below its top, with {1}, {3}, {4} and {5}: give a larger "
+        "geometry.radius, or describe the triangle by geometry.outline",
     ),
     Constraint(
         ("geometry.section", "geometry.model"),

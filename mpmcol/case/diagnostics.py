@@ -53,8 +53,12 @@ def _without_derived(located: list[tuple[KeyPath, ErrorDetails]]) -> list[tuple[
     """Without keys of base and layers that are missing because what they follow from is invalid."""
     if not any(key[0] in ("geometry", "material") for key, _ in located):
         return located
-    inherits = ("base_material", "layers")
-    return [(key, error) for key, error in located if key[0] not in inherits or error["type"] != "missing"]
+    return [(key, error) for key, error in located if not _is_inherited(key) or error["type"] != "missing"]
+
+
+def _is_inherited(key: KeyPath) -> bool:
+    """Whether a key that is not given is that of the column's material: of the base, or of the material of a layer."""
+    return key[0] == "base_material" or (key[0] == "layers" and "material" in key[2:-1])
 
 
 def _complete(tables: dict[str, Any], invalid_keys: set[KeyPath]) -> dict[str, Any]:

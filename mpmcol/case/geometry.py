@@ -59,12 +59,17 @@ class GeometryTable(Table):
     )
     gravity: float = quantity("gravitational acceleration g", "m/s2", 9.81, gt=0)
     slope_deg: float = quantity(
-        "inclination of the base, downward along x; the column stands normal to the base; plane one-sided and full "
-        "models",
+        'inclination of the base, downward along x; the column stands normal to the base unless sides = "vertical"; '
+        "plane one-sided and full models",
         "deg",
         0.0,
         ge=0,
         lt=90,
+    )
+    sides: Literal["normal", "vertical"] = option(
+        "sides of a column on a slope: normal to the base, or parallel to gravity; the wall of a plane column stays "
+        "normal to the base",
+        "normal",
     )
 
     @property
@@ -108,9 +113,22 @@ class GeometryTable(Table):
         return self.aspect if self.aspect is not None else self.h_i / self.r_i
 
     @property
+    def lean(self) -> float:
+        """Distance that vertical sides lean upslope per height above the base: x = r_i - lean y; 0 for normal ones."""
+        return math.tan(math.radians(self.slope_deg)) if self.sides == "vertical" else 0.0
+
+    @property
+    def polygon(self) -> Outline | None:
+        """Outline of a two-dimensional column that is not given by r_i and h_i alone, m; None for others."""
+        if self.lean == 0.0 or self.dimension == 3:
+            return self.outline
+        r_i, h_i = self.r_i, self.h_i
+        return (0.0, 0.0), (r_i, 0.0), (r_i - self.lean * h_i, h_i), (0.0, h_i)
+
+    @property
     def is_rectangle(self) -> bool:
         """Whether the column is a rectangle in the plane of x and y, as those of the experiments."""
-        return self.outline is None or is_rectangle(self.outline)
+        return self.polygon is None or is_rectangle(self.polygon)
 
     @property
     def column_section(self) -> str:

@@ -62,6 +62,15 @@ def with_column_material(layer: Any, material: Mapping[str, Any]) -> Any:
     return {**layer, "material": {**_shared(material, own.get("law", material.get("law"))), **own}}
 
 
+def with_law_of_column(case: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The tables of a case with the law of the column in its layers, so that they are checked if it is invalid."""
+    material, layers = case.get("material"), case.get("layers")
+    law = material.get("law") if isinstance(material, dict) else None
+    if law not in LAWS or not isinstance(layers, (list, tuple)):
+        return case
+    return {**case, "layers": [with_column_material(layer, {"law": law}) for layer in layers]}
+
+
 def _shared(material: Mapping[str, Any], law: Any) -> dict[str, Any]:
     """Keys of a material that one with this law has as well."""
     keys = material if material.get("law") == law else elastic.Elasticity.model_fields
@@ -71,8 +80,6 @@ def _shared(material: Mapping[str, Any], law: Any) -> dict[str, Any]:
 def check_layers(layers: tuple[LayerTable, ...], law: str, geometry: GeometryTable) -> None:
     """Raise PydanticCustomError if layers overlap, begin above the column, have another law, or are too many."""
     height, most = geometry.h_i, MOST_LAYERS[geometry.dimension]
-    if geometry.outline is not None:
-        raise _refusal("layers are for columns given by radius and height, not for geometry.outline")
     if len(layers) > most:
         raise _refusal(f"{len(layers)} layers, expected at most {most} for this model")
     top = 0.0

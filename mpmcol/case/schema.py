@@ -10,7 +10,14 @@ from pydantic_core import PydanticCustomError
 from mpmcol.case.constraints import violations
 from mpmcol.case.friction import FrictionTable
 from mpmcol.case.geometry import GeometryTable
-from mpmcol.case.materials import LayerTable, Material, check_layers, with_column_material, with_inherited_keys
+from mpmcol.case.materials import (
+    LayerTable,
+    Material,
+    check_layers,
+    with_column_material,
+    with_inherited_keys,
+    with_law_of_column,
+)
 from mpmcol.case.slope import slope_factor
 from mpmcol.case.tables import (
     GridTable,
@@ -50,6 +57,12 @@ class Case(Table):
     stages: StagesTable = Field(default=StagesTable(), validate_default=True, description="stages of the run")
     output: OutputTable = option("output files", OutputTable())
     score: ScoreTable = option("comparison with an experiment", ScoreTable())
+
+    @model_validator(mode="before")
+    @classmethod
+    def _resolve_law_of_layers(cls, case: Any) -> Any:
+        """Resolve the law of layers, also if another key of the column's material is invalid."""
+        return with_law_of_column(case) if isinstance(case, dict) else case
 
     @field_validator("grid", mode="before")
     @classmethod

@@ -43,6 +43,8 @@ def case_hash(case: Case) -> str:
         del content["geometry"]["outline"]
     if case.stages.gate:
         del content["stages"]["gate"]
+    if case.geometry.sides == "normal":
+        del content["geometry"]["sides"]
     if case.geometry.slope_deg == 0.0:  # without effect: the hash is that of a case without the key
         del content["geometry"]["slope_deg"]
     content["friction"] = {key: value for key, value in content["friction"].items() if value is not None}

@@ -33,6 +33,7 @@ def check(case: str, aspect: str | None, overrides: tuple[str, ...], resolved: b
     kind = column.model if column.dimension == 2 else f"{column.model} {column.section}"
     kind += f", outline of {len(column.outline)} points" if column.outline else ""
     slope = f"slope {column.slope_deg:g} deg, " if column.slope_deg else ""
+    slope += "vertical sides, " if column.lean else ""
     click.echo(
         f"{case}: no problems. {loaded.title or 'Untitled'}: {kind}, {loaded.material.law}, "
         f"r_i = {column.r_i:g} m, h_i = {column.h_i:g} m, a = {column.a:g}, {slope}h = {discretization.h:g} m, "

@@ -13,13 +13,13 @@ from numpy.typing import ArrayLike
 from mpmcol.errors import UsageError, suggestion
 from mpmcol.experiments.base import (
     OUTLINE,
+    Conditions,
     Experiment,
     Law,
     Piece,
     Profile,
     ProfileScore,
     Score,
-    Strength,
     column_kind,
     mark,
 )
@@ -44,6 +44,7 @@ from mpmcol.experiments.scores import score_laws, score_profile
 __all__ = [
     "EXPERIMENTS",
     "OUTLINE",
+    "Conditions",
     "Experiment",
     "ExperimentRecord",
     "Law",
@@ -51,7 +52,6 @@ __all__ = [
     "Profile",
     "ProfileScore",
     "Score",
-    "Strength",
     "column_kind",
     "expected_runout",
     "find_experiment",
@@ -130,7 +130,7 @@ def find_experiment(name: str, model: str, section: str = "cylinder", slope_deg:
 
 
 def score(
-    measured: Any, a: float, model: str, section: str = "cylinder", strength: Strength | None = None
+    measured: Any, a: float, model: str, section: str = "cylinder", conditions: Conditions | None = None
 ) -> list[Score]:
     """Errors against every published law for columns of this kind (see `column_kind`) at aspect ratio a.
 
@@ -140,13 +140,13 @@ def score(
         a: aspect ratio h_i / r_i.
         model: "plane", "axisymmetric", "quarter" or "full".
         section: horizontal section of a 3D column, "cylinder" or "box"; "outline" of a column that is no rectangle.
-        strength: of the material; without it, materials are not compared.
+        conditions: material, slope and layers; without them, they are not compared.
 
     Laws are not extrapolated: where a law has no value at a, or the material does not resemble that of the experiment,
     the score has no error and its comment gives the reason. A law shared by several records is scored once, under the
     first name (the paper's).
     """
-    return score_laws(EXPERIMENTS, measured, a, column_kind(model, section), strength)
+    return score_laws(EXPERIMENTS, measured, a, column_kind(model, section), conditions)
 
 
 def profile_score(profile_x: ArrayLike, profile_y: ArrayLike, experiment: Experiment) -> ProfileScore | None:

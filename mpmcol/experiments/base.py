@@ -102,8 +102,8 @@ class Profile:
 
 
 @dataclass(frozen=True)
-class Strength:
-    """Strength of the material of a column, and the slope that it resists; experiments are selected by them."""
+class Conditions:
+    """Material, slope and layers of a column; experiments are selected by them."""
 
     friction_deg: float | None  # residual, of a softening material; None without a yield surface
     cohesion: float  # relative to rho g h_i
@@ -143,19 +143,19 @@ class Experiment:
         value = law(a) if law else None
         return None if law is None or value is None else (value, law.scatter * value)
 
-    def misfit(self, strength: Strength) -> str:
+    def misfit(self, conditions: Conditions) -> str:
         """Why the column's material or base does not resemble that of the experiment; "" if both do."""
         lo, hi = self.friction_deg
-        if strength.has_layers:
+        if conditions.has_layers:
             return "for a column of one material; here it has layers"
-        if strength.slope_deg:
-            return f"for a horizontal base; here it slopes by {strength.slope_deg:g} deg"
-        if strength.cohesion > MAX_COHESION:
-            return f"for grains without cohesion; here it is {strength.cohesion:.2g} rho g h_i"
-        if strength.friction_deg is None:
+        if conditions.slope_deg:
+            return f"for a horizontal base; here it slopes by {conditions.slope_deg:g} deg"
+        if conditions.cohesion > MAX_COHESION:
+            return f"for grains without cohesion; here it is {conditions.cohesion:.2g} rho g h_i"
+        if conditions.friction_deg is None:
             return f"for friction of {lo:g} to {hi:g} deg; this material has none"
-        if not lo <= strength.friction_deg <= hi:
-            return f"for friction of {lo:g} to {hi:g} deg; here it is {strength.friction_deg:g} deg"
+        if not lo <= conditions.friction_deg <= hi:
+            return f"for friction of {lo:g} to {hi:g} deg; here it is {conditions.friction_deg:g} deg"
         return ""
 
     @property

@@ -8,16 +8,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mpmcol.experiments.base import Experiment, Law, Profile, ProfileScore, Score, Strength, mark
+from mpmcol.experiments.base import Conditions, Experiment, Law, Profile, ProfileScore, Score, mark
 
 
 def score_laws(
-    experiments: Mapping[str, Experiment], measured: Any, a: float, kind: str, strength: Strength | None
+    experiments: Mapping[str, Experiment], measured: Any, a: float, kind: str, conditions: Conditions | None
 ) -> list[Score]:
     """Scores against every law for columns of this kind; a law in several records is scored once, under the first."""
     values = list(_values(measured))
     return [
-        _score(experiment, law, front, value, a, strength)
+        _score(experiment, law, front, value, a, conditions)
         for experiment, law in _laws(experiments, kind)
         for quantity, front, value in values
         if quantity == law.quantity
@@ -51,8 +51,10 @@ def _values(measured: Any) -> Iterator[tuple[str, str, float]]:
             yield quantity, front, number["mean"] if isinstance(number, Mapping) else number
 
 
-def _score(experiment: Experiment, law: Law, front: str, value: float, a: float, strength: Strength | None) -> Score:
-    misfit = experiment.misfit(strength) if strength else ""
+def _score(
+    experiment: Experiment, law: Law, front: str, value: float, a: float, conditions: Conditions | None
+) -> Score:
+    misfit = experiment.misfit(conditions) if conditions else ""
     expected = None if misfit else law(a)
     return Score(
         experiment=experiment.name,

@@ -37,6 +37,7 @@ class ColumnShape:
     slope_deg: float = 0.0  # inclination of the base, downward along x, degrees
     outline: tuple[tuple[float, float], ...] | None = None  # counterclockwise, m; None for a rectangle
     gate: bool = True  # whether a gate at r_i held the column
+    lean: float = 0.0  # distance that its sides lean upslope per height; 0 if they are normal to the base
 
     @property
     def a(self) -> float:
@@ -51,6 +52,8 @@ class ColumnShape:
     @property
     def proportions(self) -> str:
         """The aspect ratio in a text, or that the column is no rectangle."""
+        if self.lean:
+            return f"a = {self.a:.3g}, vertical sides"
         return f"a = {self.a:.3g}" if self.outline is None else f"outline of {len(self.outline)} points"
 
     @property
@@ -100,7 +103,8 @@ class ColumnShape:
     def surface(self) -> NDArray[np.float64]:
         """Line of the surface as released, (2, n), m; the closed outline of a column that is no rectangle."""
         if self.outline is None:
-            return np.array([[0.0, self.r_i, self.r_i], [self.h_i, self.h_i, 0.0]])
+            top = self.r_i - self.lean * self.h_i
+            return np.array([[0.0, top, self.r_i], [self.h_i, self.h_i, 0.0]])
         return np.array([*self.outline, self.outline[0]]).T
 
     @property
@@ -116,11 +120,9 @@ class ColumnShape:
 
         J; per metre of width in plane strain, per radian in axisymmetry.
         """
-        moment = self.footprint * self.h_i**2 / 2.0 if self.outline is None else self._moment_of_outline()
-        total = self.density * moment
+        total = self.density * self._moment(0.0, self.h_i)
         for layer in self.layers:
-            difference = (min(layer.upper, self.h_i) ** 2 - layer.lower**2) / 2.0
-            total += (layer.density - self.density) * difference * self.footprint
+            total += (layer.density - self.density) * self._moment(layer.lower, min(layer.upper, self.h_i))
         return total * gravity * cos(radians(self.slope_deg))
 
     def uniform_mass(self, mass: np.ndarray, material: np.ndarray) -> np.ndarray:
@@ -133,10 +135,27 @@ class ColumnShape:
         densities = np.array([self.density, np.nan, *(layer.density for layer in self.layers)])
         return np.asarray(mass * (self.density / densities[material]))
 
-    def _moment_of_outline(self) -> float:
-        """Integral of y, in axisymmetry of x y, over the outline, as a sum over its edges (Green's theorem)."""
-        (x, x_next), (y, y_next) = ((values[:-1], values[1:]) for values in self.surface)
+    def _moment(self, lower: float, upper: float) -> float:
+        """Integral of y, in axisymmetry of x y, over the part of the column between two heights."""
+        if self.outline is None:
+            return (upper**2 - lower**2) / 2.0 * self.footprint
+        return self._moment_of_outline(*_between(self.surface, lower, upper))
+
+    def _moment_of_outline(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> float:
+        """That of a closed polygon, as a sum over its edges (Green's theorem)."""
+        (x, x_next), (y, y_next) = ((values[:-1], values[1:]) for values in (x, y))
         edges = (x * y_next - x_next * y) / 24.0
         if self.is_round:
             return float(np.sum(edges * (2.0 * x * y + x * y_next + x_next * y + 2.0 * x_next * y_next)))
         return float(np.sum(edges * 4.0 * (y + y_next)))
+
+
+def _between(polygon: NDArray[np.float64], lower: float, upper: float) -> tuple[NDArray[np.float64], ...]:
+    """The part of a closed polygon (2, n) between two heights; parts of its edges run along them and cancel."""
+    x, y = polygon
+    for level in (lower, upper):
+        crossed = np.flatnonzero((y[:-1] - level) * (y[1:] - level) < 0.0)
+        share = (level - y[crossed]) / (y[crossed + 1] - y[crossed])
+        x = np.insert(x, crossed + 1, x[crossed] + share * (x[crossed + 1] - x[crossed]))
+        y = np.insert(y, crossed + 1, level)
+    return x, np.clip(y, lower, upper)

@@ -10,6 +10,7 @@ from typing import Any
 
 from mpmcol.case import Case
 from mpmcol.case.fields import number_of
+from mpmcol.case.geometry import GeometryTable
 from mpmcol.case.reference import field_at
 from mpmcol.case.values import leaf_values
 from mpmcol.experiments import OUTLINE
@@ -48,6 +49,11 @@ def tables_of_snapshot(meta: Meta) -> dict[str, Any]:
     with contextlib.suppress(tomllib.TOMLDecodeError):
         return tomllib.loads(str(meta.get("case", "")))
     return {}
+
+
+def geometry_of_snapshot(meta: Meta) -> GeometryTable:
+    """The table geometry of the resolved case; with defaults if another program wrote the snapshot."""
+    return GeometryTable(**{"model": meta["model"], **tables_of_snapshot(meta).get("geometry", {})})
 
 
 def common_heading(title: str, runs: Sequence[tuple[Case, ColumnShape]]) -> Heading:

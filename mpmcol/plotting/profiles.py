@@ -48,16 +48,20 @@ def set_up_axes(
     )
     axes.plot(*(factor * shape.surface), label="column at release", **RELEASED)
     if shape.gate:
-        draw_gate(axes, factor * shape.r_i)
+        draw_gate(axes, factor * shape.r_i, shape.lean)
     axes.axhline(0.0, color="black", linewidth=0.8, zorder=0)
     return float(top / length)
 
 
-def draw_gate(axes: Axes, position: float) -> None:
-    """A thin vertical line at r_i over the height of the axes, with its name."""
-    axes.axvline(position, label="gate", **GATE_STYLE)
+def draw_gate(axes: Axes, position: float, lean: float = 0.0) -> None:
+    """A thin line from r_i on the base over the height of the axes, with its name; lean: as of the column."""
+    top = position - lean * axes.get_ylim()[1]
+    if lean:
+        axes.axline((position, 0.0), (position - lean, 1.0), label="gate", **GATE_STYLE)
+    else:
+        axes.axvline(position, label="gate", **GATE_STYLE)
     axes.annotate(
-        "gate", (position, 1.0), (3.0, -3.0), xycoords=axes.get_xaxis_transform(), textcoords="offset points",
+        "gate", (top, 1.0), (3.0, -3.0), xycoords=axes.get_xaxis_transform(), textcoords="offset points",
         ha="left", va="top", fontsize="small", color=GATE_STYLE["color"],
     )  # fmt: skip
 

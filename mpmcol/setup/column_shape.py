@@ -22,6 +22,7 @@ def column_shape(case: Case, discretization: Discretization) -> ColumnShape:
         depth=discretization.depth,
         layers=tuple(Layer(layer.from_, layer.to, layer.material.density) for layer in case.layers),
         slope_deg=case.geometry.slope_deg,
-        outline=None if case.geometry.is_rectangle else case.geometry.outline,
+        outline=None if case.geometry.is_rectangle else case.geometry.polygon,
+        lean=case.geometry.lean,
         gate=case.stages.gate,
     )

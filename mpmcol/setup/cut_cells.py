@@ -17,16 +17,18 @@ LEAST_SHARE = 0.5  # of its cell: the smallest volume of a point
 ROUND_OFF = 1e-11  # shares that are closer to 0 or 1 are 0 or 1
 
 
-def point_shares(outline: Outline, x_lines: np.ndarray, y_lines: np.ndarray, per_radian: bool) -> np.ndarray:
+def point_shares(
+    outline: Outline, x_lines: np.ndarray, y_lines: np.ndarray, per_radian: bool, layers: np.ndarray | None = None
+) -> np.ndarray:
     """Volume of each point over that of its cell, (n_x, n_y); 0 for cells without a point.
 
     Args:
         outline: counterclockwise.
         x_lines, y_lines: edges of the cells, (n_x + 1,) and (n_y + 1,), m, from 0 to at least the size of the outline.
         per_radian: whether volumes are per radian about x = 0 (axisymmetric), not per metre (plane strain).
+        layers: number of the layer of each row of cells, (n_y,): small parts are added to points of the same layer, so
+            that the mass of each layer is also exact. A layer without a point is added to the nearest ones.
     """
-    from scipy.ndimage import distance_transform_edt  # here, since it takes long to import
-
     power = 2 if per_radian else 1
     cell = np.outer(np.diff(x_lines**power) / power, np.diff(y_lines))
     volume = _volumes(outline, x_lines, y_lines, power)
@@ -36,10 +38,23 @@ def point_shares(outline: Outline, x_lines: np.ndarray, y_lines: np.ndarray, per
     if not is_point.any():
         return np.zeros_like(share)
     sizes = x_lines[1] - x_lines[0], y_lines[1] - y_lines[0]
-    nearest = distance_transform_edt(~is_point, sizes, return_distances=False, return_indices=True)
     merged = np.zeros_like(share)
-    np.add.at(merged, tuple(nearest), share * cell)
+    np.add.at(merged, tuple(_nearest_points(is_point, sizes, layers)), share * cell)
     return merged / cell
+
+
+def _nearest_points(is_point: np.ndarray, sizes: tuple[float, float], layers: np.ndarray | None) -> np.ndarray:
+    """Indices (2, n_x, n_y) of the nearest cell with a point, of the same layer if that has one."""
+    from scipy.ndimage import distance_transform_edt  # here, since it takes long to import
+
+    nearest = np.empty((2, *is_point.shape), np.intp)
+    rows = np.zeros(is_point.shape[1], np.intp) if layers is None else layers
+    for layer in np.unique(rows):
+        own = rows == layer
+        candidates = is_point & own if (is_point & own).any() else is_point
+        found = distance_transform_edt(~candidates, sizes, return_distances=False, return_indices=True)
+        nearest[:, :, own] = found[:, :, own]
+    return nearest
 
 
 def _volumes(outline: Outline, x_lines: np.ndarray, y_lines: np.ndarray, power: int) -> np.ndarray:

@@ -40,6 +40,8 @@ class Discretization:
     rows: int  # of points over the height of the column
     warnings: tuple[str, ...]
     outline: Outline | None = None  # of a column that is not given by r_i and h_i
+    layers: tuple[tuple[float, float], ...] = ()  # heights of the lower and the upper ends of those of the column
+    lean: float = 0.0  # distance that the sides of the column lean upslope per height: x + lean y is that at the base
 
     @property
     def geometry(self) -> Geometry:
@@ -102,9 +104,13 @@ class Discretization:
             return wide * self.rows + along * below
         return (4 if self.is_full else 1) * (wide * deep * self.rows + along**2 * below)
 
-    def beyond_column(self, horizontal: tuple[np.ndarray, ...], tolerance: float = 0.0) -> tuple[np.ndarray, ...]:
-        """For each horizontal axis, where positions are at or beyond the surface of the column (tolerance in m)."""
-        return self.geometry.beyond(horizontal, self.r_i - tolerance, self.depth - tolerance)
+    def beyond_column(self, position: tuple[np.ndarray, ...], tolerance: float = 0.0) -> tuple[np.ndarray, ...]:
+        """For each horizontal axis, where positions are at or beyond the sides of the column (tolerance in m).
+
+        position: x, y and, in three dimensions, z.
+        """
+        x, y, *z = position
+        return self.geometry.beyond((x + self.lean * y, *z), self.r_i - tolerance, self.depth - tolerance)
 
     def in_end_zone(self, x: np.ndarray) -> np.ndarray:
         """Whether points at x (n, d) are in the zone of held nodes of an open end, or less than a cell from it."""
@@ -126,9 +132,24 @@ class Discretization:
         axes = np.meshgrid(*[axis] * (self.dimension - 1), indexing="ij")
         return np.stack(axes, axis=-1).reshape(-1, self.dimension - 1)
 
+    def layers_at(self, y: np.ndarray) -> np.ndarray:
+        """Number of the layer of the column at heights y (n,), m, from 1; 0 for the column's own material."""
+        numbers = np.zeros(y.shape, np.intp)
+        for number, (lower, upper) in enumerate(self.layers, 1):
+            numbers[(y >= lower) & (y < upper)] = number
+        return numbers
+
+    @property
+    def row_heights(self) -> np.ndarray:
+        """Heights (rows,) of the points of the column, m."""
+        return self.row_height * (np.arange(self.rows) + 0.5)
+
     def column_lattice(self) -> np.ndarray:
-        """Horizontal positions (n, d - 1) of the points of the column, m."""
-        positions = self.lattice(max(self.r_i, self.depth))
+        """Positions (n, d) of the points of the column, m; of an outline, of the rectangle around it."""
+        leaning = self.lean * self.h_i if self.outline is None else 0.0
+        positions = stack(self.lattice(max(self.r_i + leaning, self.depth)), self.row_heights)
+        if self.outline is not None:
+            return positions
         return positions[~np.logical_or.reduce(self.beyond_column(tuple(positions.T)))]
 
     def outline_shares(self) -> np.ndarray:
@@ -139,7 +160,8 @@ class Discretization:
         assert self.outline is not None
         x_lines = self.point_size * np.arange(round(self.r_i / self.point_size) + 1)
         y_lines = self.row_height * np.arange(self.rows + 1)
-        shares = point_shares(self.outline, x_lines, y_lines, self.faces[0][0] == AXIS)
+        per_radian, layers = self.faces[0][0] == AXIS, self.layers_at(self.row_heights)
+        shares = point_shares(self.outline, x_lines, y_lines, per_radian, layers)
         if not 0.0 < shares.max() <= MOST_SHARE:
             raise UsageError(
                 f"geometry.outline is thinner than half the distance between points, {self.point_size:.4g} m, over a "
@@ -151,7 +173,7 @@ class Discretization:
         """Height of the material of the column above positions, m; on and below the base all of it."""
         if self.outline is not None:
             return material_above(self.outline, horizontal[0], np.maximum(y, 0.0))
-        beyond = np.logical_or.reduce(self.beyond_column(horizontal))
+        beyond = np.logical_or.reduce(self.beyond_column((horizontal[0], y, *horizontal[1:])))
         return np.where(beyond, 0.0, self.h_i - np.maximum(y, 0.0))
 
 
@@ -188,8 +210,16 @@ def discretize(case: Case) -> Discretization:
         points_per_axis=per_axis,
         rows=max(round(geometry.h_i / h * per_axis), 1),
         warnings=tuple(warnings),
-        outline=geometry.outline,
+        outline=geometry.polygon,
+        layers=tuple((layer.from_, layer.to) for layer in case.layers),
+        lean=geometry.lean,
     )
+
+
+def stack(horizontal: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Positions (n, d) at all heights `y` over all horizontal positions (n, d - 1)."""
+    x = np.repeat(horizontal, len(y), axis=0)
+    return np.insert(x, 1, np.tile(y, len(horizontal)), axis=1)
 
 
 def require_thick_outline(discretization: Discretization) -> None:

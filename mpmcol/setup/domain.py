@@ -58,7 +58,10 @@ def expected_zeta(case: Case) -> float:
 
 
 def _half_width(case: Case) -> float:
-    return max(case.geometry.r_i, case.geometry.depth or 0.0)
+    """Largest distance of the column from wall or axis: upslope at its top if its sides are vertical, m."""
+    geometry = case.geometry
+    leaning = geometry.lean * geometry.h_i if geometry.model == "full" else 0.0
+    return max(geometry.r_i + leaning, geometry.depth or 0.0)
 
 
 def _friction_runout_factor(case: Case) -> float:

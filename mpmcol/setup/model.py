@@ -14,10 +14,10 @@ from mpmcol.mpm.boundary import AXIS, CONTACT, GATE, Boundary, apply_boundaries,
 from mpmcol.mpm.constitutive import LAWS, elastic
 from mpmcol.mpm.contact import Contacts, make_contacts
 from mpmcol.mpm.grid import TILE, Grid, allocate_grid, node_coordinates
-from mpmcol.mpm.particles import BASE, LAYER, Points
+from mpmcol.mpm.particles import BASE, COLUMN, LAYER, Points
 from mpmcol.mpm.settings import Scheme, Settings
 from mpmcol.mpm.solver import Body, Solver
-from mpmcol.setup.discretization import Discretization, discretize
+from mpmcol.setup.discretization import Discretization, discretize, stack
 from mpmcol.setup.geometry import VERTICAL, Coordinates
 from mpmcol.setup.memory import require_memory_for
 from mpmcol.setup.stability_limit import TRANSFER_COEFFICIENTS
@@ -137,8 +137,8 @@ def make_boundaries(grid: Grid, discretization: Discretization, gate_opening: fl
                 yield zone._replace(nodes=zone.nodes & above_base)
     closed = above_base & (y > gate_opening - tolerance)
     horizontal_axes = [axis for axis in range(discretization.dimension) if axis != VERTICAL]
-    beyond = discretization.beyond_column((x, *z), tolerance)
-    far = discretization.beyond_column((x, *z), -GATE_REACH * discretization.h)
+    beyond = discretization.beyond_column((x, y, *z), tolerance)
+    far = discretization.beyond_column((x, y, *z), -GATE_REACH * discretization.h)
     for axis, nodes, out_of_reach in zip(horizontal_axes, beyond, far, strict=True):
         yield Boundary(GATE, axis, nodes & closed)
         yield as_wall(Boundary(GATE, axis, nodes & closed & ~out_of_reach), GATE_WALL, walls)
@@ -212,12 +212,12 @@ def make_points(case: Case, discretization: Discretization) -> Points:
     """
     size, base, dy = discretization.point_size, discretization.base, discretization.row_height
     column, shares = _column_points(discretization)
-    below = _stack(discretization.lattice(discretization.length), size * (np.arange(round(base / size)) + 0.5) - base)
+    below = stack(discretization.lattice(discretization.length), size * (np.arange(round(base / size)) + 0.5) - base)
     points = Points(len(column) + len(below), discretization.dimension)
     points.x[:] = np.concatenate([column, below])
     points.kind[len(column) :] = BASE
-    for number, layer in enumerate(case.layers):
-        points.kind[: len(column)][(column[:, 1] >= layer.from_) & (column[:, 1] < layer.to)] = LAYER + number
+    layers = discretization.layers_at(column[:, 1])
+    points.kind[: len(column)] = np.where(layers > 0, LAYER - 1 + layers, COLUMN)
     area = size ** (discretization.dimension - 1)
     sizes = np.where(points.kind == BASE, area * size, area * dy)
     points.V0[:] = discretization.geometry.volumes(sizes, points.x)
@@ -228,18 +228,11 @@ def make_points(case: Case, discretization: Discretization) -> Points:
 
 def _column_points(discretization: Discretization) -> tuple[np.ndarray, np.ndarray | float]:
     """Positions of the points of the column, (n, d), m, and their volumes over those of their cells, (n,) or 1."""
-    heights = discretization.row_height * (np.arange(discretization.rows) + 0.5)
-    lattice = _stack(discretization.column_lattice(), heights)
+    lattice = discretization.column_lattice()
     if discretization.outline is None:
         return lattice, 1.0
     shares = discretization.outline_shares().reshape(-1)
     return lattice[shares > 0.0], shares[shares > 0.0]
-
-
-def _stack(horizontal: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Positions (n, d) at all heights `y` over all horizontal positions (n, d - 1)."""
-    x = np.repeat(horizontal, len(y), axis=0)
-    return np.insert(x, 1, np.tile(y, len(horizontal)), axis=1)
 
 
 def assign_k0(case: Case, discretization: Discretization, points: Points) -> None:

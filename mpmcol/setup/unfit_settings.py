@@ -16,6 +16,7 @@ from mpmcol.case.geometry import GeometryTable
 from mpmcol.case.slope import ENDLESS_REMEDY, endless_flow
 from mpmcol.errors import UsageError
 from mpmcol.setup.domain import LEAST_CELLS, default_length, expected_front, usable
+from mpmcol.setup.shortening import Shortening, shortenings
 from mpmcol.setup.time_step import time_step_warnings
 
 FEWEST_CELLS = 6  # in height and radius of a column
@@ -39,34 +40,22 @@ def kind_of(warning: str) -> str:
 
 def require_stiff_column(case: Case) -> None:
     """Raise UsageError if the column is so soft that its own weight makes a different column of it."""
-    if (shortening := elastic_shortening(case)) > MOST_SHORTENING:
-        raise UsageError(f"{_softness(case, shortening)}, more than a third; {_stiffer(case, shortening)}")
-
-
-def elastic_shortening(case: Case) -> float:
-    """Change of height over height by the own weight of a column confined by its gate, rho g h_i / (2 E_oed)."""
-    geometry, oedometric = case.geometry, case.material.wave_speed**2  # over density
-    return 0.5 * geometry.normal_gravity * geometry.h_i / oedometric
+    for softness in shortenings(case):
+        if softness.relative > MOST_SHORTENING:
+            raise UsageError(f"{softness}, more than a third; {_stiffer(softness)}")
 
 
 def soft_column(case: Case, h: float) -> str | None:
     """The column is lower at its release than the case states, and so is its deposit."""
-    shortening = elastic_shortening(case)
-    if shortening < LARGE_SHORTENING:
-        return None
-    return f"{_softness(case, shortening)}, and the deposit is lower by as much; {_stiffer(case, shortening)}"
+    for softness in shortenings(case):
+        if softness.relative >= LARGE_SHORTENING:
+            return f"{softness}, and the deposit is lower by as much; {_stiffer(softness)}"
+    return None
 
 
-def _softness(case: Case, shortening: float) -> str:
-    return (
-        f"material.youngs_modulus = {case.material.youngs_modulus:g} Pa: the elastic shortening of the column under "
-        f"its own weight, rho g h_i / (2 E_oed), is {shortening:.1%} of its height"
-    )
-
-
-def _stiffer(case: Case, shortening: float) -> str:
+def _stiffer(softness: Shortening) -> str:
     """A stiffness with which the column hardly shortens, and the units to check."""
-    modulus = float(f"{case.material.youngs_modulus * shortening / SMALL_SHORTENING:.1e}")
+    modulus = float(f"{softness.modulus * softness.relative / SMALL_SHORTENING:.1e}")
     return f"set {modulus:g} Pa or more, and check that lengths are in m, the density in kg/m3 and the modulus in Pa"
 
 

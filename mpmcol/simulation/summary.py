@@ -9,7 +9,7 @@ from typing import Any
 
 import psutil
 
-from mpmcol.case import case_hash, strength_of
+from mpmcol.case import case_hash, conditions_of
 from mpmcol.experiments import profile_scores, score
 from mpmcol.io.glossary import ENERGY_UNITS
 from mpmcol.io.results import RESULT_SCHEMA, erosion_of, measure_snapshot, measure_stop_time
@@ -36,7 +36,7 @@ def summarize(status: str, simulation: Simulation, final: Snapshot) -> dict[str,
         measured.profile_x, measured.profile_y,
         geometry.model, geometry.r_i, geometry.h_i, geometry.column_section, geometry.slope_deg,
     )  # fmt: skip
-    scores = score(measured, geometry.a, geometry.model, geometry.column_section, strength_of(case))
+    scores = score(measured, geometry.a, geometry.model, geometry.column_section, conditions_of(case))
     collapse_steps = solver.steps - progress.release_step if progress.stage == "collapse" else 0
     return {
         "schema": RESULT_SCHEMA,

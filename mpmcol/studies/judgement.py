@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from math import hypot
 from typing import Any
 
-from mpmcol.case import Case, experiment_of, strength_of
+from mpmcol.case import Case, conditions_of, experiment_of
 from mpmcol.experiments import EXPERIMENTS, Experiment, column_kind, mark
 from mpmcol.io.results import Results
 from mpmcol.studies.pareto.score import BETA, ZETA
@@ -34,16 +34,16 @@ def applicable_experiment(case: Case) -> tuple[Experiment | None, str]:
 
     It has been made with this kind of column, a similar material, and this aspect ratio.
     """
-    geometry, strength = case.geometry, strength_of(case)
+    geometry, conditions = case.geometry, conditions_of(case)
     own = experiment_of(case)
     kind = column_kind(geometry.model, geometry.column_section)
     others = [one for one in EXPERIMENTS.values() if one.model == kind and one.kind == "laboratory"]
     for one in (own, *others):
-        if not one.misfit(strength) and any(one.expected(quantity, geometry.a) for quantity in NAMES):
+        if not one.misfit(conditions) and any(one.expected(quantity, geometry.a) for quantity in NAMES):
             return one, ""
     if not own.laws:
         return None, own.title
-    reason = own.misfit(strength) or ", ".join(dict.fromkeys(law.gap(geometry.a) for law in own.laws))
+    reason = own.misfit(conditions) or ", ".join(dict.fromkeys(law.gap(geometry.a) for law in own.laws))
     return None, f"no published experiment applies; {own.citation}: {reason}"
 
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmcol.case import experiment_of, resolved_toml, strength_of
+from mpmcol.case import conditions_of, experiment_of, resolved_toml
 from mpmcol.case.fields import number_of
 from mpmcol.case.reference import field_at
 from mpmcol.io import columns
@@ -109,7 +109,7 @@ def _laws(outcome: Outcome) -> Row:
     case = outcome.run.case
     geometry = case.geometry
     experiment = experiment_of(case)
-    applies = not experiment.misfit(strength_of(case))
+    applies = not experiment.misfit(conditions_of(case))
     expected = {name: experiment.expected(name, geometry.a) if applies else None for name in ("zeta", "beta")}
     unverified = [law.quantity for law in experiment.laws if expected.get(law.quantity) and not law.verified]
     values = {f"law.{quantity}": law[0] if law else None for quantity, law in expected.items()}

@@ -131,3 +131,25 @@ def test_the_slopes_of_a_sweep() -> None:
     assert refused.exit_code == 2 and 'must be 0 with geometry.model = "axisymmetric"' in refused.output
     twice = invoke("sweep", "--slope", "5", "--set", "geometry.slope_deg=5", "--dry-run")
     assert twice.exit_code == 2 and "geometry.slope_deg is given twice" in twice.output
+
+
+def test_a_column_with_vertical_sides_on_the_least_slope_is_the_usual_one(level: Results, tmp_path: Path) -> None:
+    almost = run_on(tmp_path / "run", 1e-9, "geometry.sides=vertical")
+    for name, front in level.measure().front.items():
+        assert almost.measure().front[name] == pytest.approx(front, rel=0.03)
+
+
+def test_a_column_with_vertical_sides_comes_to_rest_below_repose(slope: Results, tmp_path: Path) -> None:
+    """It has less material, whose centre is farther upslope, so that its front ends before that of the other."""
+    run = run_on(tmp_path / "run", 10.0, "geometry.sides=vertical")
+    assert run.came_to_rest
+    assert (
+        run.measure().profile_y[0] > 0.0
+        and 0.0 < run.measure().zeta["front_height"] < slope.measure().zeta["front_height"]
+    )
+    first, last = run.history["potential"][0], run.history["potential"][-1]
+    assert np.abs(run.history["residual"]).max() < 1e-11 * abs(first - last)
+    released = run.snapshot(0)
+    farthest = released.arrays["position"][released.column][:, :2]
+    lean = np.tan(np.radians(10.0))
+    assert (farthest[:, 0] + lean * farthest[:, 1]).max() < 0.2 + 0.5 * 0.02 / 3

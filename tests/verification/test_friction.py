@@ -24,6 +24,7 @@ from mpmcol.mpm.boundary import CONTACT, NO_SLIP, Boundary, BoundaryType, apply_
 from mpmcol.mpm.contact import Contacts, friction_work, make_contacts, wall_impulses
 from mpmcol.mpm.grid import allocate_grid
 from mpmcol.mpm.kernels.loop import L_DAMPING, L_GRID, L_NODE_WORK, L_WALLS
+from mpmcol.mpm.kernels.step import STRESS_ORDERS
 from mpmcol.mpm.particles import BASE, COLUMN, Points
 from mpmcol.mpm.settings import Settings
 from mpmcol.mpm.solver import Solver
@@ -196,9 +197,11 @@ def block_between_side_walls(mu: float, speed: float) -> Solver:
     return solver
 
 
-def test_side_walls_decelerate_a_block_by_the_friction_of_the_pressure_on_them() -> None:
+@pytest.mark.parametrize("stress_order", STRESS_ORDERS)
+def test_side_walls_decelerate_a_block_by_the_friction_of_the_pressure_on_them(stress_order: str) -> None:
     """a = -(2 mu / W) p / rho until it stops, where it remains; the work is the loss of kinetic energy."""
     solver = block_between_side_walls(0.4, speed=1.0)
+    solver.scheme = solver.scheme._replace(stress_order=stress_order)
     points, mass = solver.points, solver.points.m.sum()
     deceleration = 2.0 * 0.4 / WIDTH * PRESSURE / (mass / (points.V0.sum()))
     advance_to(solver, 0.5 / deceleration)

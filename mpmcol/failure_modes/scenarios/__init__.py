@@ -21,6 +21,8 @@ MODULES = (
     "noise",
     "opening",
     "initial",
+    "heaps",
+    "friction",
     "softening",
     "collapses",
 )

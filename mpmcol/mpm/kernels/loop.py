@@ -11,8 +11,8 @@ import numpy as np
 from mpmcol.mpm.constitutive import ConstitutiveLaw
 from mpmcol.mpm.jit import device, driver, variant
 from mpmcol.mpm.kernels.grid_update import DAMPING, KINETIC_AFTER, KINETIC_BEFORE, UNBALANCED, WALLS, WEIGHT
-from mpmcol.mpm.kernels.particle_update import FAULT, FILTER, NODE_WORK, SPEED, TRAVEL, WORK
-from mpmcol.mpm.kernels.side_walls import slow_points, sum_side_work
+from mpmcol.mpm.kernels.particle_update import FAULT, FILTER, NODE_WORK, SIDE_WORK, SPEED, TRAVEL, WORK
+from mpmcol.mpm.kernels.side_walls import sum_side_work
 from mpmcol.mpm.kernels.step import make_step
 from mpmcol.mpm.kernels.stress import NO_FAULT
 from mpmcol.mpm.lanes import LANES, RECORD_SIZE
@@ -98,10 +98,9 @@ def make_time_loop(
             if clock[TIME] >= end or not is_sorted(clock, travel_limit):
                 break
             dt = clock[DT]
-            if plane and contacts.side_friction > 0.0:
-                slow_points(state.rows, state.tiles, contacts, dt, state.tile_report)
-                sum_side_work(state.tile_report, contacts)
             step(state, dt, pending)
+            if plane and contacts.side_friction > 0.0:
+                sum_side_work(state.tile_report[:, SIDE_WORK], contacts)
             sum_nodes(state.node_report, ledger)
             clock[TIME] += dt
             clock[STEPS] += 1.0

@@ -43,7 +43,7 @@ def make_update_points(
 
     @phase
     @variant(dimension, column_law, base_law, *scheme)
-    def update_points(rows, grid, tiles, settings, column, base, c2_column, c2_base, dt, report):
+    def update_points(rows, grid, tiles, settings, column, base, c2_column, c2_base, dt, side_rate, report):
         """Move all points and update their stress.
 
         Reads: nodes (v~, a). Writes: rows, report (n_tiles, 6). Eq. (26)-(34), and c_p + |v_p| of Eq. (35)-(36).
@@ -67,7 +67,7 @@ def make_update_points(
             report[t, TRAVEL], report[t, NODE_WORK] = inv_h * largest_axis(travel), sum_axes(node_work)
             update_tile_stress(
                 rows, cells, layers[t], stop, column, base, c2_column, c2_base, settings, box, everywhere, dt, averages,
-                report[t],
+                side_rate, report[t],
             )  # fmt: skip
             if affine:
                 for p in range(first, stop):
@@ -88,26 +88,28 @@ def make_update_tile_stress(
     @device
     @variant(dimension, column_law, base_law, *scheme)
     def update_tile_stress(
-        rows, cells, layers, stop, column, base, c2_column, c2_base, settings, box, everywhere, dt, averages, report
+        rows, cells, layers, stop, column, base, c2_column, c2_base, settings, box, everywhere, dt, averages, side_rate,
+        report,
     ):  # fmt: skip
         """Update points to `stop`: those of material k of the column from layers[k], of the base from the last of them.
 
-        averages: of the filtered stress at these points, Pa. Writes WORK, SPEED, FAULT and FILTER of the report.
+        averages: of the filtered stress at these points, Pa. side_rate: that of `slow_points`, s/m, for the column.
+        Writes WORK, SPEED, FAULT, FILTER and SIDE_WORK of the report.
         """
         first, split = layers[0], layers[len(column)]
-        work, speed, lost, fault = 0.0, 0.0, 0.0, NO_FAULT
+        work, speed, lost, side, fault = 0.0, 0.0, 0.0, 0.0, NO_FAULT
         for k in range(len(column)):
-            work_k, speed_k, fault_k, lost_k = update_column(
+            work_k, speed_k, fault_k, lost_k, side_k = update_column(
                 rows, cells, layers[k], layers[k + 1], Params(*unpack(column[k])), settings, box, c2_column[k], dt,
-                averages[layers[k] - first :],
+                averages[layers[k] - first :], side_rate,
             )  # fmt: skip
-            work, speed, lost = work + work_k, max(speed, speed_k), lost + lost_k
+            work, speed, lost, side = work + work_k, max(speed, speed_k), lost + lost_k, side + side_k
             fault = fault if fault != NO_FAULT else fault_k
-        base_work, base_speed, base_fault, base_lost = update_base(
-            rows, cells, split, stop, base, settings, everywhere, c2_base, dt, averages[split - first :]
+        base_work, base_speed, base_fault, base_lost, _ = update_base(
+            rows, cells, split, stop, base, settings, everywhere, c2_base, dt, averages[split - first :], 0.0
         )
         report[WORK], report[SPEED], report[FILTER] = work + base_work, max(speed, base_speed), lost + base_lost
-        report[FAULT] = fault if fault != NO_FAULT else base_fault
+        report[SIDE_WORK], report[FAULT] = side, fault if fault != NO_FAULT else base_fault
 
     return update_tile_stress
 

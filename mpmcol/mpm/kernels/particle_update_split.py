@@ -74,7 +74,7 @@ def make_update_stresses(
 
     @phase
     @variant(dimension, column_law, base_law, *scheme)
-    def update_stresses(rows, grid, tiles, settings, column, base, c2_column, c2_base, dt, pending, report):
+    def update_stresses(rows, grid, tiles, settings, column, base, c2_column, c2_base, dt, side_rate, pending, report):
         """Update the stress of all points, whose own gradient is unchanged; with MUSL they then move to `pending`.
 
         Reads: nodes (v, q), pending. Writes: rows, report (n_tiles, 6). Eq. (28)-(34), c_p + |v_p| of Eq. (35)-(36).
@@ -96,13 +96,13 @@ def make_update_stresses(
                     rows[o + L_ZZ] = extract(mean, VX) / rows[o + X] if settings.axisymmetric else 0.0
             update_tile_stress(
                 rows, cells, layers[t], stop, column, base, c2_column, c2_base, settings, box, everywhere, dt, averages,
-                report[t],
+                side_rate, report[t],
             )  # fmt: skip
             for p in range(first, stop):
                 restore_columns(rows, p * size, dimension, matrices, matrix_size * (p - first))
                 if flat:
                     rows[p * size + L_ZZ] = matrices[matrix_size * (p - first) + L_ZZ - X_VECTOR]
                 if is_musl:
-                    store(rows, p * size, load(pending, p * LANES))
+                    store(rows, p * size, where_positive(force_mask(3), load(pending, p * LANES), load(rows, p * size)))
 
     return update_stresses

@@ -61,10 +61,11 @@ def _make_usl(
         """Nodes, then points and their stress."""
         rows, grid, contacts, tiles, settings, bodies, smallest_mass, node_report, tile_report, _, _ = state
         column, base, c2_column, c2_base = bodies
+        side_rate = dt * contacts.side_friction
         clear(grid, tiles)
         p2g(rows, grid, tiles, settings)
         update_grid(grid, contacts, tiles, settings, smallest_mass, dt, node_report)
-        update_points(rows, grid, tiles, settings, column, base, c2_column, c2_base, dt, tile_report)
+        update_points(rows, grid, tiles, settings, column, base, c2_column, c2_base, dt, side_rate, tile_report)
 
     return usl
 
@@ -81,10 +82,13 @@ def _make_usf(
         """Stress from the nodal velocities of P2G, then nodes, then points."""
         rows, grid, contacts, tiles, settings, bodies, smallest_mass, node_report, tile_report, _, _ = state
         column, base, c2_column, c2_base = bodies
+        side_rate = dt * contacts.side_friction
         clear(grid, tiles)
         p2g(rows, grid, tiles, settings)
         find_velocities(grid, contacts, tiles, smallest_mass)
-        update_stresses(rows, grid, tiles, settings, column, base, c2_column, c2_base, dt, pending, tile_report)
+        update_stresses(
+            rows, grid, tiles, settings, column, base, c2_column, c2_base, dt, side_rate, pending, tile_report
+        )
         clear(grid, tiles)
         p2g(rows, grid, tiles, settings)
         update_grid(grid, contacts, tiles, settings, smallest_mass, dt, node_report)
@@ -105,6 +109,7 @@ def _make_musl(
         """Nodes, then points, then stress from the nodal velocities that follow from the new point velocities."""
         rows, grid, contacts, tiles, settings, bodies, smallest_mass, node_report, tile_report, _, _ = state
         column, base, c2_column, c2_base = bodies
+        side_rate = dt * contacts.side_friction
         clear(grid, tiles)
         p2g(rows, grid, tiles, settings)
         update_grid(grid, contacts, tiles, settings, smallest_mass, dt, node_report)
@@ -112,7 +117,9 @@ def _make_musl(
         clear(grid, tiles)
         p2g(rows, grid, tiles, settings)
         find_velocities(grid, contacts, tiles, smallest_mass)
-        update_stresses(rows, grid, tiles, settings, column, base, c2_column, c2_base, dt, pending, tile_report)
+        update_stresses(
+            rows, grid, tiles, settings, column, base, c2_column, c2_base, dt, side_rate, pending, tile_report
+        )
 
     return musl
 

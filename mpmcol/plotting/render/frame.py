@@ -20,7 +20,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from mpmcol.errors import OutputError
 from mpmcol.io.snapshot import Meta, Snapshot, read_meta, read_snapshot
-from mpmcol.plotting.captions import heading_of_snapshot
+from mpmcol.plotting.captions import geometry_of_snapshot, heading_of_snapshot
 from mpmcol.plotting.render.coloring import Coloring
 from mpmcol.plotting.render.projection import circle, complete_by_symmetry, silhouette
 
@@ -155,7 +155,8 @@ def released_outline(snapshot: Snapshot, meta: Meta, projection: np.ndarray) -> 
     released = (snapshot.arrays["position"] - snapshot.arrays["displacement"])[snapshot.column]
     x, _ = complete_by_symmetry(released, str(meta["model"]))
     if meta.get("section", "cylinder") == "cylinder":  # exact circles are smoother than the points
-        return silhouette(np.concatenate([circle(r_i, 0.0), circle(r_i, h_i)]), projection, 0.0)
+        upslope = np.array([geometry_of_snapshot(meta).lean * h_i, 0.0, 0.0])
+        return silhouette(np.concatenate([circle(r_i, 0.0), circle(r_i, h_i) - upslope]), projection, 0.0)
     return silhouette(x, projection, point_size)
 
 

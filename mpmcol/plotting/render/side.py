@@ -13,9 +13,10 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 from matplotlib.ticker import MaxNLocator
 
+from mpmcol.case.geometry import GeometryTable
 from mpmcol.experiments import OUTLINE
 from mpmcol.io.snapshot import Snapshot
-from mpmcol.plotting.captions import tables_of_snapshot
+from mpmcol.plotting.captions import geometry_of_snapshot, tables_of_snapshot
 from mpmcol.plotting.profiles import draw_gravity
 from mpmcol.plotting.render.coloring import Coloring
 from mpmcol.plotting.render.frame import (
@@ -71,20 +72,25 @@ class SideView(View):
         axes.plot([0, 0], [0, top], linestyle="dashdot" if symmetric else "solid", **EDGE)
         draw_gravity(axes, float(self.meta.get("slope_deg", 0.0)), SMALL_SIZE)
         if self._case.get("stages", {}).get("gate", True):
-            axes.plot([r_i, r_i], [0, top], **GATE_STYLE)
-            axes.text(r_i, top, " gate", size=SMALL_SIZE, color=GATE_STYLE["color"], va="top")
+            upper = r_i - self._geometry.lean * top
+            axes.plot([r_i, upper], [0, top], **GATE_STYLE)
+            axes.text(upper, top, " gate", size=SMALL_SIZE, color=GATE_STYLE["color"], va="top")
         self._add_ticks(axes)
 
     def _released_surface(self) -> np.ndarray:
         """Line (2, n), m: the top of the column, or the closed outline of one that is no rectangle."""
-        if self.meta.get("section") == OUTLINE and (outline := self._case.get("geometry", {}).get("outline")):
+        if self.meta.get("section") == OUTLINE and (outline := self._geometry.polygon):
             return np.array([*outline, outline[0]]).T
         r_i, h_i = float(self.meta["r_i"]), float(self.meta["h_i"])
         return np.array([[0.0, r_i], [h_i, h_i]])
 
     @property
     def _has_bed(self) -> bool:
-        return bool(self._case.get("geometry", {}).get("base") == "granular")
+        return self._geometry.base == "granular"
+
+    @cached_property
+    def _geometry(self) -> GeometryTable:
+        return geometry_of_snapshot(self.meta)
 
     @cached_property
     def _case(self) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from functools import cache
 from math import hypot
 from typing import Any
 
-from mpmcol.case import Case, strength_of
+from mpmcol.case import Case, conditions_of
 from mpmcol.errors import UsageError
 from mpmcol.experiments import column_kind
 from mpmcol.studies.pareto.score import BETA, ZETA
@@ -50,7 +50,7 @@ def parameters_of(case: Case) -> ColumnParameters:
 
     Raises UsageError for a material without friction, and for what no case of the study has.
     """
-    geometry, law, friction = case.geometry, case.material.law, strength_of(case).friction_deg
+    geometry, law, friction = case.geometry, case.material.law, conditions_of(case).friction_deg
     if friction is None:
         raise UsageError(f"material.law = {law}: the errors were studied for materials with friction only")
     if reason := unstudied(case):

@@ -27,7 +27,8 @@ from mpmcol.case.slope import slope_factor
 from mpmcol.errors import NumericalFailure
 from mpmcol.experiments import expected_runout
 from mpmcol.io.results import Results
-from mpmcol.setup.unfit_settings import MOST_SHORTENING, elastic_shortening
+from mpmcol.setup.shortening import elastic_shortening
+from mpmcol.setup.unfit_settings import MOST_SHORTENING
 from mpmcol.simulation.run import run
 from mpmcol.studies.definition import as_text
 from mpmcol.sweep.runs import PlannedRun
@@ -65,7 +66,8 @@ def draw_case(draw: random.Random) -> tuple[Case, list[str]]:
             own = dict(_values(draw))
             own["geometry.aspect"] = _log_uniform(draw, 0.2, 35.0)
             own["geometry.outline"] = _outline(draw, own)
-            own["layers"] = "" if own["geometry.outline"] else _layers(draw, own["geometry.aspect"] * RADIUS)
+            own["geometry.sides"] = _sides(draw, own)
+            own["layers"] = _layers(draw, own["geometry.aspect"] * RADIUS)
         own["grid.spacing"] = RADIUS / round(_log_uniform(draw, 8.0, 80.0))
         sizes = ("geometry.radius", "geometry.aspect") if own["geometry.outline"] else ("geometry.outline",)
         given = {key: value for key, value in own.items() if key not in sizes and value != ""}
@@ -119,6 +121,15 @@ def _outline(draw: random.Random, own: dict[str, Any]) -> str:
     height = own["geometry.aspect"] * RADIUS
     top, back = draw.uniform(0.0, RADIUS), draw.uniform(0.2, 1.0) * height
     return f"[[0, 0], [{RADIUS}, 0], [{top}, {height}], [0, {back}]]"
+
+
+def _sides(draw: random.Random, own: dict[str, Any]) -> str:
+    """Vertical sides for half of the columns on a slope that can have them."""
+    slope = own.get("geometry.slope_deg", 0.0)
+    is_plane, is_loaded = own["geometry.model"] == "plane", own["stages.initial_stress"] == "gravity"
+    has_top = not is_plane or own["geometry.aspect"] * math.tan(math.radians(slope)) < 0.9
+    can_lean = slope > 0.0 and own["geometry.outline"] == "" and has_top and (is_plane or is_loaded)
+    return draw.choice(("normal", "vertical")) if can_lean else "normal"
 
 
 def _layers(draw: random.Random, height: float) -> str:

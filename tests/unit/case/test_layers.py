@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from mpmcol.case import case_hash, explain, load_case, resolved_toml
+from mpmcol.errors import CaseError
 from tests.support.case_files import GOOD, Write, only_problem
 
 LAYERS = (
@@ -84,3 +85,16 @@ def test_a_layer_above_the_column_another_law_and_too_many_layers_are_refused(wr
 def test_layers_are_explained() -> None:
     text = explain("layers")
     assert text.startswith("[[layers]]") and "layers.material.friction_deg" in text
+
+
+def test_an_invalid_material_does_not_hide_the_mistakes_of_layers(write: Write) -> None:
+    """Missing keys and misspelt ones are reported with it; keys that follow from it are not reported as missing."""
+    text = LAYERS.replace("density = 2650.0", "density = -1").replace('to = "5 cm"\n', "")
+    with pytest.raises(CaseError) as caught:
+        load_case(write(text.replace("{ friction_deg = 22 }", "{ frction_deg = 22 }")))
+    messages = [problem.message for problem in caught.value.problems]
+    assert messages == [
+        "[material] density = -1: expected a number > 0, in kg/m3",
+        "[[layers]] 1: to is missing: expected a number > 0, in m",
+        '[[layers]] 1: material unknown key "frction_deg"',
+    ]

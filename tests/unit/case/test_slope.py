@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 
-from mpmcol.case import case_hash, experiment_of, load_case, strength_of
+from mpmcol.case import case_hash, conditions_of, experiment_of, load_case
 from mpmcol.case.slope import LARGEST_FACTOR, endless_flow, slope_factor
 from tests.support.case_files import GOOD, Write, only_problem
 
@@ -70,7 +71,7 @@ def test_no_experiment_applies_to_a_slope() -> None:
     case = load_case("coarse-channel", ["geometry.slope_deg=10"])
     assert experiment_of(case).laws == () and "slope of 10 deg" in experiment_of(case).title
     own = experiment_of(load_case("coarse-channel"))
-    assert own.laws and own.misfit(strength_of(case)) == "for a horizontal base; here it slopes by 10 deg"
+    assert own.laws and own.misfit(conditions_of(case)) == "for a horizontal base; here it slopes by 10 deg"
 
 
 def test_a_floor_with_less_friction_than_the_material_limits_the_slope() -> None:
@@ -84,3 +85,30 @@ def test_a_floor_with_less_friction_than_the_material_limits_the_slope() -> None
     assert endless_flow(case) == ""
     steep = endless_flow(load_case("inclined-channel", [*floor, "geometry.slope_deg=17"]))
     assert "the friction angle of the floor is 16.7 degrees" in steep
+
+
+@pytest.mark.parametrize(
+    ("overrides", "message"),
+    [
+        (["geometry.slope_deg=0"], "has no meaning with geometry.slope_deg = 0"),
+        (["geometry.outline=[[0, 0], [0.2, 0], [0, 0.1]]"], "must be absent with geometry.outline"),
+        (["geometry.slope_deg=60"], "leads the front of the column to the wall below its top"),
+        (
+            ["geometry.model=full", "grid.points_per_cell=8", "stages.initial_stress=k0"],
+            "only gravity loading finds the stress",
+        ),
+    ],
+)
+def test_vertical_sides_are_refused_without_a_slope_or_a_top(write: Write, overrides: list[str], message: str) -> None:
+    given = ["geometry.sides=vertical", "geometry.slope_deg=10"]
+    assert message in only_problem(write(GOOD), *given, *overrides).message
+
+
+def test_vertical_sides_are_parallel_to_gravity() -> None:
+    geometry = load_case("inclined-channel", ["geometry.sides=vertical"]).geometry
+    assert geometry.polygon is not None
+    foot, top = np.array(geometry.polygon[1:3])
+    downward, upward = np.array(geometry.gravity_vector[:2]) / 9.81, (top - foot) / np.linalg.norm(top - foot)
+    np.testing.assert_allclose(upward, -downward, rtol=1e-12)
+    normal = load_case("inclined-channel", ["geometry.sides=normal"])
+    assert normal.geometry.polygon is None and case_hash(normal) == case_hash(load_case("inclined-channel"))

@@ -11,8 +11,8 @@ import pytest
 from mpmcol.errors import UsageError
 from mpmcol.experiments import (
     EXPERIMENTS,
+    Conditions,
     Score,
-    Strength,
     expected_runout,
     find_experiment,
     profile_score,
@@ -325,7 +325,9 @@ def test_an_unverified_profile_is_marked_in_its_score() -> None:
     ],
 )
 def test_laws_apply_to_similar_materials(friction: float | None, cohesion: float, reason: str) -> None:
-    strength = Strength(friction, cohesion)
-    assert EXPERIMENTS["lube-2007"].misfit(strength) == reason
-    scores = [one for one in score({"zeta": 1.5}, 1.0, "plane", strength=strength) if one.experiment == "paper-plane"]
+    conditions = Conditions(friction, cohesion)
+    assert EXPERIMENTS["lube-2007"].misfit(conditions) == reason
+    scores = [
+        one for one in score({"zeta": 1.5}, 1.0, "plane", conditions=conditions) if one.experiment == "paper-plane"
+    ]
     assert [(one.error is None, one.comment) for one in scores] == [(bool(reason), reason or "sand")]

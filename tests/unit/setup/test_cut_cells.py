@@ -10,7 +10,7 @@ from mpmcol.case.outline import Outline, area
 from mpmcol.errors import UsageError
 from mpmcol.mpm.particles import BASE
 from mpmcol.setup.column_shape import column_shape
-from mpmcol.setup.cut_cells import material_above, point_shares
+from mpmcol.setup.cut_cells import _volumes, material_above, point_shares
 from mpmcol.setup.discretization import discretize, require_thick_outline
 from mpmcol.setup.model import build_model
 
@@ -110,3 +110,43 @@ def test_an_outline_that_is_too_thin_for_the_points_is_refused(outline: Outline)
         build_model(case)
     with pytest.raises(UsageError, match=message):
         require_thick_outline(discretize(case))
+
+
+@pytest.mark.parametrize("spacing", [0.02, 0.01, 0.006])
+def test_the_mass_of_a_column_with_vertical_sides_is_exact(spacing: float) -> None:
+    """Plane strain: rho h_i (r_i - h_i tan(slope) / 2)."""
+    case = load_case("inclined-channel", ["geometry.sides=vertical", f"grid.spacing={spacing}"])
+    made, size = build_model(case), case.geometry
+    exact = 1550.0 * size.h_i * (size.r_i - 0.5 * size.h_i * np.tan(np.radians(10.0)))
+    assert made.column_mass == pytest.approx(exact, rel=1e-13)
+    potential = 9.81 * np.cos(np.radians(10.0)) * float(made.points.m @ made.points.x[:, 1])
+    assert column_shape(case, made.discretization).potential_energy(9.81) == pytest.approx(potential, rel=0.01)
+
+
+@pytest.mark.parametrize("model", ["plane", "axisymmetric"])
+@pytest.mark.parametrize("outline", [HEAP, TRAPEZOID, EMBANKMENT], ids=["heap", "trapezoid", "embankment"])
+def test_layers_of_an_outline_have_their_exact_mass_weight_and_energy(outline: Outline, model: str) -> None:
+    """Whole rows of points: the mass of a layer is its density times the area of the outline between its ends."""
+    size = discretize(case_of(outline, "grid.spacing=0.006", f"geometry.model={model}"))
+    lines = size.row_height * np.arange(size.rows + 1)
+    text = ", ".join(
+        f"{{ from = {lines[low]}, to = {lines[high]}, material = {{ density = {density} }} }}"
+        for low, high, density in ((0, 4, 2000.0), (6, 8, 3000.0))
+    )
+    case = case_of(
+        outline, "grid.spacing=0.006", f"geometry.model={model}", "geometry.base=rigid", "material.density=1000",
+        f"layers=[{text}]", "stages.initial_stress=k0",
+    )  # fmt: skip
+    made = build_model(case)
+    volumes = _volumes(outline, np.array([0.0, size.r_i]), lines, 1 if model == "plane" else 2)[0]
+    for kind, rows in ((2, slice(0, 4)), (3, slice(6, 8))):
+        density = case.materials[kind].density
+        assert made.points.m[made.points.kind == kind].sum() == pytest.approx(density * volumes[rows].sum(), rel=1e-12)
+    potential = 9.81 * float(made.points.m @ made.points.x[:, 1])
+    assert column_shape(case, made.discretization).potential_energy(9.81) == pytest.approx(potential, rel=0.01)
+    lowest = made.points.x[:, 1] < 1.01 * made.points.x[:, 1].min()
+    x, y = made.points.x[lowest].T
+    above = [material_above(outline, x, np.maximum(y, end)) for end in (0.0, *lines[[4, 6, 8]])]
+    weight = 9.81 * (2000.0 * (above[0] - above[1]) + 1000.0 * (above[1] - above[2] + above[3]))
+    weight += 9.81 * 3000.0 * (above[2] - above[3])
+    np.testing.assert_allclose(made.points.sigma[lowest, 1], -weight, rtol=1e-12, atol=1e-9)

@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 
 from mpmcol.case import load_case
+from mpmcol.mpm.boundary import GATE
+from mpmcol.mpm.grid import grid_shape, node_coordinates
 from mpmcol.mpm.settings import PAPER, Scheme
 from mpmcol.setup.discretization import discretize
-from mpmcol.setup.model import build_model, initial_gate_opening, set_boundaries
+from mpmcol.setup.model import build_model, initial_gate_opening, make_boundaries, set_boundaries
 from mpmcol.setup.time_step import case_limit
 
 
@@ -123,3 +125,27 @@ def test_the_least_stable_material_limits_the_time_step() -> None:
     assert case_limit(load_case("layered-column", [layer])) == stiff < case_limit(load_case("layered-column"))
     bed = ["base_material.poissons_ratio=0.4", "layers=[]", "geometry.base=granular"]
     assert case_limit(load_case("layered-column", bed)) == stiff
+
+
+@pytest.mark.parametrize("section", ["cylinder", "box"])
+def test_points_of_a_3d_column_with_vertical_sides_are_those_of_the_sheared_column(section: str) -> None:
+    """Each row of points is inside the section at the base, moved upslope; the gate holds the nodes beyond it."""
+    case = load_case(
+        "coarse-channel",
+        [
+            "geometry.model=full", f"geometry.section={section}", "geometry.slope_deg=20", "geometry.sides=vertical",
+            "geometry.base=rigid", "grid.points_per_cell=8", "grid.spacing=0.015",
+        ],
+    )  # fmt: skip
+    model = build_model(case)
+    size, lean = model.discretization, math.tan(math.radians(20.0))
+    x, y, z = model.points.x.T
+    at_base = x + lean * y
+    inside = np.hypot(at_base, z) < size.r_i if section == "cylinder" else np.maximum(abs(at_base), abs(z)) < size.r_i
+    assert inside.all() and at_base.max() > 0.9 * size.r_i and at_base.min() < -0.9 * size.r_i
+    exact = case.material.density * size.h_i * size.r_i**2 * (math.pi if section == "cylinder" else 4.0)
+    assert model.column_mass == pytest.approx(exact, rel=0.02)
+    x, y, z = (np.broadcast_to(each, grid_shape(model.grid)) for each in node_coordinates(model.grid))
+    gate = next(each for each in make_boundaries(model.grid, size, 0.0) if each.type == GATE and each.axis == 0)
+    distance = np.hypot(x + lean * y, z) if section == "cylinder" else abs(x + lean * y)
+    np.testing.assert_array_equal(np.broadcast_to(gate.nodes, x.shape), (distance > size.r_i - 1e-9) & (y > 1e-9))

@@ -8,9 +8,11 @@ import pytest
 
 import mpmcol
 from mpmcol.case import load_case, shipped_cases
+from mpmcol.errors import UsageError
 from mpmcol.setup import cores
 from mpmcol.setup.cores import available_cores, thread_note
 from mpmcol.setup.discretization import discretize
+from mpmcol.setup.shortening import elastic_shortening
 from mpmcol.setup.unfit_settings import kind_of, require_stiff_column
 from tests.support.cli import invoke, set_options
 from tests.support.runs import TINY
@@ -88,6 +90,22 @@ def test_a_column_that_its_own_weight_compresses_by_a_third_is_refused(tmp_path:
     refused = invoke("sweep", "lube-channel", "--dry-run", *set_options((*SAND[1:], softer)), "--aspect", "0.1,1")
     assert refused.exit_code == 2 and "run a1: material.youngs_modulus" in refused.output
     assert not (tmp_path / "run/case.resolved.toml").exists()
+
+
+def test_a_soft_layer_and_a_soft_bed_shorten_the_column_as_a_stiff_one_does_not() -> None:
+    """Half of it n times softer: the shortening is (3 n + 1) / 4 or (n + 3) / 4 of the uniform one."""
+    uniform = elastic_shortening(load_case("layered-column", ["layers=[]"]))
+    soft = "material = { youngs_modulus = 2e5 }"
+    lower, upper = (
+        elastic_shortening(load_case("layered-column", [f"layers=[{{ from = {low}, to = {high}, {soft} }}]"]))
+        for low, high in ((0.0, 0.09), (0.09, 0.18))
+    )
+    assert lower == pytest.approx(uniform * (3.0 * 10.0 + 1.0) / 4.0) and upper == pytest.approx(uniform * 13.0 / 4.0)
+    bed = load_case("granular-bed", ["base_material.youngs_modulus=2e3"])
+    with pytest.raises(UsageError, match=r"base_material.youngs_modulus = 2000 Pa: the elastic shortening of the bed"):
+        require_stiff_column(bed)
+    with pytest.raises(UsageError, match=r"layers.0.material.youngs_modulus = 2000 Pa: .* the sum over its layers"):
+        require_stiff_column(load_case("layered-column", ["layers.0.material.youngs_modulus=2e3"]))
 
 
 def test_a_run_reports_an_unfit_setting_once_and_records_it(tmp_path: Path) -> None:

@@ -1,17 +1,17 @@
-"""Strength of the column's material and slope of its base, by which experiments and studies are selected."""
+"""Conditions of a column, material, slope and layers, by which experiments and studies are selected."""
 
 from __future__ import annotations
 
 from mpmcol.case.schema import Case
-from mpmcol.experiments import Experiment, Strength, find_experiment
+from mpmcol.experiments import Conditions, Experiment, find_experiment
 
 
-def strength_of(case: Case) -> Strength:
+def conditions_of(case: Case) -> Conditions:
     """Friction angle (residual, of a softening material; None without friction), cohesion over rho g h_i, and slope."""
     material, geometry = case.material, case.geometry
     friction = getattr(material, "friction_deg", None) or getattr(material, "friction_residual_deg", None)
     weight = material.density * geometry.gravity * geometry.h_i
-    return Strength(friction, getattr(material, "cohesion", 0.0) / weight, geometry.slope_deg, bool(case.layers))
+    return Conditions(friction, getattr(material, "cohesion", 0.0) / weight, geometry.slope_deg, bool(case.layers))
 
 
 def experiment_of(case: Case) -> Experiment:
