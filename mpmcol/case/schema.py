@@ -22,6 +22,7 @@ from mpmcol.case.tables import (
     integer,
 )
 from mpmcol.case.values import leaf_values
+from mpmcol.case.walls import WallTable, check_walls, with_names
 from mpmcol.mpm.constitutive import elastic
 from mpmcol.units import Table, option
 
@@ -44,6 +45,7 @@ class Case(Table):
         description="material of the base; keys that are not given are those of material",
     )
     layers: tuple[LayerTable, ...] = option("layers of the column, whose material has other parameters", ())
+    walls: tuple[WallTable, ...] = option("rigid walls on the base: dams, baffles, steps, end walls", ())
     friction: FrictionTable = option("Coulomb friction of floor and walls", FrictionTable())
     method: MethodTable = option("variants of the material point method", MethodTable())
     time: TimeTable = option("time step", TimeTable())
@@ -89,6 +91,19 @@ class Case(Table):
         if geometry is not None and material is not None and layers:
             check_layers(layers, material.law, geometry)
         return layers
+
+    @field_validator("walls", mode="before")
+    @classmethod
+    def _resolve_walls(cls, walls: Any) -> Any:
+        """Resolve the names of walls."""
+        return with_names(walls) if isinstance(walls, list) else walls
+
+    @field_validator("walls", mode="after")
+    @classmethod
+    def _check_walls(cls, walls: tuple[WallTable, ...], info: ValidationInfo) -> tuple[WallTable, ...]:
+        if geometry := info.data.get("geometry"):
+            check_walls(walls, geometry)
+        return walls
 
     @field_validator("stages", mode="before")
     @classmethod

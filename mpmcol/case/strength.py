@@ -7,11 +7,13 @@ from mpmcol.experiments import Experiment, Strength, find_experiment
 
 
 def strength_of(case: Case) -> Strength:
-    """Friction angle (residual, of a softening material; None without friction), cohesion over rho g h_i, and slope."""
+    """Friction angle (residual, of a softening material; None without friction), cohesion over rho g h_i, slope, layers, walls."""
     material, geometry = case.material, case.geometry
     friction = getattr(material, "friction_deg", None) or getattr(material, "friction_residual_deg", None)
     weight = material.density * geometry.gravity * geometry.h_i
-    return Strength(friction, getattr(material, "cohesion", 0.0) / weight, geometry.slope_deg, bool(case.layers))
+    return Strength(
+        friction, getattr(material, "cohesion", 0.0) / weight, geometry.slope_deg, bool(case.layers), bool(case.walls)
+    )
 
 
 def experiment_of(case: Case) -> Experiment:

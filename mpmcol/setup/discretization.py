@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil
 
 import numpy as np
@@ -14,12 +14,12 @@ from mpmcol.errors import UsageError
 from mpmcol.mpm.boundary import AXIS, OPEN_END, Faces
 from mpmcol.setup.cut_cells import material_above, point_shares
 from mpmcol.setup.domain import domain_size
-from mpmcol.setup.geometry import GEOMETRIES, Geometry, domain_faces, points_per_axis
+from mpmcol.setup.geometry import GEOMETRIES, ROUNDING, Geometry, domain_faces, points_per_axis
 from mpmcol.setup.unfit_settings import setting_warnings
+from mpmcol.setup.wall_boxes import WallBox, place_walls, rounding_warnings
 from mpmcol.setup.walls import Wall, recorded_walls
 
 MOST_SHARE = 8.0  # of its cell: largest volume of a point, the end of a slope of 2 degrees
-ROUNDING = 5e-5  # relative change of a length above which a warning is issued: less is 0.00 %
 
 
 @dataclass(frozen=True)
@@ -40,6 +40,7 @@ class Discretization:
     rows: int  # of points over the height of the column
     warnings: tuple[str, ...]
     outline: Outline | None = None  # of a column that is not given by r_i and h_i
+    wall_boxes: tuple[WallBox, ...] = ()  # those of [[walls]]
 
     @property
     def geometry(self) -> Geometry:
@@ -105,6 +106,11 @@ class Discretization:
     def beyond_column(self, horizontal: tuple[np.ndarray, ...], tolerance: float = 0.0) -> tuple[np.ndarray, ...]:
         """For each horizontal axis, where positions are at or beyond the surface of the column (tolerance in m)."""
         return self.geometry.beyond(horizontal, self.r_i - tolerance, self.depth - tolerance)
+
+    def in_walls(self, x: np.ndarray) -> np.ndarray:
+        """Whether points at x (n, d) are in one of the walls."""
+        cells = tuple(np.floor((x - np.array(self.origin)) / self.h).astype(np.intp).T)
+        return np.logical_or.reduce([np.zeros(len(x), bool), *(box.contains(cells) for box in self.wall_boxes)])
 
     def in_end_zone(self, x: np.ndarray) -> np.ndarray:
         """Whether points at x (n, d) are in the zone of held nodes of an open end, or less than a cell from it."""
@@ -174,7 +180,7 @@ def discretize(case: Case) -> Discretization:
     warnings += setting_warnings(case, h)
     length, height = domain_size(case, h)
     per_axis = points_per_axis(case)
-    return Discretization(
+    empty = Discretization(
         shape=geometry.shape,
         faces=domain_faces(case),
         walls=recorded_walls(case),
@@ -190,6 +196,8 @@ def discretize(case: Case) -> Discretization:
         warnings=tuple(warnings),
         outline=geometry.outline,
     )
+    boxes = place_walls(case, h, empty.origin, empty.cells)
+    return replace(empty, wall_boxes=boxes, warnings=(*warnings, *rounding_warnings(case, boxes, h, empty.origin)))
 
 
 def require_thick_outline(discretization: Discretization) -> None:
