@@ -7,7 +7,7 @@ from mpmcol.experiments import Experiment, Strength, find_experiment
 
 
 def strength_of(case: Case) -> Strength:
-    """Friction angle (residual, of a softening material; None without friction), cohesion over rho g h_i, slope, layers, walls."""
+    """Friction angle (residual, of a softening material; None without friction), cohesion over rho g h_i, slope, ..."""
     material, geometry = case.material, case.geometry
     friction = getattr(material, "friction_deg", None) or getattr(material, "friction_residual_deg", None)
     weight = material.density * geometry.gravity * geometry.h_i

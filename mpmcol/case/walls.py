@@ -77,7 +77,7 @@ def check_walls(walls: tuple[WallTable, ...], geometry: GeometryTable) -> None:
 
 
 def _problems(wall: WallTable, geometry: GeometryTable) -> Iterator[str]:
-    (start, end), (left, right) = wall.along, wall.across
+    start, end, (left, right) = wall.from_, wall.to, wall.across
     given = {key: getattr(wall, key) is not None for key in ("half_width", "side_from", "side_to")}
     if not _NAME.fullmatch(wall.name) or wall.name in (FLOOR, BACK_WALL, GATE_WALL):
         yield "name: expected letters, digits and hyphens, and not the name of another wall: floor, back_wall, gate"
@@ -89,7 +89,7 @@ def _problems(wall: WallTable, geometry: GeometryTable) -> Iterator[str]:
         yield f"from = {start:g} m must be smaller than to = {end:g} m"
     if geometry.dimension == 2 and any(given.values()):
         yield f"{next(key for key, one in given.items() if one)} has no meaning in two dimensions: remove it"
-    if given["half_width"] and (given["side_from"] or given["side_to"]):
+    if wall.half_width is not None and (given["side_from"] or given["side_to"]):
         yield "give half_width, or side_from and side_to"
     if left is not None and right is not None and not left < right:
         yield f"side_from = {left:g} m must be smaller than side_to = {right:g} m"

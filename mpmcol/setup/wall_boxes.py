@@ -18,6 +18,8 @@ from mpmcol.setup.geometry import ROUNDING, VERTICAL
 
 LEAST_CELLS = 2  # thickness and height of a wall, and distance between two of them: splines are three nodes wide
 
+KEYS = ("from to", "height", "half_width side_from side_to")  # of a wall, along x, y and z
+
 
 @dataclass(frozen=True)
 class WallBox:
@@ -58,19 +60,20 @@ def _place(
     wall: WallTable, spans: tuple[Span, ...], h: float, first: tuple[float, ...], cells: tuple[int, ...]
 ) -> WallBox:
     low, high = [], []
-    for (start, end), x, n, key in zip(spans, first, cells, ("from to", "height", "side_from side_to"), strict=False):
+    for (start, end), x, n, keys in zip(spans, first, cells, KEYS, strict=False):
         low.append(0 if start is None else round((start - x) / h))
         high.append(n if end is None else round((end - x) / h))
-        base = round(-x / h) if key == "height" else low[-1]  # the height is that above the base
+        bottom = round(-x / h) if keys == KEYS[VERTICAL] else low[-1]  # the height is that above the base
+        given = f"wall {wall.name}: {_values(wall, keys)}"
         if not 0 <= low[-1] <= high[-1] <= n:
             raise UsageError(
-                f"wall {wall.name}: {_keys(wall, key)} outside the domain, which is from {x:.4g} to {x + n * h:.4g} m; "
-                "move the wall, or enlarge the domain by geometry.domain_length or domain_height"
+                f"{given}: outside the domain, which is from {x:.4g} to {x + n * h:.4g} m; move the wall, or enlarge "
+                "the domain by geometry.domain_length or geometry.domain_height"
             )
-        if high[-1] - base < LEAST_CELLS:
+        if (thickness := high[-1] - bottom) < LEAST_CELLS:
             raise UsageError(
-                f"wall {wall.name}: {_keys(wall, key)} {max(high[-1] - base, 0)} cells of {h:.4g} m, expected at least "
-                f"{LEAST_CELLS}, since material passes thinner walls; decrease grid.spacing, or enlarge the wall"
+                f"{given}: {max(thickness, 0)} cells of {h:.4g} m, expected at least {LEAST_CELLS}, since material "
+                "passes thinner walls; decrease grid.spacing, or enlarge the wall"
             )
     return WallBox(wall.name, tuple(low), tuple(high))
 
@@ -81,11 +84,10 @@ def _spans(wall: WallTable, model: str) -> tuple[Span, ...]:
     return wall.along, (None, wall.height), across
 
 
-def _keys(wall: WallTable, keys: str) -> str:
-    """Keys of a wall with their values, as the subject of a sentence."""
+def _values(wall: WallTable, keys: str) -> str:
+    """Keys of a wall that are given, with their values."""
     values = wall.model_dump(by_alias=True)
-    shown = [f"{key} = {values[key]:g} m" for key in keys.split() if values[key] is not None]
-    return f"{' to '.join(shown) or keys.replace(' ', ' and ')} {'is' if len(keys.split()) == 1 else 'are'}"
+    return ", ".join(f"{key} = {values[key]:g} m" for key in keys.split() if values[key] is not None)
 
 
 def rounding_warnings(case: Case, boxes: tuple[WallBox, ...], h: float, first: tuple[float, ...]) -> Iterator[str]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpmcol.case.walls import BACK_WALL, FLOOR, GATE_WALL
-from mpmcol.mpm.grid import Grid, grid_shape, node_coordinates
+from mpmcol.mpm.grid import grid_shape, node_coordinates
 from mpmcol.mpm.shape_functions import SHAPE_FUNCTIONS
 from mpmcol.mpm.simd import splat
 from mpmcol.setup.discretization import Discretization
@@ -121,7 +121,7 @@ def _face(
 
 
 def _row_areas(model: Model, axis: int) -> np.ndarray:
-    """Part of an axis whose pressure each node carries, the integral of its shape function, (n,), m or, of a radius, m2.
+    """Part of an axis whose pressure a node carries, the integral of its shape function, (n,), m; of a radius, m2.
 
     It is h, and less at the first two and last two nodes of the domain.
     """

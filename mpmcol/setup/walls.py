@@ -19,7 +19,7 @@ class Wall(NamedTuple):
 
 
 def recorded_walls(case: Case) -> tuple[Wall, ...]:
-    """The walls of [[walls]], those with friction and, if the case asks for forces, all of floor, back wall and gate."""
+    """Those of [[walls]], those with friction and, if the case asks for forces, floor, back wall and gate."""
     geometry, friction = case.geometry, case.friction
     walls = [Wall(FLOOR, friction.floor)]
     if geometry.model == "plane" and geometry.release == "one-sided":

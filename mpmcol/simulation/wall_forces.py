@@ -69,6 +69,23 @@ class WallForces:
         area = np.concatenate([face.area for face in self.faces])
         return end - start, ((np.array(after) - np.array(before)) / (end - start) / area).tolist()
 
+    def pressure_rows(self) -> list[dict[str, Any]]:
+        """Rows of wall_pressure.csv: at release those of back wall, gate and floor, at the end those of all walls."""
+        rows = []
+        for state, pressures in (("release", self.at_release), ("end", self.pressures())):
+            window, values = pressures or (0.0, [])
+            remaining = iter(values)
+            for face in self.faces if values else ():
+                for position, area, pressure in zip(face.position, face.area, remaining, strict=False):
+                    rows.append(
+                        {
+                            "wall": self._walls[face.wall], "face": face.name, "state": state,
+                            "position": float(position), "force": pressure * float(area), "pressure": pressure,
+                            "window": window,
+                        }
+                    )  # fmt: skip
+        return rows
+
     def _no_impulses(self) -> np.ndarray:
         return np.zeros(3 * len(self._walls) + len(self._feet))
 

@@ -120,8 +120,8 @@ def update_motion(
     """New velocity and position of a point, Eq. (26)-(27).
 
     old: vector 0 of its record. mean: weighted sums of v~ and a over the nodes. limits: smallest and largest position.
-    Returns the new vector 0; the displacement (m) and, where limits or walls stop the point, the work of gravity (J), which
-    is not part of the nodal balance, with an axis per lane from X on.
+    Returns the new vector 0; the displacement (m) and, where limits or walls stop the point, the work of gravity (J),
+    which is not part of the nodal balance, with an axis per lane from X on.
     """
     share, swapped = settings.flip_fraction, swap_halves(mean)
     # Eq. 26 and its PIC counterpart
