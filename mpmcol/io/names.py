@@ -15,7 +15,7 @@ ERROR_BARS_FILE, REPEATS_FOLDER = "error_bars.json", "repeats"  # of `mpmcol run
 REPORT_FILE = "report.html"  # of `mpmcol report`
 CHART_FILES = (
     "profile.png", "front.png", "energy.png", "profile.svg", "front.svg", "energy.svg", "collapse.gif", "collapse.mp4",
-    "topview.png", "snapshot-*.png",
+    "topview.png", "snapshot-*.png", "walls.png", "walls.svg",
 )  # fmt: skip
 # All files of a run, as patterns. The case is last, so that a partly emptied folder is still recognised as a run's.
 OWN_FILES = (

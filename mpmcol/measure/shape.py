@@ -21,6 +21,15 @@ class Layer:
 
 
 @dataclass(frozen=True)
+class Obstacle:
+    """A wall that stands in the domain, in the plane of x and y: its faces and its height above the base, m."""
+
+    low_x: float
+    high_x: float
+    height: float
+
+
+@dataclass(frozen=True)
 class ColumnShape:
     """The column as released, the reference of all measurements (m, kg/m3)."""
 
@@ -37,6 +46,7 @@ class ColumnShape:
     slope_deg: float = 0.0  # inclination of the base, downward along x, degrees
     outline: tuple[tuple[float, float], ...] | None = None  # counterclockwise, m; None for a rectangle
     gate: bool = True  # whether a gate at r_i held the column
+    obstacles: tuple[Obstacle, ...] = ()  # walls in the way of the flow
 
     @property
     def a(self) -> float:
