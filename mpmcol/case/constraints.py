@@ -225,7 +225,7 @@ CONSTRAINTS = (
             lambda value, impulse: value is None or value is False or impulse,
             "needs the reaction of walls, not {1}: set method.wall_impulse = true",
         )
-        for key in ("friction.floor", "friction.back_wall", "output.wall_forces", "walls.0.from")
+        for key in ("friction.floor", "friction.back_wall", "output.wall_forces")
     ),
     Constraint(
         ("friction.back_wall", "geometry.model", "geometry.release"),

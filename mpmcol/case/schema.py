@@ -45,9 +45,9 @@ class Case(Table):
         description="material of the base; keys that are not given are those of material",
     )
     layers: tuple[LayerTable, ...] = option("layers of the column, whose material has other parameters", ())
-    walls: tuple[WallTable, ...] = option("rigid walls on the base: dams, baffles, steps, end walls", ())
     friction: FrictionTable = option("Coulomb friction of floor and walls", FrictionTable())
     method: MethodTable = option("variants of the material point method", MethodTable())
+    walls: tuple[WallTable, ...] = option("rigid walls on the base: dams, baffles, steps, end walls", ())
     time: TimeTable = option("time step", TimeTable())
     stages: StagesTable = Field(default=StagesTable(), validate_default=True, description="stages of the run")
     output: OutputTable = option("output files", OutputTable())
@@ -101,8 +101,9 @@ class Case(Table):
     @field_validator("walls", mode="after")
     @classmethod
     def _check_walls(cls, walls: tuple[WallTable, ...], info: ValidationInfo) -> tuple[WallTable, ...]:
-        if geometry := info.data.get("geometry"):
-            check_walls(walls, geometry)
+        geometry, method = info.data.get("geometry"), info.data.get("method")
+        if geometry is not None and method is not None:
+            check_walls(walls, geometry, method.wall_impulse)
         return walls
 
     @field_validator("stages", mode="before")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mpmcol.case.schema import Case
-from mpmcol.experiments import Experiment, Strength, find_experiment
+from mpmcol.experiments import OUTLINE, Experiment, Strength, find_experiment
 
 
 def strength_of(case: Case) -> Strength:
@@ -17,9 +17,10 @@ def strength_of(case: Case) -> Strength:
 
 
 def experiment_of(case: Case) -> Experiment:
-    """The experiment of score.experiment; one without laws on a slope and for an outline.
+    """The experiment of score.experiment; one without laws on a slope, for an outline, and with walls in the way.
 
     All published columns are rectangles on a horizontal base.
     """
     geometry = case.geometry
-    return find_experiment(case.score.experiment, geometry.model, geometry.column_section, geometry.slope_deg)
+    section = OUTLINE if case.walls else geometry.column_section
+    return find_experiment(case.score.experiment, geometry.model, section, geometry.slope_deg)

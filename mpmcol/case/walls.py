@@ -64,8 +64,14 @@ def with_names(walls: list[Any]) -> tuple[Any, ...]:
     )
 
 
-def check_walls(walls: tuple[WallTable, ...], geometry: GeometryTable) -> None:
-    """Raise PydanticCustomError if a wall is not in the domain of this geometry, or in the way of another thing."""
+def check_walls(walls: tuple[WallTable, ...], geometry: GeometryTable, wall_impulse: bool) -> None:
+    """Raise PydanticCustomError if a wall is not in the domain of this geometry, or in the way of another thing.
+
+    wall_impulse: that of the method, which walls need.
+    """
+    if walls and not wall_impulse:
+        text = "walls need their reaction: set method.wall_impulse = true"
+        raise PydanticCustomError("quantity", "{text}", {"text": text})
     for wall in walls:
         for problem in _problems(wall, geometry):
             raise PydanticCustomError("quantity", "{text}", {"text": f"wall {wall.name}: {problem}"})

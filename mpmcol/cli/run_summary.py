@@ -56,11 +56,11 @@ def _impacts(summary: dict[str, Any], model: str) -> Iterator[str]:
     """Peak and final forces on walls, in runs that record them."""
     force_unit, moment_unit = FORCE_UNITS[model], MOMENT_UNITS[model]
     for wall, force in (summary.get("wall_forces") or {}).items():
-        if wall != "floor" and max(force["peak"], force["at_release"]) > 0.0:
+        if wall != "floor" and force["peak"] > 0.0:
+            moment = f", moment at most {force['moment']:.3g} {moment_unit}" if "moment" in force else ""
             yield (
-                f"force on {wall}: {force['at_release']:.3g} at release, at most {force['peak']:.3g} {force_unit} at "
-                f"{force['time']:.3g} s (mean over {1e3 * force['window']:.2g} ms), {force['at_end']:.3g} at the end"
-                + (f"; moment at most {force['moment']:.3g} {moment_unit}" if "moment" in force else "")
+                f"force on {wall}: at most {force['peak']:.3g} {force_unit} at {force['time']:.3g} s (mean over "
+                f"{1e3 * force['window']:.2g} ms), {force['at_end']:.3g} at the end{moment}"
             )
 
 

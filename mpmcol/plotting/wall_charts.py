@@ -107,4 +107,4 @@ def _draw_profiles(
         axes.plot([], [], color="0.4", linestyle=":", linewidth=1.0, label=r"active, $K_a \rho g (h_w - y)$")
         axes.plot([], [], color="0.4", linestyle="--", linewidth=1.0, label=r"passive, $K_p \rho g (h_w - y)$")
     axes.set(xlabel="normal pressure (Pa)", ylabel=f"height ({unit})", xlim=(0.0, HEADROOM * largest or 1.0))
-    axes.set_ylim(bottom=0.0)
+    axes.set_ylim(0.0, 1.2 * factor * max((profile.height for profile in profiles), default=shape.h_i))

@@ -149,8 +149,8 @@ def wall_at_gate(case: Case, h: float) -> str | None:
         if case.stages.gate and (gap := wall.from_ - case.geometry.r_i) < GATE_CELLS * h and wall.from_ > 0.0:
             return (
                 f"walls: from = {wall.from_:g} m of {wall.name} is {max(gap, 0.0) / h:.2g} cells from the column: "
-                f"before the release it carries a part of the force on the gate; set {case.geometry.r_i + GATE_CELLS * h:.4g} m "
-                "or more, or stages.gate = false"
+                "before the release it carries a part of the force on the gate; set "
+                f"{case.geometry.r_i + GATE_CELLS * h:.4g} m or more, or stages.gate = false"
             )
     return None
 

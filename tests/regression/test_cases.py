@@ -31,6 +31,7 @@ COARSE = {
     "inclined-channel": ("grid.spacing=0.02",),
     "layered-column": ("grid.spacing=0.01", "geometry.aspect=1"),
     "frictional-floor": ("grid.spacing=0.0075",),
+    "dam": (),
     **OF_PAPER,
     **{twin: OF_PAPER[f"lube-{twin}"] for twin in TWINS},
 }

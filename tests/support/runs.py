@@ -22,6 +22,7 @@ SMALL_CASES = {  # name -> shipped case and overrides, to be cut short with SHOR
     "outline": ("channel", "grid.spacing=0.015", "geometry.outline=[[0, 0], [0.2, 0], [0, 0.2]]", "stages.gate=false"),
     "granular bed": ("granular-bed", "grid.spacing=0.015"),
     "quarter": ("quarter", "grid.spacing=0.0194", "geometry.aspect=0.4", "stages.initial_stress=k0"),
+    "walls": ("dam", "grid.spacing=0.015", "walls.0.from=0.135", "walls.0.height=0.03"),
     "friction": ("frictional-floor", "grid.spacing=0.015", "friction.back_wall=0.2", "stages.gate_speed=0.5"),
     "friction in 3D": (
         "quarter",
