@@ -23,7 +23,7 @@ from mpmcol.setup.geometry import VERTICAL, Coordinates
 from mpmcol.setup.memory import require_memory_for
 from mpmcol.setup.stability_limit import TRANSFER_COEFFICIENTS
 from mpmcol.setup.time_step import axis_gap
-from mpmcol.setup.wall_boxes import cells_in_walls, wall_boundaries
+from mpmcol.setup.wall_boxes import cells_in_walls, nodes_of_walls, wall_boundaries
 from mpmcol.setup.walls import FACES, GATE_WALL, as_wall, side_friction
 
 POSITION_FACTORS = {"trapezoid": 0.5, "paper": 1.0, "end": 0.0}
@@ -133,7 +133,7 @@ def make_boundaries(grid: Grid, discretization: Discretization, gate_opening: fl
     """The faces of the domain, the zones of open ends above the base, the gate above the base and its opening, walls.
 
     The gate holds the nodes at and beyond the initial surface of the column. On a floor with slip, zones and gate
-    include its nodes.
+    include its nodes. Forces on nodes of both gate and a wall are those of the wall.
     """
     tolerance, walls = ON_NODE * discretization.h, discretization.walls
     x, y, *z = node_coordinates(grid)
@@ -150,7 +150,8 @@ def make_boundaries(grid: Grid, discretization: Discretization, gate_opening: fl
     far = discretization.beyond_column((x, *z), -GATE_REACH * discretization.h)
     for axis, nodes, out_of_reach in zip(horizontal_axes, beyond, far, strict=True):
         yield Boundary(GATE, axis, nodes & closed)
-        yield as_wall(Boundary(GATE, axis, nodes & closed & ~out_of_reach), GATE_WALL, walls)
+        recorded = nodes & closed & ~out_of_reach & ~nodes_of_walls(grid, discretization.wall_boxes)
+        yield as_wall(Boundary(GATE, axis, recorded), GATE_WALL, walls)
     for box in discretization.wall_boxes:
         for boundary in wall_boundaries(grid, box):
             yield as_wall(boundary, box.name, walls)

@@ -108,15 +108,24 @@ def cells_in_walls(grid: Grid, boxes: tuple[WallBox, ...]) -> np.ndarray:
     return np.logical_or.reduce([box.contains(cells) for box in boxes])
 
 
+def nodes_of_walls(grid: Grid, boxes: tuple[WallBox, ...]) -> np.ndarray | bool:
+    """Which nodes of the grid are on or in a wall, boolean (n_x, n_y[, n_z]); False without walls."""
+    nodes = tuple(np.indices(grid_shape(grid), sparse=True))
+    return reduce(np.logical_or, (_within(box.low, nodes, box.high) for box in boxes), False)
+
+
 def wall_boundaries(grid: Grid, box: WallBox) -> Iterator[Boundary]:
-    """The faces of a wall, each with its edges, and its nodes inside. Faces on the ends of the domain are omitted."""
+    """The faces of a wall, each with its edges, and its nodes inside. Faces on the ends of the domain are omitted.
+
+    Nodes inside have the number of the wall along all axes.
+    """
     shape = grid_shape(grid)
     nodes = tuple(np.indices(shape, sparse=True))
-    on_box = _within(box.low, nodes, box.high)
-    inside = on_box
+    on_box = inside = _within(box.low, nodes, box.high)
     for axis, (a, i, b, n) in enumerate(zip(box.low, nodes, box.high, shape, strict=True)):
         for side, end, is_open in ((1, a, a > 0), (0, b, b < n - 1)):
             if is_open:
                 yield Boundary(CONTACT, axis, on_box & (i == end), side)
                 inside = inside & (i != end)
-    yield Boundary(WALL_INSIDE, 0, inside)
+    for axis in range(len(shape)):
+        yield Boundary(WALL_INSIDE, axis, inside)
