@@ -108,10 +108,12 @@ def cells_in_walls(grid: Grid, boxes: tuple[WallBox, ...]) -> np.ndarray:
     return np.logical_or.reduce([box.contains(cells) for box in boxes])
 
 
-def nodes_of_walls(grid: Grid, boxes: tuple[WallBox, ...]) -> np.ndarray | bool:
-    """Which nodes of the grid are on or in a wall, boolean (n_x, n_y[, n_z]); False without walls."""
-    nodes = tuple(np.indices(grid_shape(grid), sparse=True))
-    return reduce(np.logical_or, (_within(box.low, nodes, box.high) for box in boxes), False)
+def nodes_of_walls(grid: Grid, boxes: tuple[WallBox, ...]) -> np.ndarray:
+    """Which nodes of the grid are on or in a wall, boolean (n_x, n_y[, n_z])."""
+    nodes, found = tuple(np.indices(grid_shape(grid), sparse=True)), np.zeros(grid_shape(grid), bool)
+    for box in boxes:
+        found |= _within(box.low, nodes, box.high)
+    return found
 
 
 def wall_boundaries(grid: Grid, box: WallBox) -> Iterator[Boundary]:

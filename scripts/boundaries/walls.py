@@ -19,7 +19,7 @@ CASES = {  # name -> overrides of the case dam, position of the face that is hit
     "dam": ((), 0.15, 0.18),
     "end wall": (("walls=[{from=0.135, name='dam'}]",), 0.135, 9.0),
     "low dam": ((*LOW, "walls.0.height=0.015"), 0.12, 0.15),
-    "dam in fast flow": ((*LOW, "walls.0.height=0.03"), 0.12, 0.15),
+    "higher dam": ((*LOW, "walls.0.height=0.03"), 0.12, 0.15),
 }
 
 
