@@ -7,22 +7,23 @@ from typing import Any
 from mpmcol.units import Table, quantity
 
 
-def _coefficient(description: str) -> Any:
-    return quantity(description, "", None, ge=0, le=10, is_tangent=True)
+def coefficient(description: str, default: float | None = None) -> Any:
+    """Declare a key for a friction coefficient, which an angle may give."""
+    return quantity(description, "", default, ge=0, le=10, is_tangent=True)
 
 
 class FrictionTable(Table):
     """Coulomb friction of floor and walls, from which material may separate."""
 
-    floor: float | None = _coefficient(
+    floor: float | None = coefficient(
         'coefficient mu of the rigid floor, or a friction angle such as "22 deg"; 0: frictionless; default: a floor '
         "without slip"
     )
-    back_wall: float | None = _coefficient(
+    back_wall: float | None = coefficient(
         "coefficient of the wall at x = 0 of a one-sided plane column, or a friction angle; default: a smooth wall "
         "from which material does not separate"
     )
-    side_walls: float | None = _coefficient(
+    side_walls: float | None = coefficient(
         "coefficient of the side walls of a channel that is modelled in plane strain, or a friction angle; needs "
         "channel_width; default: smooth"
     )

@@ -62,8 +62,9 @@ def resolved_toml(case: Case, derived: Mapping[str, str | float] | None = None) 
     values = case.model_dump(by_alias=True, exclude_none=True)
     tables = {key: value for key, value in values.items() if value != {}}
     tables["material"] = {"law": case.material.law} | tables["material"]
-    if not case.layers:
-        del tables["layers"]
+    for array in ("layers", "walls"):
+        if not tables[array]:
+            del tables[array]
     comments = [f"# {name} = {value}" for name, value in (derived or {}).items()]
     return tomli_w.dumps(tables) + "\n".join(["", "# derived:", *comments, ""] if comments else [])
 

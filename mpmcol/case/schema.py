@@ -29,6 +29,7 @@ from mpmcol.case.tables import (
     integer,
 )
 from mpmcol.case.values import leaf_values
+from mpmcol.case.walls import WallTable, check_walls, with_names
 from mpmcol.mpm.constitutive import elastic
 from mpmcol.units import Table, option
 
@@ -53,6 +54,7 @@ class Case(Table):
     layers: tuple[LayerTable, ...] = option("layers of the column, whose material has other parameters", ())
     friction: FrictionTable = option("Coulomb friction of floor and walls", FrictionTable())
     method: MethodTable = option("variants of the material point method", MethodTable())
+    walls: tuple[WallTable, ...] = option("rigid walls on the base: dams, baffles, steps, end walls", ())
     time: TimeTable = option("time step", TimeTable())
     stages: StagesTable = Field(default=StagesTable(), validate_default=True, description="stages of the run")
     output: OutputTable = option("output files", OutputTable())
@@ -102,6 +104,20 @@ class Case(Table):
         if geometry is not None and material is not None and layers:
             check_layers(layers, material.law, geometry)
         return layers
+
+    @field_validator("walls", mode="before")
+    @classmethod
+    def _resolve_walls(cls, walls: Any) -> Any:
+        """Resolve the names of walls."""
+        return with_names(walls) if isinstance(walls, list) else walls
+
+    @field_validator("walls", mode="after")
+    @classmethod
+    def _check_walls(cls, walls: tuple[WallTable, ...], info: ValidationInfo) -> tuple[WallTable, ...]:
+        geometry, method = info.data.get("geometry"), info.data.get("method")
+        if geometry is not None and method is not None:
+            check_walls(walls, geometry, method.wall_impulse)
+        return walls
 
     @field_validator("stages", mode="before")
     @classmethod

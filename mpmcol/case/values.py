@@ -30,13 +30,16 @@ def leaf_values(keys: Table, prefix: str = "") -> dict[str, Any]:
 def case_hash(case: Case) -> str:
     """Twelve hexadecimal digits that identify the simulation.
 
-    Title, output and score have no influence, nor have the choice between height and aspect and keys without a value
-    in the table friction.
+    Title, output, score and the names of walls have no influence, nor have the choice between height and aspect and
+    keys without a value in the table friction.
     """
     content = case.model_dump(mode="json", by_alias=True, exclude={"title", "output", "score"})
     content["geometry"] |= {"aspect": None, "height": case.geometry.h_i}
     if not case.layers:
         del content["layers"]
+    content["walls"] = [{**wall, "name": None} for wall in content["walls"]]
+    if not case.walls:
+        del content["walls"]
     if case.geometry.dimension == 2:  # keys without a meaning in 2D
         del content["geometry"]["section"], content["geometry"]["depth"]
     if case.geometry.outline is None:

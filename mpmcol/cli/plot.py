@@ -45,7 +45,8 @@ def plot(
     """Draw charts of a run, or compare several runs.
 
     DIR is a results folder. Writes profile.png (profiles of the deposit), front.png (front and height over time) and
-    energy.png (energy balance over time). With several folders, each chart has a line for each run.
+    energy.png (energy balance over time), and of a run with recorded forces walls.png (forces on walls over time, and
+    pressures over the height). With several folders, each chart has a line for each run.
     """
     from mpmcol.io.results import Results
     from mpmcol.plotting.comparison import chart_comparison

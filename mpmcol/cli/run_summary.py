@@ -7,6 +7,7 @@ from typing import Any
 
 from mpmcol.case import experiment_of
 from mpmcol.experiments import mark
+from mpmcol.io.glossary import FORCE_UNITS, MOMENT_UNITS
 from mpmcol.io.results import Results
 from mpmcol.studies.judgement import judge
 from mpmcol.units import length_scale, length_text
@@ -48,6 +49,19 @@ def _measured(results: Results) -> Iterator[str]:
     if erosion := summary.get("erosion"):
         mass = f"{erosion['eroded_mass']:.3g} {summary['energy_unit'].replace('J', 'kg', 1)}"
         yield f"bed: {mass} moved, down to a depth of {length_text(erosion['eroded_depth'])}"
+    yield from _impacts(summary, shape.model)
+
+
+def _impacts(summary: dict[str, Any], model: str) -> Iterator[str]:
+    """Peak and final forces on walls, in runs that record them."""
+    force_unit, moment_unit = FORCE_UNITS[model], MOMENT_UNITS[model]
+    for wall, force in (summary.get("wall_forces") or {}).items():
+        if wall != "floor" and force["peak"] > 0.0:
+            moment = f", moment at most {force['moment']:.3g} {moment_unit}" if "moment" in force else ""
+            yield (
+                f"force on {wall}: at most {force['peak']:.3g} {force_unit} at {force['time']:.3g} s (mean over "
+                f"{1e3 * force['window']:.2g} ms), {force['at_end']:.3g} at the end{moment}"
+            )
 
 
 def _line(label: str, length: str, value: float, comparison: str) -> str:

@@ -109,6 +109,7 @@ class Conditions:
     cohesion: float  # relative to rho g h_i
     slope_deg: float = 0.0  # of the base
     has_layers: bool = False  # of different materials
+    has_walls: bool = False  # in the way of the flow
 
 
 @dataclass(frozen=True)
@@ -146,6 +147,8 @@ class Experiment:
     def misfit(self, conditions: Conditions) -> str:
         """Why the column's material or base does not resemble that of the experiment; "" if both do."""
         lo, hi = self.friction_deg
+        if conditions.has_walls:
+            return "for a flow without obstacles; here walls stand in its way"
         if conditions.has_layers:
             return "for a column of one material; here it has layers"
         if conditions.slope_deg:

@@ -11,10 +11,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cache
 
-from mpmcol.io.glossary import ENERGY, ENERGY_UNITS, FORCE, FORCE_UNITS, NAMES, Names
+from mpmcol.io.glossary import NAMES, UNITS_BY_MODEL, Names
 
 _PER_MODEL = "per metre of width in the plane model, per radian in axisymmetry, of the modelled part in 3D"
-ENERGY_TEXT, FORCE_TEXT = f"J: {_PER_MODEL}", f"N: {_PER_MODEL}"
 
 
 @dataclass
@@ -27,7 +26,7 @@ class Entry:
     where: list[str] = field(default_factory=list)
 
     def __str__(self) -> str:
-        unit = {ENERGY: ENERGY_TEXT, FORCE: FORCE_TEXT}.get(self.unit, self.unit)
+        unit = f"{self.unit}: {_PER_MODEL}" if self.unit in UNITS_BY_MODEL else self.unit
         return "\n".join(
             [
                 ", ".join(dict.fromkeys(self.names)),
@@ -73,9 +72,7 @@ def unit_of(where: str, name: str, model: str = "") -> str | None:
     """Unit of a name in a file or command, "" if it has none; None if the name is not in the table."""
     matching = (unit for full, (unit, _) in NAMES[where].items() if _pattern(full).fullmatch(name))
     unit = next(matching, None)
-    if model and unit == ENERGY:
-        return ENERGY_UNITS[model][0]
-    return FORCE_UNITS[model] if model and unit == FORCE else unit
+    return UNITS_BY_MODEL[unit][model] if model and unit in UNITS_BY_MODEL else unit
 
 
 def header(names: Iterable[str], where: str, model: str = "") -> list[str]:

@@ -6,7 +6,7 @@ joined by dots; a part in capitals varies. In 3D a front and its zeta have the p
 
 from __future__ import annotations
 
-ENERGY, FORCE, TAU = "J", "N", "sqrt(h_i/g)"
+ENERGY, FORCE, MOMENT, TAU = "J", "N", "N m", "sqrt(h_i/g)"
 ENERGY_UNITS = {  # by model: in headers, and in words
     "plane": ("J/m", "J per metre of width"),
     "axisymmetric": ("J/rad", "J per radian"),
@@ -14,7 +14,12 @@ ENERGY_UNITS = {  # by model: in headers, and in words
     "full": ("J", "J of the whole column"),
 }
 FORCE_UNITS = {"plane": "N/m", "axisymmetric": "N/rad", "quarter": "N", "full": "N"}
+MOMENT_UNITS = {"plane": "N m/m", "axisymmetric": "N m/rad", "quarter": "N m", "full": "N m"}
+UNITS_BY_MODEL = {  # of units that depend on the model
+    ENERGY: {model: units[0] for model, units in ENERGY_UNITS.items()}, FORCE: FORCE_UNITS, MOMENT: MOMENT_UNITS,
+}  # fmt: skip
 RESULT, HISTORY, MEASURE, TABLE, SLOPES = "result.json", "history.csv", "measure", "table.csv", "slopes.csv"
+PRESSURE = "wall_pressure.csv"
 
 Names = dict[str, tuple[str, str]]  # name -> unit ("" without one; ENERGY depends on the model), meaning
 
@@ -109,6 +114,18 @@ _WALL_FORCES: Names = {
     "time": ("s", "time since release at the end of that window"),
     "window": ("s", "time over which the peak force is averaged, at least 5 h/c"),
     "at_end": (FORCE, "magnitude of the mean force of the last row of the history"),
+    "moment_at_release": (MOMENT, "moment about the foot of the wall before the opening of the gate"),
+    "moment": (MOMENT, "largest mean moment over `window` that overturns the wall about its foot"),
+    "moment_at_end": (MOMENT, "mean moment of the last row of the history"),
+}
+_PRESSURE: Names = {
+    "wall": ("", "name of the wall"),
+    "face": ("", "low_x, high_x, low_z, high_z or top: the side of the wall that the face is on"),
+    "state": ("", "release (before the opening of the gate) or end"),
+    "position": ("m", "of a row of nodes: height above the base, of the faces top the distance along x"),
+    "force": (FORCE, "mean force of the row normal to the face, into the wall"),
+    "pressure": ("Pa", "that force over the area whose pressure the row carries"),
+    "window": ("s", "time over which the force is averaged, the last ten rows of the history"),
 }
 _STRESS: Names = {
     "weight_at_foot": ("Pa", "largest weight per area at the foot of the deposit"),
@@ -166,6 +183,7 @@ _HISTORY: Names = {
     "J_max": ("", "largest volume ratio J of all points"),
     "open_points": ("", "number of points that have separated"),
     "force.WALL.AXIS": (FORCE, "mean force on a wall since the previous row (output.wall_forces), by component"),
+    "moment.WALL": (MOMENT, "mean moment that overturns a wall about its foot at the level of the base, as the force"),
     "grid_kinetic": (ENERGY, "kinetic energy at the nodes, by which rest is detected"),
     "unbalanced": ("", "unbalanced force at the nodes over the weight"),
 }
@@ -227,7 +245,7 @@ NAMES: dict[str, Names] = {  # file or command -> its names
         **_nested("ledger", _ENERGIES),
         "dissipation": ("", "where the released energy went; null before the release"),
         **_nested("dissipation", _DISSIPATION),
-        "wall_forces": ("", "largest forces on floor, back wall and gate; null without output.wall_forces"),
+        "wall_forces": ("", "largest forces on floor, walls and gate; null without output.wall_forces"),
         **_nested("wall_forces.WALL", _WALL_FORCES),
         "stress": ("", "quality of the stresses of single points"),
         **_nested("stress", _STRESS),
@@ -256,4 +274,5 @@ NAMES: dict[str, Names] = {  # file or command -> its names
     },
     TABLE: {**_TABLE, "status": _RUN["status"], **_DEPOSIT, **_FRONTS, **_SIZES, **_COST},
     SLOPES: _SLOPES,
+    PRESSURE: _PRESSURE,
 }

@@ -15,7 +15,7 @@ from mpmcol.case import Case, load_case
 from mpmcol.errors import OutputError, UsageError
 from mpmcol.io.columns import without_unit
 from mpmcol.io.html import html_table
-from mpmcol.io.names import CASE_FILE, HISTORY_FILE, RESULT_FILE
+from mpmcol.io.names import CASE_FILE, HISTORY_FILE, PRESSURE_FILE, RESULT_FILE
 from mpmcol.io.run_status import read_status
 from mpmcol.io.snapshot import Snapshot, list_snapshots, read_snapshot
 from mpmcol.measure import ColumnShape, Erosion, Measurement, measure, measure_erosion, stop_time
@@ -98,6 +98,12 @@ class Results:
         """Columns of history.csv: `stage` as text, all others as numbers."""
         return read_history(self.folder / HISTORY_FILE)
 
+    @cached_property
+    def wall_pressure(self) -> dict[str, np.ndarray]:
+        """Columns of wall_pressure.csv: wall, face and state as text, all others as numbers; empty without the file."""
+        path = self.folder / PRESSURE_FILE
+        return _read_columns(path, ("wall", "face", "state")) if path.exists() else {}
+
     @property
     def snapshots(self) -> list[Path]:
         """Snapshot files in the order of writing."""
@@ -165,11 +171,16 @@ def measure_stop_time(history: Mapping[str, np.ndarray], spacing: float, fall_ti
 
 def read_history(path: Path) -> dict[str, np.ndarray]:
     """Columns of a history.csv: `stage` as text, all others as numbers. Raises OutputError."""
+    return _read_columns(path, ("stage",), HISTORY)
+
+
+def _read_columns(path: Path, texts: tuple[str, ...], required: tuple[str, ...] = ()) -> dict[str, np.ndarray]:
+    """Columns of a CSV file, `required` first: `texts` as text, all others as numbers. Raises OutputError."""
     try:
         with path.open(encoding="utf-8", newline="") as file:
             columns = [without_unit(column) for column in next(csv.reader(file), [])]
             rows = list(csv.DictReader(file, columns))
-        names = [*HISTORY, *(name for name in columns if name not in HISTORY)]
-        return {name: np.array([row[name] if name == "stage" else float(row[name]) for row in rows]) for name in names}
+        names = [*required, *(name for name in columns if name not in required)]
+        return {name: np.array([row[name] if name in texts else float(row[name]) for row in rows]) for name in names}
     except (OSError, KeyError, TypeError, ValueError, csv.Error):
         raise OutputError(f"{path} is missing or damaged; run the case again with --fresh") from None

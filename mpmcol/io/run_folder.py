@@ -25,6 +25,7 @@ from mpmcol.io.names import (
     LOCK_FILE,
     LOG_FILE,
     OWN_FILES,
+    PRESSURE_FILE,
     RESULT_FILE,
 )
 from mpmcol.io.results import HISTORY, Results
@@ -120,6 +121,16 @@ def write_history(folder: Path, rows: Sequence[Mapping[str, Any]], model: str = 
     atomic_write(folder / HISTORY_FILE, text.getvalue().encode())
 
 
+def write_pressure(folder: Path, rows: Sequence[Mapping[str, Any]], model: str) -> None:
+    """Write wall_pressure.csv; nothing without rows. Raises OutputError."""
+    if not rows:
+        return
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerow(header(rows[0], PRESSURE_FILE, model))
+    csv.DictWriter(text, list(rows[0]), lineterminator="\n").writerows(rows)
+    atomic_write(folder / PRESSURE_FILE, text.getvalue().encode())
+
+
 def write_result(folder: Path, result: Mapping[str, Any], snapshots: Mapping[str, str] | None = None) -> None:
     """Write result.json, and before it the checksums of all files of the run, including result.json.
 
@@ -130,7 +141,8 @@ def write_result(folder: Path, result: Mapping[str, Any], snapshots: Mapping[str
     for name in snapshots or ():
         if not (folder / name).is_file():
             raise OutputError(f"{folder / name} was removed during the run; run the case again with --fresh")
-    others = [name for name in (GIVEN_CASE_FILE, CASE_FILE, HISTORY_FILE, *INDEX_FILES) if (folder / name).exists()]
+    names = (GIVEN_CASE_FILE, CASE_FILE, HISTORY_FILE, PRESSURE_FILE, *INDEX_FILES)
+    others = [name for name in names if (folder / name).exists()]
     checksums = {name: checksum_of(folder / name) for name in others} | dict(snapshots or {})
     write_checksums(folder, checksums | {RESULT_FILE: hashlib.sha256(content).hexdigest()})
     atomic_write(folder / RESULT_FILE, content)

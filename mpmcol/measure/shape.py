@@ -21,6 +21,15 @@ class Layer:
 
 
 @dataclass(frozen=True)
+class Obstacle:
+    """A wall that stands in the domain, in the plane of x and y: its faces and its height above the base, m."""
+
+    low_x: float
+    high_x: float
+    height: float
+
+
+@dataclass(frozen=True)
 class ColumnShape:
     """The column as released, the reference of all measurements (m, kg/m3)."""
 
@@ -38,6 +47,7 @@ class ColumnShape:
     outline: tuple[tuple[float, float], ...] | None = None  # counterclockwise, m; None for a rectangle
     gate: bool = True  # whether a gate at r_i held the column
     lean: float = 0.0  # distance that its sides lean upslope per height; 0 if they are normal to the base
+    obstacles: tuple[Obstacle, ...] = ()  # walls in the way of the flow
 
     @property
     def a(self) -> float:

@@ -16,6 +16,11 @@ def column(wall: str, axis: str) -> str:
     return f"force.{wall}.{axis}"
 
 
+def moment_column(wall: str) -> str:
+    """Column of the history with the moment on a wall about its foot."""
+    return f"moment.{wall}"
+
+
 def peak_forces(history: Mapping[str, np.ndarray], window: float) -> dict[str, Any] | None:
     """The force on each wall at release and at the end, and the largest one; None without forces.
 
@@ -23,7 +28,8 @@ def peak_forces(history: Mapping[str, np.ndarray], window: float) -> dict[str, A
 
     history: columns of history.csv; forces are means since the previous row. window: least time over which a force is
     averaged, s. Returns, by wall, magnitudes of the resultant (N, per metre or radian in two dimensions): "at_release",
-    "peak", with "time", the end of its averaging (s), and "window", its duration (s), and "at_end".
+    "peak", with "time", the end of its averaging (s), and "window", its duration (s), and "at_end"; and of a wall with
+    a foot "moment_at_release", "moment", the largest mean over the window, and "moment_at_end" (N m).
     """
     walls = dict.fromkeys(name.split(".")[1] for name in history if name.startswith("force."))
     if not walls:
@@ -48,5 +54,21 @@ def peak_forces(history: Mapping[str, np.ndarray], window: float) -> dict[str, A
             "time": float(time[last[k]]),
             "window": float(duration[k]),
             "at_end": float(at_end),
+            **_moments(history, wall, rows, last, first, duration),
         }
     return peaks
+
+
+def _moments(
+    history: Mapping[str, np.ndarray], wall: str, rows: np.ndarray, last: np.ndarray, first: np.ndarray, duration: Any
+) -> dict[str, float]:
+    """The moment at release, its largest mean over the window, and the last; nothing for a wall without a foot."""
+    if (name := moment_column(wall)) not in history:
+        return {}
+    moment, time = history[name][rows], history["time"][rows]
+    impulse = np.cumsum(moment * np.diff(time, prepend=time[0]))
+    return {
+        "moment_at_release": float(moment[0]),
+        "moment": float(((impulse[last] - impulse[first]) / duration).max()),
+        "moment_at_end": float(moment[-1]),
+    }

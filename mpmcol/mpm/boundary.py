@@ -43,8 +43,9 @@ AXIS = BoundaryType("axis", "normal", AXIS_GAP)
 OPEN_END = BoundaryType("open end", "normal", WALL_GAP, zone_cells=4, stop_cells=2)  # the zone arrests single particles
 FREE = BoundaryType("free", "none", WALL_GAP, stop_cells=2)  # the top of the domain
 GATE = BoundaryType("gate", "normal")
+WALL_INSIDE = BoundaryType("inside of a wall", "all")  # nodes that only points at its edges reach
 INACTIVE = BoundaryType("inactive points", "all")  # set by `mpmcol.mpm.kernels.deactivation`
-TYPES = (NO_SLIP, CONTACT, ROLLER, AXIS, OPEN_END, FREE, GATE, INACTIVE)
+TYPES = (NO_SLIP, CONTACT, ROLLER, AXIS, OPEN_END, FREE, GATE, WALL_INSIDE, INACTIVE)
 
 Faces = tuple[tuple[BoundaryType, BoundaryType], ...]  # of the domain: low and high face along each axis
 

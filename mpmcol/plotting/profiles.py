@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
 from scipy.interpolate import PchipInterpolator
 
 from mpmcol.experiments import Experiment, Profile, mark
 from mpmcol.measure import Array, ColumnShape, Measurement
 from mpmcol.plotting.measured_series import MeasuredSeries
-from mpmcol.plotting.styles import FRONT_STYLES, GATE_STYLE, HOLLOW, POINT_MARKERS, POINTS_COLOUR, author_of
+from mpmcol.plotting.styles import FRONT_STYLES, GATE_STYLE, HOLLOW, POINT_MARKERS, POINTS_COLOUR, WALL_STYLE, author_of
 from mpmcol.plotting.styles import experiment_style as style_of
 
 RELEASED: dict[str, Any] = {"color": "0.6", "linestyle": "--"}  # line of the column at release
@@ -50,7 +51,15 @@ def set_up_axes(
     if shape.gate:
         draw_gate(axes, factor * shape.r_i, shape.lean)
     axes.axhline(0.0, color="black", linewidth=0.8, zorder=0)
+    if not shape.has_sectors:
+        draw_walls(axes, [(one.low_x, one.high_x, one.height) for one in shape.obstacles], factor)
     return float(top / length)
+
+
+def draw_walls(axes: Axes, walls: Sequence[tuple[float, float, float]], factor: float = 1.0) -> None:
+    """Walls from low to high x and up to a height (m times `factor`), which do not change the limits of the axes."""
+    for low, high, height in walls:
+        axes.add_patch(Rectangle((factor * low, 0.0), factor * (high - low), factor * height, **WALL_STYLE))
 
 
 def draw_gate(axes: Axes, position: float, lean: float = 0.0) -> None:

@@ -1,4 +1,4 @@
-"""Charts of a results folder: profile.png, front.png and energy.png."""
+"""Charts of a results folder: profile.png, front.png, energy.png and, with recorded forces, walls.png."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmcol.case import experiment_of
+from mpmcol.case import conditions_of, experiment_of
 from mpmcol.errors import OutputError, UsageError
 from mpmcol.io.atomic import make_folder
 from mpmcol.io.results import Results
@@ -16,6 +16,7 @@ from mpmcol.plotting.captions import heading_of
 from mpmcol.plotting.charts import energy_chart, front_chart, profile_chart
 from mpmcol.plotting.measured_series import MeasuredSeries
 from mpmcol.plotting.styles import FRONT_STYLES
+from mpmcol.plotting.wall_charts import wall_chart
 
 
 def chart_run(
@@ -27,7 +28,7 @@ def chart_run(
     out: Path | None = None,
     notify: Callable[[str], None] = lambda note: None,
 ) -> list[Path]:
-    """Draw profile.png, front.png and energy.png; returns the paths written.
+    """Draw profile.png, front.png, energy.png and, with recorded forces, walls.png; returns the paths written.
 
     Args:
         results: of the run.
@@ -59,6 +60,14 @@ def chart_run(
         *profile_chart(folder / "profile.png", shape, deposits, experiment, at_rest=at_rest, points=points, **options),
         *front_chart(folder / "front.png", shape, time, fronts, height, experiment, **options),
         *energy_chart(folder / "energy.png", shape, time, history, **options),
+        *wall_chart(
+            folder / "walls.png",
+            shape,
+            history,
+            results.wall_pressure,
+            friction_deg=conditions_of(results.case).friction_deg,
+            **options,
+        ),
     ]
 
 

@@ -34,6 +34,10 @@ CHARTS = {  # file of `mpmcol plot` -> what it shows, caption
         "Chart of the energies over time, in per cent of the potential energy at release",
         "Energy balance, in per cent of the potential energy at release",
     ),
+    "walls.png": (
+        "Chart of the forces on walls over time, and of the pressure on them over the height",
+        "Forces on walls over time; pressures beside the active and passive ones of the material",
+    ),
 }
 MOST_FRAMES = 24
 OBLIQUE_FLATNESS = 0.55  # of the image of a 3D model

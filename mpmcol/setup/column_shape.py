@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from mpmcol.case import Case
 from mpmcol.measure import ColumnShape
-from mpmcol.measure.shape import Layer
+from mpmcol.measure.shape import Layer, Obstacle
 from mpmcol.setup.discretization import Discretization
 
 
@@ -25,4 +27,12 @@ def column_shape(case: Case, discretization: Discretization) -> ColumnShape:
         outline=None if case.geometry.is_rectangle else case.geometry.polygon,
         lean=case.geometry.lean,
         gate=case.stages.gate,
+        obstacles=tuple(obstacles(discretization)),
     )
+
+
+def obstacles(discretization: Discretization) -> Iterator[Obstacle]:
+    """The walls of [[walls]] as they are in the grid."""
+    h, (x, y, *_) = discretization.h, discretization.origin
+    for box in discretization.wall_boxes:
+        yield Obstacle(x + h * box.low[0], x + h * box.high[0], y + h * box.high[1])

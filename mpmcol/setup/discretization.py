@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil
 
 import numpy as np
@@ -14,12 +14,12 @@ from mpmcol.errors import UsageError
 from mpmcol.mpm.boundary import AXIS, OPEN_END, Faces
 from mpmcol.setup.cut_cells import material_above, point_shares
 from mpmcol.setup.domain import domain_size
-from mpmcol.setup.geometry import GEOMETRIES, Geometry, domain_faces, points_per_axis
+from mpmcol.setup.geometry import GEOMETRIES, ROUNDING, Geometry, domain_faces, points_per_axis
 from mpmcol.setup.unfit_settings import setting_warnings
+from mpmcol.setup.wall_boxes import WallBox, place_walls, rounding_warnings
 from mpmcol.setup.walls import Wall, recorded_walls
 
 MOST_SHARE = 8.0  # of its cell: largest volume of a point, the end of a slope of 2 degrees
-ROUNDING = 5e-5  # relative change of a length above which a warning is issued: less is 0.00 %
 
 
 @dataclass(frozen=True)
@@ -42,6 +42,7 @@ class Discretization:
     outline: Outline | None = None  # of a column that is not given by r_i and h_i
     layers: tuple[tuple[float, float], ...] = ()  # heights of the lower and the upper ends of those of the column
     lean: float = 0.0  # distance that the sides of the column lean upslope per height: x + lean y is that at the base
+    wall_boxes: tuple[WallBox, ...] = ()  # those of [[walls]]
 
     @property
     def geometry(self) -> Geometry:
@@ -111,6 +112,11 @@ class Discretization:
         """
         x, y, *z = position
         return self.geometry.beyond((x + self.lean * y, *z), self.r_i - tolerance, self.depth - tolerance)
+
+    def in_walls(self, x: np.ndarray) -> np.ndarray:
+        """Whether points at x (n, d) are in one of the walls."""
+        cells = tuple(np.floor((x - np.array(self.origin)) / self.h).astype(np.intp).T)
+        return np.logical_or.reduce([np.zeros(len(x), bool), *(box.contains(cells) for box in self.wall_boxes)])
 
     def in_end_zone(self, x: np.ndarray) -> np.ndarray:
         """Whether points at x (n, d) are in the zone of held nodes of an open end, or less than a cell from it."""
@@ -196,7 +202,7 @@ def discretize(case: Case) -> Discretization:
     warnings += setting_warnings(case, h)
     length, height = domain_size(case, h)
     per_axis = points_per_axis(case)
-    return Discretization(
+    empty = Discretization(
         shape=geometry.shape,
         faces=domain_faces(case),
         walls=recorded_walls(case),
@@ -214,6 +220,8 @@ def discretize(case: Case) -> Discretization:
         layers=tuple((layer.from_, layer.to) for layer in case.layers),
         lean=geometry.lean,
     )
+    boxes = place_walls(case, h, empty.origin, empty.cells)
+    return replace(empty, wall_boxes=boxes, warnings=(*warnings, *rounding_warnings(case, boxes, h, empty.origin)))
 
 
 def stack(horizontal: np.ndarray, y: np.ndarray) -> np.ndarray:

@@ -6,6 +6,7 @@ from math import radians, tan
 
 from mpmcol.case import Case
 from mpmcol.case.slope import slope_factor
+from mpmcol.case.walls import WallTable
 from mpmcol.errors import UsageError
 from mpmcol.experiments import expected_runout
 from mpmcol.mpm.boundary import OPEN_END
@@ -20,7 +21,7 @@ LEAST_CELLS = OPEN_END.zone_cells + 1  # between the column and the open ends or
 def domain_size(case: Case, h: float) -> tuple[float, float]:
     """Length from wall or axis and height above the base, m; raises UsageError if given values are too small."""
     geometry = case.geometry
-    enough = default_length(case, h), geometry.h_i + HEADROOM_CELLS * h
+    enough = default_length(case, h), default_height(case, h)
     length, height = geometry.domain_length or enough[0], geometry.domain_height or enough[1]
     for key, given, column, default in (
         ("domain_length", length, _half_width(case), enough[0]),
@@ -40,14 +41,36 @@ def usable(length: float, h: float) -> float:
 
 
 def default_length(case: Case, h: float) -> float:
-    """Length of the domain that is sized by the expected runout, m."""
+    """Length of the domain that is sized by the expected runout and contains all walls, m.
+
+    In two dimensions it ends within an end wall, in which the zone of the open end is.
+    """
+    walls = [max(abs(end) for end in wall.along if end is not None) + LEAST_CELLS * h for wall in case.walls]
+    closed = closing_walls(case)
+    if closed and case.geometry.dimension == 2:
+        return min(wall.from_ for wall in closed) + LEAST_CELLS * h
     zeta = expected_zeta(case) * (RIGID_BASE_FACTOR if case.geometry.base == "rigid" else 1.0)
-    return _half_width(case) + case.geometry.r_i * (zeta + RUNOUT_MARGIN) + OPEN_END.zone_cells * h
+    length = _half_width(case) + case.geometry.r_i * (zeta + RUNOUT_MARGIN) + OPEN_END.zone_cells * h
+    return max([length, *walls])
+
+
+def default_height(case: Case, h: float) -> float:
+    """Height of the domain above the base, m, with room above the column and the walls."""
+    return max([case.geometry.h_i, *(wall.height or 0.0 for wall in case.walls)]) + HEADROOM_CELLS * h
+
+
+def closing_walls(case: Case) -> list[WallTable]:
+    """The end walls that the flow cannot pass."""
+    return [wall for wall in case.walls if wall.closes]
 
 
 def expected_front(case: Case) -> float:
-    """Distance of the farthest front of experiments on such a column, as on its slope, from the wall or axis, m."""
-    return _half_width(case) + case.geometry.r_i * expected_zeta(case)
+    """Distance of the farthest front of experiments on such a column, as on its slope, from the wall or axis, m.
+
+    In two dimensions it is at most that of an end wall.
+    """
+    front = _half_width(case) + case.geometry.r_i * expected_zeta(case)
+    return min([front, *(wall.from_ for wall in closing_walls(case) if case.geometry.dimension == 2)])
 
 
 def expected_zeta(case: Case) -> float:

@@ -12,6 +12,7 @@ from mpmcol.mpm.boundary import AXIS, CONTACT, FREE, NO_SLIP, OPEN_END, ROLLER, 
 
 Coordinates = tuple[np.ndarray, ...]
 VERTICAL = 1  # axis
+ROUNDING = 5e-5  # relative change of a length above which a warning is issued: less is 0.00 %
 
 
 @dataclass(frozen=True)

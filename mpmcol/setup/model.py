@@ -17,11 +17,13 @@ from mpmcol.mpm.grid import TILE, Grid, allocate_grid, node_coordinates
 from mpmcol.mpm.particles import BASE, COLUMN, LAYER, Points
 from mpmcol.mpm.settings import Scheme, Settings
 from mpmcol.mpm.solver import Body, Solver
+from mpmcol.mpm.wall_cells import with_walls
 from mpmcol.setup.discretization import Discretization, discretize, stack
 from mpmcol.setup.geometry import VERTICAL, Coordinates
 from mpmcol.setup.memory import require_memory_for
 from mpmcol.setup.stability_limit import TRANSFER_COEFFICIENTS
 from mpmcol.setup.time_step import axis_gap
+from mpmcol.setup.wall_boxes import cells_in_walls, nodes_of_walls, wall_boundaries
 from mpmcol.setup.walls import FACES, GATE_WALL, as_wall, side_friction
 
 POSITION_FACTORS = {"trapezoid": 0.5, "paper": 1.0, "end": 0.0}
@@ -76,7 +78,7 @@ def build_model(case: Case) -> Model:
     points = make_points(case, discretization)
     if case.stages.initial_stress == "k0":
         assign_k0(case, discretization, points)
-    grid = allocate_grid(discretization.origin, discretization.h, discretization.cells)
+    grid = make_grid(discretization)
     set_boundaries(grid, discretization, initial_gate_opening(case))
     law, stages = LAWS[case.material.law], case.stages
     first_law = elastic if stages.equilibrate.law == "elastic" else law
@@ -103,6 +105,13 @@ def build_model(case: Case) -> Model:
     )
 
 
+def make_grid(discretization: Discretization) -> Grid:
+    """The grid of a case, with its walls."""
+    grid = allocate_grid(discretization.origin, discretization.h, discretization.cells)
+    boxes = discretization.wall_boxes
+    return with_walls(grid, cells_in_walls(grid, boxes)) if boxes else grid
+
+
 def make_solver(model: Model, stage: StageSetup) -> Solver:
     """The solver of a model at the beginning of a stage."""
     return Solver(
@@ -121,10 +130,10 @@ def set_boundaries(grid: Grid, discretization: Discretization, gate_opening: flo
 
 
 def make_boundaries(grid: Grid, discretization: Discretization, gate_opening: float) -> Iterator[Boundary]:
-    """The faces of the domain, the zones of open ends above the base, and the gate above the base and its opening.
+    """The faces of the domain, the zones of open ends above the base, the gate above the base and its opening, walls.
 
     The gate holds the nodes at and beyond the initial surface of the column. On a floor with slip, zones and gate
-    include its nodes.
+    include its nodes. Forces on nodes of both gate and a wall are those of the wall.
     """
     tolerance, walls = ON_NODE * discretization.h, discretization.walls
     x, y, *z = node_coordinates(grid)
@@ -141,7 +150,11 @@ def make_boundaries(grid: Grid, discretization: Discretization, gate_opening: fl
     far = discretization.beyond_column((x, y, *z), -GATE_REACH * discretization.h)
     for axis, nodes, out_of_reach in zip(horizontal_axes, beyond, far, strict=True):
         yield Boundary(GATE, axis, nodes & closed)
-        yield as_wall(Boundary(GATE, axis, nodes & closed & ~out_of_reach), GATE_WALL, walls)
+        recorded = nodes & closed & ~out_of_reach & ~nodes_of_walls(grid, discretization.wall_boxes)
+        yield as_wall(Boundary(GATE, axis, recorded), GATE_WALL, walls)
+    for box in discretization.wall_boxes:
+        for boundary in wall_boundaries(grid, box):
+            yield as_wall(boundary, box.name, walls)
 
 
 def active_margin(discretization: Discretization) -> int:
@@ -213,6 +226,7 @@ def make_points(case: Case, discretization: Discretization) -> Points:
     size, base, dy = discretization.point_size, discretization.base, discretization.row_height
     column, shares = _column_points(discretization)
     below = stack(discretization.lattice(discretization.length), size * (np.arange(round(base / size)) + 0.5) - base)
+    below = below[~discretization.in_walls(below)]
     points = Points(len(column) + len(below), discretization.dimension)
     points.x[:] = np.concatenate([column, below])
     points.kind[len(column) :] = BASE

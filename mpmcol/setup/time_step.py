@@ -8,7 +8,7 @@ from math import floor, isinf, sqrt
 from typing import NamedTuple
 
 from mpmcol.case import Case
-from mpmcol.mpm.boundary import AXIS, FREE, NO_SLIP, OPEN_END, BoundaryType
+from mpmcol.mpm.boundary import AXIS, CONTACT, FREE, NO_SLIP, OPEN_END, BoundaryType
 from mpmcol.mpm.shape_functions import SHAPE_FUNCTIONS
 from mpmcol.setup.geometry import domain_faces, points_per_axis
 from mpmcol.setup.stability_limit import MIDWAY, TRANSFER_COEFFICIENTS, SingleParticle, single_particle_limit
@@ -22,6 +22,7 @@ class Position(NamedTuple):
 
 
 BETWEEN_NODES = Position(MIDWAY, FREE)
+BESIDE_WALL = Position(CONTACT.gap, CONTACT)  # of [[walls]]
 
 
 def axis_gap(case: Case) -> float:
@@ -38,10 +39,18 @@ def case_limit(case: Case) -> tuple[float, str]:
     """
     if isinf(SHAPE_FUNCTIONS[case.method.basis].STIFFNESS):
         return 0.0, "on a line of nodes"
-    return min((_limit(case, positions), _describe(positions)) for positions in product(*_critical_positions(case)))
+    return min((_limit(case, positions), _describe(positions)) for positions in _critical_positions(case))
 
 
 def _critical_positions(case: Case) -> Iterator[tuple[Position, ...]]:
+    """In the domain, and beside one face of a wall that stands in it."""
+    axes = tuple(_positions_along_axes(case))
+    yield from product(*axes)
+    for axis in range(len(axes) if case.walls else 0):
+        yield from product(*axes[:axis], [BESIDE_WALL], *axes[axis + 1 :])
+
+
+def _positions_along_axes(case: Case) -> Iterator[tuple[Position, ...]]:
     """Along x, y and, in 3D, z. The column does not reach open ends, nor the floor below an elastic base."""
     for low, _ in domain_faces(case):
         if low == OPEN_END or (low == NO_SLIP and case.geometry.base == "elastic"):
@@ -63,7 +72,7 @@ def _limit_of(case: Case, positions: tuple[Position, ...], nu: float) -> float:
             position=tuple(each.s for each in positions),
             nu=nu,
             faces=tuple(each.face for each in positions),
-            axisymmetric=case.geometry.model == "axisymmetric",
+            axisymmetric=case.geometry.model == "axisymmetric" and positions[0] != BESIDE_WALL,  # far from the axis
             transfer=method.transfer,
             flip_fraction=method.flip_fraction,
             basis=method.basis,
@@ -76,8 +85,12 @@ def _describe(positions: tuple[Position, ...]) -> str:
     names = [each.face.name for each in positions if each.face != FREE]
     if not names:
         return "midway between nodes"
-    several = {1: "the {}", 2: "two {}s"}
-    return "next to " + " and ".join(several[names.count(name)].format(name) for name in dict.fromkeys(names))
+    return "next to " + " and ".join(_counted(name, names.count(name)) for name in dict.fromkeys(names))
+
+
+def _counted(name: str, count: int) -> str:
+    noun, *rest = name.split(" with ")
+    return f"the {name}" if count == 1 else " with ".join([f"{('two', 'three')[count - 2]} {noun}s", *rest])
 
 
 def time_step_limit(case: Case) -> str:

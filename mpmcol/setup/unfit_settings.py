@@ -21,6 +21,7 @@ from mpmcol.setup.time_step import time_step_warnings
 
 FEWEST_CELLS = 6  # in height and radius of a column
 FEWEST_BED_CELLS = 4
+GATE_CELLS = 2
 RIGHT_ANGLE = pi / 2.0
 LEAST_DENSITY = 23.0  # kg/m3; a smaller number is a density in g/cm3, of which no element has more than 22.6
 MOST_DILATANCY = 5.0  # degrees, constant during the flow
@@ -119,6 +120,41 @@ def rough_floor(case: Case, h: float) -> str | None:
     )
 
 
+def rough_wall(case: Case, h: float) -> str | None:
+    """The same on the faces of walls, where it has no other effect than the smallest such friction."""
+    angle = max((angle for _, angle in _angles(case, "friction_")), default=90.0)
+    for wall in case.walls:
+        if wall.friction >= (mobilised := sin(radians(angle))):
+            return (
+                f"walls: friction = {wall.friction:.4g} of {wall.name}: the material shears at sin({angle:g} degrees) "
+                f"= {mobilised:.3g} of the pressure before it slides, as on a rough wall; set less than {mobilised:.3g}"
+            )
+    return None
+
+
+def wall_at_gate(case: Case, h: float) -> str | None:
+    """Nodes within two cells of the column receive the pressure on the gate."""
+    for wall in case.walls:
+        if case.stages.gate and (gap := wall.from_ - case.geometry.r_i) < GATE_CELLS * h and wall.from_ > 0.0:
+            return (
+                f"walls: from = {wall.from_:g} m of {wall.name} is {max(gap, 0.0) / h:.2g} cells from the column: "
+                "before the release it carries a part of the force on the gate; set "
+                f"{case.geometry.r_i + GATE_CELLS * h:.4g} m or more, or stages.gate = false"
+            )
+    return None
+
+
+def wall_out_of_reach(case: Case, h: float) -> str | None:
+    """The flow ends before a wall beyond the longest runout among the experiments."""
+    for wall in case.walls:
+        if min(abs(wall.from_), abs(wall.to or wall.from_)) > (front := expected_front(case)):
+            return (
+                f"walls: from = {wall.from_:g} m of {wall.name} is beyond the expected front at {front:.4g} m, and the "
+                f"flow may not reach it; set less than {front:.4g} m"
+            )
+    return None
+
+
 def friction_in_radians(case: Case, h: float) -> str | None:
     """Granular material has friction angles above 1.6 degrees, a right angle in radians."""
     for name, angle in _angles(case, "friction_"):
@@ -202,6 +238,9 @@ CHECKS: tuple[Callable[[Case, float], str | None], ...] = (
     thin_bed,
     rigid_floor_without_reaction,
     rough_floor,
+    rough_wall,
+    wall_at_gate,
+    wall_out_of_reach,
     friction_in_radians,
     density_in_grams,
     endless_dilatancy,

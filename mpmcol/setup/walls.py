@@ -1,13 +1,13 @@
-"""Floor, back wall and gate of a case: their friction, and whether their forces are recorded."""
+"""The walls of a case: their friction, and whether their forces are recorded."""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
 from mpmcol.case import Case
+from mpmcol.case.walls import BACK_WALL, FLOOR, GATE_WALL
 from mpmcol.mpm.boundary import Boundary
 
-FLOOR, BACK_WALL, GATE_WALL = "floor", "back_wall", "gate"
 FACES = {(1, 0): FLOOR, (0, 0): BACK_WALL}  # axis and side of a face of the domain -> name of the wall
 
 
@@ -19,12 +19,13 @@ class Wall(NamedTuple):
 
 
 def recorded_walls(case: Case) -> tuple[Wall, ...]:
-    """The walls with friction and, if the case asks for forces, all others of floor, back wall and gate."""
+    """Those of [[walls]], those with friction and, if the case asks for forces, floor, back wall and gate."""
     geometry, friction = case.geometry, case.friction
     walls = [Wall(FLOOR, friction.floor)]
     if geometry.model == "plane" and geometry.release == "one-sided":
         walls.append(Wall(BACK_WALL, friction.back_wall))
     walls.append(Wall(GATE_WALL, None))
+    walls += [Wall(wall.name, wall.friction) for wall in case.walls]
     return tuple(wall for wall in walls if case.output.wall_forces or wall.friction is not None)
 
 

@@ -43,7 +43,7 @@ class Recorder:
         self.folder, self.threads = folder, threads
         self.shape = column_shape(case, model.discretization)
         walls = [wall.name for wall in model.discretization.walls] if case.output.wall_forces else []
-        self.forces = WallForces(solver.contacts, walls, model.discretization.dimension)
+        self.forces = WallForces(model, walls)
         self.rows: list[dict[str, Any]] = []
         self.seconds = 0.0
         self.extreme_J = [1.0, 1.0]  # smallest and largest volume ratio so far

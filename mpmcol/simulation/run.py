@@ -13,7 +13,7 @@ from mpmcol.io.atomic import remove
 from mpmcol.io.lock import locked
 from mpmcol.io.names import CHECKPOINT_FILES
 from mpmcol.io.results import Results
-from mpmcol.io.run_folder import prepare_folder, reopen_folder, write_result
+from mpmcol.io.run_folder import prepare_folder, reopen_folder, write_pressure, write_result
 from mpmcol.io.run_log import run_log
 from mpmcol.mpm.jit import CACHE_NOTE, set_threads
 from mpmcol.mpm.kernels import loop
@@ -187,6 +187,7 @@ def _write_result(simulation: Simulation, status: str, snapshot: str, **more: An
     recorder = simulation.recorder
     final = recorder.write_snapshot(snapshot)
     recorder.remove_later_snapshots()
+    write_pressure(recorder.folder, recorder.forces.pressure_rows(), recorder.shape.model)
     write_result(recorder.folder, summarize(status, simulation, final) | more, recorder.checksums)
 
 

@@ -20,7 +20,10 @@ from mpmcol.simulation.interrupt import StopRequest
 from tests.support.cli import invoke
 from tests.support.runs import SMALL_CASES, assert_equal_runs, small_case
 
-QUICK = ("plane", "softening", "slope", "vertical sides", "outline", "granular bed", "layers", "quarter", "friction")
+QUICK = (
+    "plane", "softening", "slope", "vertical sides", "outline", "granular bed", "layers", "quarter", "friction",
+    "walls",
+)  # fmt: skip
 
 
 @pytest.fixture

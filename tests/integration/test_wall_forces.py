@@ -41,8 +41,8 @@ def test_recording_forces_does_not_change_a_run(runs: Runs) -> None:
     assert runs.plain.summary["wall_forces"] is None
     assert not any(name.startswith("force.") for name in runs.plain.history)
     header = (runs.forces.folder / "history.csv").read_text().partition("\n")[0]
-    assert header.endswith("force.floor.y [N/m],force.back_wall.x [N/m],force.back_wall.y [N/m],"
-                           "force.gate.x [N/m],force.gate.y [N/m]")  # fmt: skip
+    forces = "force.floor.y [N/m],force.back_wall.x [N/m],force.back_wall.y [N/m],force.gate.x [N/m],force.gate.y [N/m]"
+    assert header.endswith(f"{forces},moment.back_wall [N m/m],moment.gate [N m/m]")
 
 
 def test_the_gate_carries_the_active_thrust_before_it_opens(runs: Runs) -> None:

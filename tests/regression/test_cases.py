@@ -31,6 +31,7 @@ COARSE = {
     "inclined-channel": ("grid.spacing=0.02",),
     "layered-column": ("grid.spacing=0.01", "geometry.aspect=1"),
     "frictional-floor": ("grid.spacing=0.0075",),
+    "dam": (),
     **OF_PAPER,
     **{twin: OF_PAPER[f"lube-{twin}"] for twin in TWINS},
 }
@@ -51,6 +52,7 @@ EXPECTED: dict[str, tuple[int, float, float, float, float]] = {
     "heap": (2986, -0.023231153, -0.023231153, -0.023231153, 0.938797989),
     "granular-bed": (2317, 1.028753042, 1.028753042, 1.028753042, 0.933558176),
     "frictional-floor": (2782, 1.215351515, 1.215351515, 1.215351515, 0.92135736),
+    "dam": (2776, 0.619618654, 0.619618654, 0.619618654, 0.924730652),
     "bui-rods": (1654, 0.654307258, 0.654307258, 0.6443832, 0.998293409),
     "layered-column": (1758, 1.094432895, 1.094432895, 1.094432895, 0.861452289),
     "inclined-channel": (1094, 0.886340247, 0.886340247, 0.886340247, 0.87517582),

@@ -43,6 +43,7 @@ class ReferenceGrid:
     origin: Array  # (d,)
     h: float
     n_nodes: tuple[int, ...]  # d numbers
+    inside: Array | None = None  # (n_nodes - 1) boolean: cells that walls fill
 
 
 @dataclass(frozen=True)
@@ -182,7 +183,13 @@ def axis_weights(r: Array, n_nodes: int, correct: bool, basis: str = "quadratic"
 
 
 def weights(
-    x: Array, origin: Array, h: float, n_nodes: Sequence[int], correct: bool = True, basis: str = "quadratic"
+    x: Array,
+    origin: Array,
+    h: float,
+    n_nodes: Sequence[int],
+    correct: bool = True,
+    basis: str = "quadratic",
+    inside: Array | None = None,
 ) -> tuple[Array, Array, Array]:
     """Nodes (n, k^d, d), w_ip (n, k^d) of Eq. 7 and grad w_ip (n, k^d, d) of Eq. 8, products over the axes.
 
@@ -190,6 +197,8 @@ def weights(
     """
     d = x.shape[1]
     axes = [axis_weights((x[:, b] - origin[b]) / h, n_nodes[b], correct, basis) for b in range(d)]
+    if inside is not None and correct:
+        fold_beside_walls(np.floor((x - origin) / h).astype(int), axes, inside)
     width = axes[0][0].shape[1]
     size = width**d
     nodes, w, grad = np.empty((len(x), size, d), int), np.ones((len(x), size)), np.ones((len(x), size, d)) / h
@@ -203,6 +212,31 @@ def weights(
     return nodes, w, grad
 
 
+def grid_weights(x: Array, grid: ReferenceGrid, scheme: ReferenceScheme) -> tuple[Array, Array, Array]:
+    """`weights` at points x (n, d) of a grid."""
+    return weights(x, grid.origin, grid.h, grid.n_nodes, scheme.correct, scheme.basis, grid.inside)
+
+
+def fold_beside_walls(cells: Array, axes: Sequence[tuple[Array, Array, Array]], inside: Array) -> None:
+    """Distribute, in place, the weights of nodes inside a wall that is next to a point's cell (n, d) along an axis.
+
+    The value of a node inside it is 2 v_0 - v_1, extrapolated from the node on the face and the next one.
+    """
+    for p, cell in enumerate(cells):
+        for b, (nodes, w, dw) in enumerate(axes):
+            for step in (-1, 1):
+                neighbour = cell.copy()
+                neighbour[b] += step
+                if not 0 <= neighbour[b] < inside.shape[b] or not inside[tuple(neighbour)]:
+                    continue
+                face = cell[b] if step < 0 else cell[b] + 1
+                for k in np.flatnonzero((nodes[p] - face) * step > 0):
+                    for values in (w[p], dw[p]):
+                        values[k - step] += 2.0 * values[k]
+                        values[k - 2 * step] -= values[k]
+                        values[k] = 0.0
+
+
 # ------------------------------------------------------------------------------------- points and grid
 
 
@@ -210,7 +244,7 @@ def p2g(points: ReferencePoints, grid: ReferenceGrid, scheme: ReferenceScheme) -
     """Nodal mass (N...), momentum (N..., d) and force f_ext + f_int (N..., d)."""
     d = points.x.shape[1]
     m_i, p_i, f_i = np.zeros(grid.n_nodes), np.zeros((*grid.n_nodes, d)), np.zeros((*grid.n_nodes, d))
-    all_nodes, all_w, all_grad = weights(points.x, grid.origin, grid.h, grid.n_nodes, scheme.correct, scheme.basis)
+    all_nodes, all_w, all_grad = grid_weights(points.x, grid, scheme)
     V = points.J * points.V0  # Eq. 30
     for p in range(len(points.x)):
         L, sigma, m = points.grad_v[p, :d, :d], points.sigma[p], points.m[p]
@@ -268,7 +302,7 @@ def after_contact(v: Array, m: float, node: tuple[int, ...], walls: Sequence[Ref
 def g2p(points: ReferencePoints, v: Array, a: Array, grid: ReferenceGrid, scheme: ReferenceScheme) -> ReferencePoints:
     """Points with new v, x and grad_v; v and a (N..., d) are v~ and a of the nodes."""
     n, d = points.x.shape
-    all_nodes, all_w, all_grad = weights(points.x, grid.origin, grid.h, grid.n_nodes, scheme.correct, scheme.basis)
+    all_nodes, all_w, all_grad = grid_weights(points.x, grid, scheme)
     Sv, Sa, L = np.zeros((n, d)), np.zeros((n, d)), np.zeros((n, 3, 3))
     for p in range(n):
         for node, w, grad in zip(all_nodes[p], all_w[p], all_grad[p], strict=True):
@@ -293,7 +327,7 @@ def affine_matrices(x: Array, v: Array, grid: ReferenceGrid, scheme: ReferenceSc
     """C_p = B_p D_p^-1 (n, d, d) of Jiang et al. 2015 (doi:10.1145/2766996, Eq. 8-10) from the nodal velocities."""
     n, d = x.shape
     C = np.zeros((n, d, d))
-    all_nodes, all_w, _ = weights(x, grid.origin, grid.h, grid.n_nodes, scheme.correct, scheme.basis)
+    all_nodes, all_w, _ = grid_weights(x, grid, scheme)
     for p in range(n):
         B, D = np.zeros((d, d)), np.zeros((d, d))
         for node, w in zip(all_nodes[p], all_w[p], strict=True):
@@ -386,7 +420,7 @@ def averaged_stress(points: ReferencePoints, grid: ReferenceGrid, scheme: Refere
     """sum_i w_ip q_i with q_i = sum_p w_ip m_p q_p / m_i (n,)."""
     gap = np.minimum(points.opening, scheme.filter_opening)
     q = np.trace(points.sigma, axis1=1, axis2=2) / 3.0 + scheme.filter_modulus * gap
-    all_nodes, all_w, _ = weights(points.x, grid.origin, grid.h, grid.n_nodes, scheme.correct, scheme.basis)
+    all_nodes, all_w, _ = grid_weights(points.x, grid, scheme)
     m_i, mq_i = np.zeros(grid.n_nodes), np.zeros(grid.n_nodes)
     for nodes, w, m, value in zip(all_nodes, all_w, points.m, q, strict=True):
         for node, weight in zip(nodes, w, strict=True):
@@ -485,7 +519,7 @@ def nodal_velocity(
 def velocity_gradient(x: Array, v: Array, grid: ReferenceGrid, scheme: ReferenceScheme) -> Array:
     """Gradient (n, 3, 3) at the points of the nodal velocity v (N..., d), Eq. 28."""
     n, d = x.shape
-    all_nodes, all_w, all_grad = weights(x, grid.origin, grid.h, grid.n_nodes, scheme.correct, scheme.basis)
+    all_nodes, all_w, all_grad = grid_weights(x, grid, scheme)
     L = np.zeros((n, 3, 3))
     for p in range(n):
         for node, w, grad in zip(all_nodes[p], all_w[p], all_grad[p], strict=True):

@@ -37,6 +37,7 @@ SMALL_CASES = {  # name -> shipped case and overrides, to be cut short with SHOR
         "friction.channel_width=0.1",
         "stages.gate_speed=0.5",
     ),
+    "walls": ("dam", "grid.spacing=0.015", "walls.0.from=0.135", "walls.0.height=0.03"),
     "friction in 3D": (
         "quarter",
         "grid.spacing=0.0194",

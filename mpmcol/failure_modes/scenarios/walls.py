@@ -1,4 +1,4 @@
-"""Single particles near walls and the axis, where the corrected shape functions are linear.
+"""Particles near walls and the axis, where the corrected shape functions are linear, and walls without thickness.
 
 The weight of the nearest interior node vanishes with the distance, its gradient does not, so that the particle becomes
 stiffer; near the axis the hoop strain adds to it.
@@ -9,7 +9,8 @@ from __future__ import annotations
 from functools import partial
 
 from mpmcol.failure_modes.problems.single_particle import growth
-from mpmcol.failure_modes.scenario import Scenario, passing
+from mpmcol.failure_modes.problems.thin_wall import transmitted_speed
+from mpmcol.failure_modes.scenario import Scenario, failing, passing
 from mpmcol.failure_modes.scenarios.single_particle import DEFAULT_CFL, limit_trials, stability_scenario
 from mpmcol.mpm.boundary import AXIS_GAP, FREE, ROLLER, WALL_GAP
 from mpmcol.setup.stability_limit import MIDWAY, SingleParticle
@@ -60,5 +61,17 @@ SCENARIOS = (
         "axis-dense", "h / 8 from the axis, the first of sixteen points per cell, nu = 0.2",
         SingleParticle((0.125, MIDWAY), axisymmetric=True, faces=AXIS), False,
         f"time.cfl = 0.41, as the warning of a run states, or four points per cell; {DEFAULT_SUFFICES}",
+    ),
+    Scenario(
+        "wall-thin",
+        "An elastic block hits one side of a wall, and another one touches the other side: splines are three nodes "
+        "wide, so that both have common nodes on the two sides of a single line of held nodes.",
+        "largest speed of the block behind the wall, over that of the one that hits it", 1e-9,
+        "a rigid wall transmits nothing; round-off",
+        "walls of whole cells, at least two, with shape functions that end on their faces, as [[walls]] of a case has",
+        (
+            failing("one line of held nodes", partial(transmitted_speed, 0)),
+            passing("two cells, as in a case", partial(transmitted_speed, 2), default=True),
+        ),
     ),
 )  # fmt: skip

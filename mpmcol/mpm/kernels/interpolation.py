@@ -14,13 +14,14 @@ from mpmcol.mpm.lanes import LANES, X, Y, Z
 from mpmcol.mpm.settings import Settings
 from mpmcol.mpm.shape_functions import ShapeFunctions
 from mpmcol.mpm.simd import extract, fma, load, splat, store, transpose, vector
+from mpmcol.mpm.wall_cells import beside_walls, fold_four, fold_three
 
 GRADIENT = 4  # the stencil of an axis is a vector: four weights, then four gradients
 
 
 def make_axis_stencils(dimension: int, basis: ShapeFunctions, affine: bool) -> Callable[..., Any]:
     """The stencil of a point, axis by axis; affine: the coefficients of APIC's affine matrix instead of gradients."""
-    evaluate, flat = basis.evaluate, dimension == 2
+    evaluate, width, flat = basis.evaluate, basis.WIDTH, dimension == 2
 
     @device
     @variant(dimension, basis, affine)
@@ -32,6 +33,13 @@ def make_axis_stencils(dimension: int, basis: ShapeFunctions, affine: bool) -> C
         """
         s, bottom, top = grid_coordinates(record, grid)
         base, w0, w1, w2, w3, g0, g1, g2, g3 = evaluate(s, bottom, top, settings.kernel_correction)
+        beside, low, high = beside_walls(grid.wall_cells, s, base, width, settings.kernel_correction, grid)
+        if beside and width == 4:
+            w0, w1, w2, w3 = fold_four(low, high, w0, w1, w2, w3)
+            g0, g1, g2, g3 = fold_four(low, high, g0, g1, g2, g3)
+        elif beside and width == 3:
+            w0, w1, w2 = fold_three(low, high, w0, w1, w2)
+            g0, g1, g2 = fold_three(low, high, g0, g1, g2)
         d = base - s
         if affine:
             d1, d2, d3 = d + 1.0, d + 2.0, d + 3.0

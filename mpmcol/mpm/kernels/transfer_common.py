@@ -6,13 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from mpmcol.mpm.boundary import keep_within
+from mpmcol.mpm.boundary import WALL_GAP, keep_within
 from mpmcol.mpm.grid import Grid
 from mpmcol.mpm.jit import device
 from mpmcol.mpm.lanes import AX, L_ZZ, LANES, S_ZZ, V0, VX, X_VECTOR, Y_VECTOR, Z_VECTOR, J, M, Q, X
 from mpmcol.mpm.settings import Settings
-from mpmcol.mpm.shape_functions.quadratic import spline_lanes
+from mpmcol.mpm.shape_functions.quadratic import WIDTH, spline_lanes
 from mpmcol.mpm.simd import extract, fma, load, prefetch, splat, store, swap_halves, vector, where_positive
+from mpmcol.mpm.wall_cells import beside_walls, fold_three, keep_out_of_walls
 
 PREFETCH_DISTANCE = 24  # points processed in the time that memory takes to answer
 
@@ -47,6 +48,10 @@ def quadratic_stencil(record: Any, grid: Grid, settings: Settings) -> tuple[Any,
     """
     s, bottom, top = grid_coordinates(record, grid)
     base, w0, w1, w2, g0, g1, g2 = spline_lanes(s, bottom, top, settings.kernel_correction)
+    beside, low, high = beside_walls(grid.wall_cells, s, base, WIDTH, settings.kernel_correction, grid)
+    if beside:
+        w0, w1, w2 = fold_three(low, high, w0, w1, w2)
+        g0, g1, g2 = fold_three(low, high, g0, g1, g2)
     return s, base, w0, w1, w2, g0, g1, g2
 
 
@@ -70,7 +75,16 @@ def force_mask(d: int) -> Any:
 
 @device
 def update_point(
-    rows: np.ndarray, o: int, old: Any, mean: Any, gradient: Any, d: int, limits: Any, settings: Settings, dt: float
+    rows: np.ndarray,
+    o: int,
+    old: Any,
+    mean: Any,
+    gradient: Any,
+    d: int,
+    limits: Any,
+    grid: Grid,
+    settings: Settings,
+    dt: float,
 ) -> tuple[Any, Any, float]:
     """Write new velocity, position and velocity gradient of the point whose record starts at `o`, Eq. (26)-(28).
 
@@ -91,7 +105,7 @@ def update_point(
         hoop_work = (l_zz - 0.5 * dt * extract(mean, AX) / rows[o + X]) * rows[o + S_ZZ]
         work = work + vector(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, hoop_work, 0.0)
     work = (dt * rows[o + J] * rows[o + V0]) * work
-    new, displacement, limit_work = update_motion(old, mean, d, limits, settings, dt)
+    new, displacement, limit_work = update_motion(old, mean, d, limits, grid, settings, dt)
     store(rows, o, new)
     store_gradient(rows, o, d, grad_x, grad_y, grad_z)
     if d == 2:
@@ -100,12 +114,14 @@ def update_point(
 
 
 @device
-def update_motion(old: Any, mean: Any, d: int, limits: Any, settings: Settings, dt: float) -> tuple[Any, Any, Any]:
+def update_motion(
+    old: Any, mean: Any, d: int, limits: Any, grid: Grid, settings: Settings, dt: float
+) -> tuple[Any, Any, Any]:
     """New velocity and position of a point, Eq. (26)-(27).
 
     old: vector 0 of its record. mean: weighted sums of v~ and a over the nodes. limits: smallest and largest position.
-    Returns the new vector 0; the displacement (m) and, where the limits stop the point, the work of gravity (J), which
-    is not part of the nodal balance, with an axis per lane from X on.
+    Returns the new vector 0; the displacement (m) and, where limits or walls stop the point, the work of gravity (J),
+    which is not part of the nodal balance, with an axis per lane from X on.
     """
     share, swapped = settings.flip_fraction, swap_halves(mean)
     # Eq. 26 and its PIC counterpart
@@ -114,7 +130,7 @@ def update_motion(old: Any, mean: Any, d: int, limits: Any, settings: Settings, 
     # Eq. 27
     displacement = fma(force_mask(d) * (-settings.position_factor * dt * dt), mean, force_mask(d) * dt * swapped)
     free = fma(old, kept, increment + displacement)
-    new = keep_within(free, limits)
+    new = keep_out_of_walls(grid.wall_cells, old, keep_within(free, limits), WALL_GAP * grid.h, grid)
     gravity = vector(0.0, 0.0, 0.0, 0.0, settings.gravity_x, settings.gravity_y, settings.gravity_z, 0.0)
     return new, displacement, extract(old, M) * (gravity * (new - free))
 

@@ -92,7 +92,7 @@ def gather(
     grad_x = inv_h * fma(broadcast(g2, X), sum2, fma(broadcast(g1, X), sum1, broadcast(g0, X) * sum0))
     grad_y = inv_h * fma(wx2, slope2, fma(wx1, slope1, wx0 * slope0))
 
-    return update_point(rows, o, old, mean, (grad_x, grad_y, grad_y), 2, limits, settings, dt)
+    return update_point(rows, o, old, mean, (grad_x, grad_y, grad_y), 2, limits, grid, settings, dt)
 
 
 @device

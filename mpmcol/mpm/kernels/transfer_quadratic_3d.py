@@ -103,7 +103,7 @@ def gather(
     grad_x = inv_h * _along(gx, sum0, sum1, sum2)
     grad_y, grad_z = inv_h * _along(wx, y0, y1, y2), inv_h * _along(wx, z0, z1, z2)
 
-    return update_point(rows, o, old, mean, (grad_x, grad_y, grad_z), 3, limits, settings, dt)
+    return update_point(rows, o, old, mean, (grad_x, grad_y, grad_z), 3, limits, grid, settings, dt)
 
 
 @device

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -17,7 +17,7 @@ from mpmcol.case.geometry import GeometryTable
 from mpmcol.experiments import OUTLINE
 from mpmcol.io.snapshot import Snapshot
 from mpmcol.plotting.captions import geometry_of_snapshot, tables_of_snapshot
-from mpmcol.plotting.profiles import draw_gravity
+from mpmcol.plotting.profiles import draw_gravity, draw_walls
 from mpmcol.plotting.render.coloring import Coloring
 from mpmcol.plotting.render.frame import (
     BASE_COLOR,
@@ -75,7 +75,14 @@ class SideView(View):
             upper = r_i - self._geometry.lean * top
             axes.plot([r_i, upper], [0, top], **GATE_STYLE)
             axes.text(upper, top, " gate", size=SMALL_SIZE, color=GATE_STYLE["color"], va="top")
+        draw_walls(axes, list(self._walls()))
         self._add_ticks(axes)
+
+    def _walls(self) -> Iterator[tuple[float, float, float]]:
+        """Faces and heights of the walls, as given in the case, m; those without an end reach that of the view."""
+        _, right, _, top = self.extent
+        for wall in self._case.get("walls", []):
+            yield wall["from"], wall.get("to", right), wall.get("height", top)
 
     def _released_surface(self) -> np.ndarray:
         """Line (2, n), m: the top of the column, or the closed outline of one that is no rectangle."""

@@ -14,6 +14,7 @@ from scipy.spatial import KDTree
 
 from mpmcol.io.snapshot import Meta, Snapshot
 from mpmcol.measure import UNDISTURBED
+from mpmcol.plotting.captions import tables_of_snapshot
 from mpmcol.plotting.render.frame import (
     BASE_COLOR,
     SMALL_SIZE,
@@ -53,6 +54,7 @@ def draw_top_view(snapshot: Snapshot, meta: Meta, size: tuple[int, int], undistu
     extent = [factor * end for end in (-reach, reach, -reach, reach)]
     axes.imshow(_picture(x, moved, meta, reach), extent=extent, origin="lower", interpolation="bilinear")  # type: ignore[arg-type]
     _draw_circles(axes, snapshot, meta, undisturbed, factor)
+    _draw_walls(axes, meta, factor, reach)
     axes.set(xlim=extent[:2], ylim=extent[2:])
     axes.set_xlabel(f"z ({unit})", size=SMALL_SIZE)
     axes.set_ylabel(f"x ({unit})", size=SMALL_SIZE)
@@ -62,11 +64,26 @@ def draw_top_view(snapshot: Snapshot, meta: Meta, size: tuple[int, int], undistu
     surfaces["base"] = BASE_COLOR
     patches = [Patch(facecolor=color, edgecolor="0.3", label=label) for label, color in surfaces.items()]
     beside: dict[str, Any] = {"loc": "center left", "bbox_to_anchor": (0.66, 0.5)}
-    figure.legend(handles=[*patches, *axes.lines], frameon=False, fontsize=TEXT_SIZE, **beside)
+    named = [line for line in axes.lines if not str(line.get_label()).startswith("_")]
+    figure.legend(handles=[*patches, *named], frameon=False, fontsize=TEXT_SIZE, **beside)
     add_title(figure, meta, "")
     page = as_image(figure, page_size)
     add_time(page, snapshot)
     return ImageOps.pad(page, size, color="white")
+
+
+def _draw_walls(axes: Axes, meta: Meta, factor: float, reach: float) -> None:
+    """The outlines of walls in 3D, those of a quarter with their mirror images, up to `reach` (m)."""
+    label = "wall"
+    mirrored = ((1, 1), (1, -1), (-1, 1), (-1, -1)) if meta["model"] == "quarter" else ((1, 1),)
+    walls = tables_of_snapshot(meta).get("walls", []) if meta["model"] in ("quarter", "full") else []
+    for wall in walls:
+        half = wall.get("half_width", reach)
+        x, z = (wall["from"], wall.get("to", reach)), (wall.get("side_from", -half), wall.get("side_to", half))
+        for side_x, side_z in mirrored:
+            corners = np.array([(z[0], x[0]), (z[1], x[0]), (z[1], x[1]), (z[0], x[1]), (z[0], x[0])])
+            axes.plot(*(factor * corners * (side_z, side_x)).T, color="0.25", linewidth=1.2, label=label)
+            label = "_"
 
 
 def _surface(snapshot: Snapshot, meta: Meta) -> tuple[np.ndarray, np.ndarray]:

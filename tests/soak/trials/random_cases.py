@@ -2,10 +2,10 @@
 
 The draw covers all models, laws, bases, initial stresses and gates, slopes up to 40 degrees (in 3D 10), friction angles
 of 15 to 45 degrees, cohesions up to 1 kPa, Young's moduli of 0.1 to 100 MPa, Poisson's ratios up to 0.49, aspect ratios
-of 0.2 to 35 and r_i / h of 8 to 80; some columns in 2D are heaps and trapezoids, and some stand without a gate. A case
-that would take longer than SECONDS gets another spacing, and after some tries other values altogether. The draw
-therefore has few fine and few tall columns, fewer of stiff material and in 3D, and in 3D hardly any finer than
-r_i / h = 12.
+of 0.2 to 35 and r_i / h of 8 to 80; some columns in 2D are heaps and trapezoids, some stand without a gate, and
+walls stand in the way of some. A case that would take longer than SECONDS gets another spacing, and after some tries
+other values altogether. The draw therefore has few fine and few tall columns, fewer of stiff material and in 3D, and
+in 3D hardly any finer than r_i / h = 12.
 
 The file random_cases-ends.csv beside the folders of the trials has one line for each case: how it ended.
 """
@@ -102,6 +102,8 @@ def _values(draw: random.Random) -> Iterator[tuple[str, Any]]:
     if model == "plane" and draw.random() < 0.2:
         yield "friction.side_walls", draw.uniform(0.0, 1.0)
         yield "friction.channel_width", RADIUS * draw.uniform(0.5, 5.0)
+    if base != "elastic":
+        yield "walls", _walls(draw, model)
     yield "output.wall_forces", draw.choice(("true", "false"))
     yield "method.wall_impulse", "true"
     yield "stages.initial_stress", draw.choice(("gravity", "k0"))
@@ -130,6 +132,19 @@ def _sides(draw: random.Random, own: dict[str, Any]) -> str:
     has_top = not is_plane or own["geometry.aspect"] * math.tan(math.radians(slope)) < 0.9
     can_lean = slope > 0.0 and own["geometry.outline"] == "" and has_top and (is_plane or is_loaded)
     return draw.choice(("normal", "vertical")) if can_lean else "normal"
+
+
+def _walls(draw: random.Random, model: str) -> str:
+    """A dam, baffle or end wall for some of the cases; "" without one."""
+    if draw.random() < 0.6:
+        return ""
+    start = draw.uniform(1.3, 3.0) * RADIUS
+    parts = [f"from = {start}", f"friction = {draw.choice((0.0, draw.uniform(0.0, 1.0)))}"]
+    if draw.random() < 0.7:
+        parts += [f"to = {start + draw.uniform(0.4, 1.0) * RADIUS}"]
+        parts += [f"height = {draw.uniform(0.3, 1.5) * RADIUS}"] if draw.random() < 0.7 else []
+        parts += [f"half_width = {draw.uniform(0.4, 1.5) * RADIUS}"] if model in ("quarter", "full") else []
+    return f"[{{ {', '.join(parts)} }}]"
 
 
 def _layers(draw: random.Random, height: float) -> str:

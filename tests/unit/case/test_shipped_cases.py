@@ -14,6 +14,7 @@ SHIPPED = [
     "channel-loose",
     "coarse-channel",
     "cylinder",
+    "dam",
     "frictional-floor",
     "granular-bed",
     "heap",

@@ -17,6 +17,8 @@ from mpmcol.mpm.grid import Grid, allocate_grid, grid_shape
 from mpmcol.mpm.particles import Points
 from mpmcol.mpm.settings import Scheme, Settings
 from mpmcol.mpm.solver import Body, Solver
+from mpmcol.mpm.wall_cells import with_walls
+from mpmcol.setup.wall_boxes import WallBox, cells_in_walls, wall_boundaries
 from tests.support import reference
 from tests.support.sand_column import OTHER_SCHEME
 
@@ -31,6 +33,7 @@ PLASTIC = {
 }  # fmt: skip
 PLAIN = Settings(alpha_d=0.1, cfl=0.3)
 H, CELLS, ORIGIN = 0.1, (13, 10, 8), (0.0, -0.2, 0.0)
+DAM = WallBox("dam", (5, 0, 2), (7, 4, 5))
 
 
 def body(law: str) -> Body:
@@ -157,6 +160,32 @@ def test_steps_with_friction_equal_the_reference(
     compare_with_reference(d, "elastic", {"gravity_x": -3.0}, scheme, CONTACT, side, mu)
 
 
+@pytest.mark.parametrize(
+    ("d", "change", "scheme"),
+    [
+        (2, {}, Scheme()),
+        (2, {"kernel_correction": False}, Scheme()),
+        (3, FILTER, Scheme()),
+        (2, {}, Scheme(affine=True)),
+        *(pytest.param(2, {}, Scheme(basis=basis), marks=SLOW) for basis in ("linear", "cubic")),
+        pytest.param(3, {}, Scheme(stress_order="usf", affine=True, basis="cubic"), marks=SLOW),
+    ],
+    ids=str,
+)
+def test_steps_around_a_wall_equal_the_reference(d: int, change: dict, scheme: Scheme) -> None:
+    """A dam in the middle of the points: its faces, edges and corners, and the nodes inside it."""
+    compare_with_reference(d, "mohr-coulomb", {"gravity_x": -3.0, **change}, scheme, CONTACT, mu=(0.3, 0.4), dam=True)
+
+
+def move_from_dam(points: Points, d: int) -> None:
+    """Draw the points in the dam, or closer to it than particles come, again."""
+    rng, gap = np.random.default_rng(3), 0.12 * H
+    low, high = (np.array(ORIGIN[:d]) + H * np.array(nodes[:d]) for nodes in (DAM.low, DAM.high))
+    while (near := ((points.x > low - gap) & (points.x < high + gap)).all(axis=1)).any():
+        points.x[near] = rng.uniform(low - H, high + H, (near.sum(), d))
+        points.x[:] = np.maximum(points.x, np.array(ORIGIN[:d]) + gap)
+
+
 def boundary_masks(grid: Grid, kind: BoundaryType, axis: int) -> tuple[np.ndarray, np.ndarray]:
     """Nodes on the low face of an axis (N...), and their held components (N..., d)."""
     shape = grid_shape(grid)
@@ -173,10 +202,13 @@ def compare_with_reference(
     floor: BoundaryType = NO_SLIP,
     side: BoundaryType = ROLLER,
     mu: tuple[float, float] = (0.0, 0.0),
+    dam: bool = False,
 ) -> None:
-    """Compare the points after three steps; mu: friction coefficients of floor and side."""
+    """Compare the points after three steps; mu: friction coefficients of floor and of side or dam."""
     settings = PLAIN._replace(**change)
     points = random_points(seed=1, opens=law != "elastic", d=d)
+    if dam:
+        move_from_dam(points, d)
     expected = as_reference(points)
     expected = replace(expected, C=expected.grad_v[:, :d, :d])
     grid = allocate_grid(ORIGIN[:d], H, CELLS[:d])
@@ -189,6 +221,18 @@ def compare_with_reference(
         if kind == CONTACT:
             boundaries[-1] = boundaries[-1]._replace(wall=number, friction=mu[number])
             walls.append(reference.ReferenceWall(axis, -1, mu[number], nodes))
+    inside = None
+    if dam:
+        box = WallBox("dam", DAM.low[:d], DAM.high[:d])
+        inside = cells_in_walls(grid, (box,))
+        grid = with_walls(grid, inside)
+        for boundary in wall_boundaries(grid, box):
+            boundaries.append(boundary._replace(wall=2, friction=mu[1]))
+            if boundary.type == CONTACT:
+                walls.append(reference.ReferenceWall(boundary.axis, 1 if boundary.side else -1, mu[1], boundary.nodes))
+            else:
+                fixed |= boundary.nodes[..., None]
+        walls.sort(key=lambda wall: (wall.axis != 1, wall.axis))  # floors act first
     apply_boundaries(grid, boundaries)
     contacts = make_contacts(grid, boundaries)
     solver = Solver(points, grid, settings, body(law), body("elastic"), scheme, contacts)
@@ -197,7 +241,7 @@ def compare_with_reference(
         first = np.minimum(np.maximum(np.floor((points.x - ORIGIN[:d]) / H - 0.5), 0), np.array(shape) - 3)
         expected = replace(expected, cell=np.unique(first, axis=0, return_inverse=True)[1].reshape(-1))
         assert np.bincount(expected.cell).max() > 1
-    reference_grid = reference.ReferenceGrid(np.array(ORIGIN[:d]), H, shape)
+    reference_grid = reference.ReferenceGrid(np.array(ORIGIN[:d]), H, shape, inside)
     materials = [reference_material(law), reference_material("elastic")]
     gravity = np.array([settings.gravity_x, settings.gravity_y, settings.gravity_z])[:d]
     for _ in range(3):

@@ -39,6 +39,12 @@ UNFIT = [  # overrides of SAND, beginning of the warning, what it proposes
     (["geometry.slope_deg=30"], "geometry.slope_deg = 30: the flow does not stop", "stages.collapse.end=time"),
     (["geometry.domain_length=0.3"], "geometry.domain_length = 0.3 m", "geometry.domain_length=0.398"),
 ]
+WALLS = [  # walls of the case frictional-floor, beginning of the warning, walls that cause none
+    ("{from=0.15, to=0.2, friction=0.6}", "walls: friction = 0.6 of wall-1: the material shears at sin(33 degrees)",
+     "{from=0.15, to=0.2, friction=0.54}"),
+    ("{from=0.09, to=0.2}", "walls: from = 0.09 m of wall-1 is 0 cells from the column", "{from=0.0975, to=0.2}"),
+    ("{from=1, to=1.1}", "walls: from = 1 m of wall-1 is beyond the expected front", "{from=0.2, to=0.3}"),
+]  # fmt: skip
 SOFTENING = [
     (["material.friction_residual_deg=0.5"], "material.friction_residual_deg = 0.5"),
     (["material.dilatancy_residual_deg=6"], "material.dilatancy_residual_deg = 6"),
@@ -58,6 +64,13 @@ def test_an_unfit_setting_is_reported_and_its_remedy_is_not(
     assert warning.startswith(beginning) and "\n" not in warning
     assert proposed.partition("=")[2] in warning.partition("set")[2]
     assert warnings_of("lube-channel", *SAND, *overrides, proposed) == []
+
+
+@pytest.mark.parametrize(("walls", "beginning", "proposed"), WALLS)
+def test_an_unfit_wall_is_reported(walls: str, beginning: str, proposed: str) -> None:
+    (warning,) = warnings_of("frictional-floor", f"walls=[{walls}]")
+    assert warning.startswith(beginning) and "\n" not in warning
+    assert warnings_of("frictional-floor", f"walls=[{proposed}]") == []
 
 
 @pytest.mark.parametrize(("overrides", "beginning"), SOFTENING)

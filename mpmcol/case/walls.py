@@ -1,0 +1,129 @@
+"""Walls that stand in the domain of a case: dams, baffles, steps and end walls."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator
+from itertools import combinations
+from typing import Annotated, Any
+
+from pydantic import Field
+from pydantic_core import PydanticCustomError
+
+from mpmcol.case.friction import coefficient
+from mpmcol.case.geometry import GeometryTable
+from mpmcol.units import Table, option, quantity
+
+FLOOR, BACK_WALL, GATE_WALL = "floor", "back_wall", "gate"  # names of the other walls whose forces are recorded
+_NAME = re.compile(r"[A-Za-z0-9-]{1,40}")
+
+Span = tuple[float | None, float | None]
+
+
+class WallTable(Table):
+    """A rigid wall: a box on the base, from which material may separate."""
+
+    name: str = option("its name in results: letters, digits and hyphens; default: wall-1, wall-2, ...")
+    from_: Annotated[float, Field(alias="from")] = quantity(
+        "its face at the smaller x, distance from the wall, plane of symmetry or axis at x = 0", "m"
+    )
+    to: float | None = quantity(
+        "its face at the larger x; default: an end wall, up to the end of the domain", "m", None
+    )
+    height: float | None = quantity("its height above the base; default: up to the top of the domain", "m", None, gt=0)
+    half_width: float | None = quantity(
+        "3D: half of its width across z, if it is in the middle; default: as wide as the domain", "m", None, gt=0
+    )
+    side_from: float | None = quantity("3D: its face at the smaller z, instead of half_width", "m", None)
+    side_to: float | None = quantity("3D: its face at the larger z", "m", None)
+    friction: float = coefficient("coefficient mu of its faces, or a friction angle; 0: frictionless", 0.0)
+
+    @property
+    def along(self) -> Span:
+        """Where it is along x, m; None at the end of the domain."""
+        return self.from_, self.to
+
+    @property
+    def across(self) -> Span:
+        """Where it is along z, m; None at the ends of the domain."""
+        if self.half_width is not None:
+            return -self.half_width, self.half_width
+        return self.side_from, self.side_to
+
+    @property
+    def closes(self) -> bool:
+        """Whether it closes the domain along x: an end wall that the flow cannot pass."""
+        return self.to is None and self.height is None and self.across == (None, None)
+
+
+def with_names(walls: list[Any]) -> tuple[Any, ...]:
+    """Walls as given, with the default of their names."""
+    return tuple(
+        {"name": f"wall-{number}", **wall} if isinstance(wall, dict) else wall for number, wall in enumerate(walls, 1)
+    )
+
+
+def check_walls(walls: tuple[WallTable, ...], geometry: GeometryTable, wall_impulse: bool) -> None:
+    """Raise PydanticCustomError if a wall is not in the domain of this geometry, or in the way of another thing.
+
+    wall_impulse: that of the method, which walls need.
+    """
+    if walls and not wall_impulse:
+        text = "walls need their reaction: set method.wall_impulse = true"
+        raise PydanticCustomError("quantity", "{text}", {"text": text})
+    for wall in walls:
+        for problem in _problems(wall, geometry):
+            raise PydanticCustomError("quantity", "{text}", {"text": f"wall {wall.name}: {problem}"})
+    for one, other in combinations(walls, 2):
+        if one.name == other.name:
+            raise PydanticCustomError("quantity", "{text}", {"text": f"two walls have the name {one.name}"})
+        if _overlap(one.along, other.along) and _overlap(one.across, other.across):
+            raise PydanticCustomError("quantity", "{text}", {"text": f"walls {one.name} and {other.name} overlap"})
+
+
+def _problems(wall: WallTable, geometry: GeometryTable) -> Iterator[str]:
+    start, end, (left, right) = wall.from_, wall.to, wall.across
+    given = {key: getattr(wall, key) is not None for key in ("half_width", "side_from", "side_to")}
+    if not _NAME.fullmatch(wall.name) or wall.name in (FLOOR, BACK_WALL, GATE_WALL):
+        yield "name: expected letters, digits and hyphens, and not the name of another wall: floor, back_wall, gate"
+    if geometry.base == "elastic":
+        yield 'needs a floor that does not move: set geometry.base = "rigid" or "granular"'
+    if start < 0.0 and geometry.model != "full":
+        yield f"from = {start:g} m is outside the domain, which begins at x = 0; only full models extend to x < 0"
+    if end is not None and not start < end:
+        yield f"from = {start:g} m must be smaller than to = {end:g} m"
+    if geometry.dimension == 2 and any(given.values()):
+        yield f"{next(key for key, one in given.items() if one)} has no meaning in two dimensions: remove it"
+    if wall.half_width is not None and (given["side_from"] or given["side_to"]):
+        yield "give half_width, or side_from and side_to"
+    if left is not None and right is not None and not left < right:
+        yield f"side_from = {left:g} m must be smaller than side_to = {right:g} m"
+    if geometry.model == "quarter" and wall.half_width is None and left is not None and left < 0.0:
+        yield f"side_from = {left:g} m is outside the quarter, which begins at z = 0"
+    if _overlaps_column(wall, geometry):
+        yield "overlaps the column; move it beyond the edge of the column"
+
+
+def _overlaps_column(wall: WallTable, geometry: GeometryTable) -> bool:
+    x, z = (_nearest(span) for span in (wall.along, wall.across))
+    if geometry.dimension == 2:
+        return x < geometry.r_i
+    if geometry.section == "box":
+        return x < geometry.r_i and z < (geometry.depth or geometry.r_i)
+    return math.hypot(x, z) < geometry.r_i + geometry.lean * geometry.h_i
+
+
+def _nearest(span: Span) -> float:
+    """Distance of a span from zero, m."""
+    low, high = _limits(span)
+    return max(low, -high, 0.0)
+
+
+def _overlap(one: Span, other: Span) -> bool:
+    (a, b), (c, d) = _limits(one), _limits(other)
+    return a < d and c < b
+
+
+def _limits(span: Span) -> tuple[float, float]:
+    return -math.inf if span[0] is None else span[0], math.inf if span[1] is None else span[1]

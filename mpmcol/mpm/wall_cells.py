@@ -1,0 +1,120 @@
+"""Cells beside walls that stand in the domain: shape functions and positions of points next to them.
+
+A wall consists of whole cells. Each cell next to one has a mask with the faces that are on walls. There the weights of
+nodes inside the wall are distributed as beside the faces of the domain, where this gives the kernel correction: the
+value of the node inside the wall is extrapolated, twice that on the wall minus that of the next node, so that a
+quadratic spline becomes the linear shape functions of the half cell. Cells that touch a wall in an edge only keep their
+splines. Forces and friction of such walls are those of their nodes (`mpmcol.mpm.contact`).
+"""
+
+from __future__ import annotations
+
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from mpmcol.mpm.boundary import keep_within
+from mpmcol.mpm.grid import NODE, Grid, grid_shape, node_blocks, padded_shape
+from mpmcol.mpm.jit import device
+from mpmcol.mpm.lanes import X, Y, Z
+from mpmcol.mpm.simd import extract, splat, vector, where_positive
+
+# bits of a cell: 2 axis + side for a face on a wall, which is below the cell along the axis (side 0) or above it; a
+# wall around the corner; a cell of the wall
+NEAR_WALL, IN_WALL = 0b01000000, 0b10000000
+
+
+def with_walls(grid: Grid, inside: np.ndarray) -> Grid:
+    """The grid with walls in some of its cells, boolean (n_x - 1, n_y - 1[, n_z - 1])."""
+    around, core = np.pad(inside, 1), (slice(1, -1),) * inside.ndim
+    near = np.logical_or.reduce(
+        [np.roll(around, shift, range(inside.ndim))[core] for shift in product((-1, 0, 1), repeat=inside.ndim)]
+    )
+    cells = np.where(inside, IN_WALL, np.where(near, NEAR_WALL, 0))
+    for axis, side in product(range(inside.ndim), (0, 1)):
+        neighbour = np.roll(around, 1 - 2 * side, axis)[core]
+        cells |= np.where(neighbour & ~inside, 1 << (2 * axis + side), 0)
+    masks = np.zeros(padded_shape(grid), np.uint8)
+    masks[tuple(slice(n - 1) for n in grid_shape(grid))] = cells
+    flat = np.zeros(len(grid.fixed), np.uint8)
+    blocks = node_blocks(grid, flat)
+    blocks[:] = masks.reshape(blocks.shape)
+    return grid._replace(wall_cells=flat)
+
+
+@device
+def cell_mask(wall_cells: np.ndarray, s: Any, grid: Grid) -> int:
+    """Mask of the cell at grid coordinates `s`."""
+    k = int(extract(s, Z)) if grid.n_z > 1 else 0
+    return wall_cells[(grid.ax[int(extract(s, X))] + grid.ay[int(extract(s, Y))] + grid.az[k]) // NODE]
+
+
+@device
+def _faces(mask: int, side: int) -> Any:
+    """One in the lanes of the axes along which the face of a side of the cell is on a wall."""
+    faces = mask >> side
+    return vector(0.0, 0.0, 0.0, 0.0, faces & 1, (faces >> 2) & 1, (faces >> 4) & 1, 0.0)
+
+
+@device
+def beside_walls(
+    wall_cells: np.ndarray | None, s: Any, base: Any, width: int, correction: bool, grid: Grid
+) -> tuple[bool, Any, Any]:
+    """Whether the stencil of a point has nodes inside a wall, and one in the lanes of the axes along which it has.
+
+    s: grid coordinates. base, width: first node of the stencil (as a real number), number of nodes. Returns the axes
+    along which the first node is inside, and those along which the last one is. Without `correction` all are used.
+    """
+    if wall_cells is None:
+        return False, base, base
+    mask = cell_mask(wall_cells, s, grid)
+    if mask == 0 or not correction:
+        return False, base, base
+    first, zero = s - base, splat(0.0)  # distance from the first node, in cells: the last is width - 1 from it
+    low = where_positive(first - 1.0, _faces(mask, 0), zero)
+    high = where_positive((width - 2) - first, _faces(mask, 1), zero)
+    return True, low, high
+
+
+@device
+def fold_three(low: Any, high: Any, a: Any, b: Any, c: Any) -> tuple[Any, Any, Any]:
+    """Weights (or gradients) of three nodes, of which the first or the last may be inside a wall."""
+    outside = low * a + high * c
+    return a - outside, b + 2.0 * outside, c - outside
+
+
+@device
+def fold_four(low: Any, high: Any, a: Any, b: Any, c: Any, d: Any) -> tuple[Any, Any, Any, Any]:
+    """The same for four nodes."""
+    first, last = low * a, high * d
+    return a - first, b + 2.0 * first - last, c - first + 2.0 * last, d - last
+
+
+@device
+def keep_out_of_walls(wall_cells: np.ndarray | None, old: Any, new: Any, gap: float, grid: Grid) -> Any:
+    """A vector with position lanes, moved out of walls and `gap` (m) away from those beside the old position.
+
+    A point that would enter a wall over an edge stays in its vertical row of cells.
+    """
+    if wall_cells is None:
+        return new
+    origin, inv_h = _coordinates(grid.origin_x, grid.origin_y, grid.origin_z), 1.0 / grid.h
+    s = (old - origin) * inv_h
+    mask = cell_mask(wall_cells, s, grid)
+    if mask == 0:
+        return new
+    flat, inf = grid.n_z == 1, splat(np.inf)
+    cell = _coordinates(int(extract(s, X)), int(extract(s, Y)), 0 if flat else int(extract(s, Z)))
+    low, high = origin + grid.h * cell + gap, origin + grid.h * (cell + 1.0) - gap
+    new = keep_within(new, (where_positive(_faces(mask, 0), low, -inf), where_positive(_faces(mask, 1), high, inf)))
+    if cell_mask(wall_cells, (new - origin) * inv_h, grid) & IN_WALL:
+        horizontal = _coordinates(1.0, 0.0, 0.0 if flat else 1.0)
+        new = keep_within(new, (where_positive(horizontal, low, -inf), where_positive(horizontal, high, inf)))
+    return new
+
+
+@device
+def _coordinates(x: float, y: float, z: float) -> Any:
+    """A vector with x, y, z in the lanes of the coordinates."""
+    return vector(0.0, 0.0, 0.0, 0.0, x, y, z, 0.0)

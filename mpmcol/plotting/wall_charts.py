@@ -1,0 +1,110 @@
+"""Chart of the forces on walls over time, and of the pressure on their vertical faces over the height."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from math import radians, sin, sqrt
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from mpmcol.io.glossary import FORCE_UNITS
+from mpmcol.measure import Array, ColumnShape
+from mpmcol.measure.wall_forces import AXES, column
+from mpmcol.plotting.figures import LABEL_SIZE, Heading, add_heading, save_figure
+from mpmcol.plotting.styles import RUN_COLOURS, RUN_LINES
+from mpmcol.units import length_scale
+
+FLOOR, TOP = "floor", "top"
+LEAST_PRESSURE = 0.01  # of the largest: smaller ones are not counted to the height of the material
+HEADROOM = 1.3  # of the axes, over the largest pressure and the active lines
+
+
+class WallProfile(NamedTuple):
+    """Normal pressure on a vertical face of a wall, at release or at the end."""
+
+    label: str
+    y: Array  # height of the rows of nodes, m
+    pressure: Array  # Pa
+
+    @property
+    def height(self) -> float:
+        """Height h_w of the material that presses on the face, m."""
+        pressed = self.y[self.pressure > LEAST_PRESSURE * self.pressure.max(initial=0.0)]
+        return float(pressed.max(initial=0.0))
+
+
+def wall_chart(
+    path: Path,
+    shape: ColumnShape,
+    history: Mapping[str, Array],
+    pressures: Mapping[str, Array],
+    *,
+    friction_deg: float | None,
+    heading: Heading,
+    gravity: float = 9.81,
+    svg: bool = False,
+) -> list[Path]:
+    """Draw the resultant on each wall but the floor over time, and pressures; nothing without such forces.
+
+    history, pressures: columns of history.csv since the release, and of wall_pressure.csv. Profiles are drawn beside
+    the active and passive pressures K_a and K_p = (1 -+ sin phi) / (1 +- sin phi) times rho g (h_w - y), with the
+    height h_w of the material that presses; without `friction_deg` they are omitted.
+    """
+    walls = dict.fromkeys(name.split(".")[1] for name in history if name.startswith("force."))
+    walls.pop(FLOOR, None)
+    if not walls:
+        return []
+    figure = Figure(figsize=(10.0, 4.6), layout="constrained")
+    left, right = figure.subplots(1, 2, width_ratios=[3, 2])
+    tau = history["time"] / sqrt(shape.h_i / gravity)
+    for wall, colour, line in zip(walls, RUN_COLOURS, RUN_LINES, strict=False):
+        parts = [history[column(wall, axis)] for axis in AXES if column(wall, axis) in history]
+        left.plot(tau, np.linalg.norm(parts, axis=0), color=colour, linestyle=line, label=wall)
+    unit = FORCE_UNITS[shape.model]
+    left.set(
+        xlabel=r"time since release $t\,/\,\sqrt{h_i/g}$ (-)", ylabel=f"force on the wall ({unit})", ylim=(0.0, None)
+    )
+    _draw_profiles(right, shape, list(wall_profiles(pressures)), friction_deg, gravity)
+    for axes in (left, right):
+        axes.grid(color="0.9")
+        axes.legend(frameon=False, fontsize=LABEL_SIZE)
+    add_heading(left, heading)
+    return save_figure(figure, path, svg)
+
+
+def wall_profiles(pressures: Mapping[str, Array]) -> Iterator[WallProfile]:
+    """The profiles with pressure on vertical faces, of gate and back wall at release, of all walls at the end."""
+    if not pressures:
+        return
+    keys = list(zip(pressures["wall"], pressures["face"], pressures["state"], strict=True))
+    for key in dict.fromkeys(keys):
+        wall, face, state = key
+        rows = np.array([other == key for other in keys])
+        profile = WallProfile(f"{wall} {face}, {state}", pressures["position"][rows], pressures["pressure"][rows])
+        if face != TOP and profile.pressure.max() > 0.0:
+            yield profile
+
+
+def _draw_profiles(
+    axes: Axes, shape: ColumnShape, profiles: list[WallProfile], friction_deg: float | None, gravity: float
+) -> None:
+    unit, factor = length_scale(shape.h_i)
+    weight, largest = shape.density * gravity, 0.0
+    for profile, colour in zip(profiles, RUN_COLOURS, strict=False):
+        axes.plot(profile.pressure, factor * profile.y, marker=".", color=colour, label=profile.label)
+        largest = max(largest, float(profile.pressure.max()))
+        if friction_deg is not None:
+            active = (1.0 - sin(radians(friction_deg))) / (1.0 + sin(radians(friction_deg)))
+            ends = weight * profile.height, factor * profile.height
+            axes.plot((active * ends[0], 0.0), (0.0, ends[1]), color=colour, linestyle=":", linewidth=1.0)
+            axes.plot((ends[0] / active, 0.0), (0.0, ends[1]), color=colour, linestyle="--", linewidth=1.0)
+            largest = max(largest, active * ends[0])
+    if friction_deg is not None and profiles:
+        axes.plot([], [], color="0.4", linestyle=":", linewidth=1.0, label=r"active, $K_a \rho g (h_w - y)$")
+        axes.plot([], [], color="0.4", linestyle="--", linewidth=1.0, label=r"passive, $K_p \rho g (h_w - y)$")
+    axes.set(xlabel="normal pressure (Pa)", ylabel=f"height ({unit})", xlim=(0.0, HEADROOM * largest or 1.0))
+    axes.set_ylim(0.0, 1.2 * factor * max((profile.height for profile in profiles), default=shape.h_i))

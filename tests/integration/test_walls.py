@@ -1,0 +1,138 @@
+"""Runs with walls in the way of the flow: forces, moments and pressures, overtopping, and results."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import radians, sin
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import mpmcol
+from mpmcol.io.results import Results
+
+G, RHO, H_I, R_I, PHI = 9.81, 2650.0, 0.09, 0.09, radians(33.0)
+K_ACTIVE = (1.0 - sin(PHI)) / (1.0 + sin(PHI))
+WEIGHT = RHO * G * H_I * R_I
+
+
+def run(folder: Path, *overrides: str) -> Results:
+    return mpmcol.run(mpmcol.load_case("dam", [*overrides, "output.snapshots=1"]), folder, threads=1)
+
+
+@dataclass(frozen=True)
+class Runs:
+    dam: Results
+    end: Results  # a smooth end wall
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory: pytest.TempPathFactory) -> Runs:
+    folder = tmp_path_factory.mktemp("walls")
+    return Runs(run(folder / "dam"), run(folder / "end", "walls=[{from=0.135, name='end'}]"))
+
+
+def pressures(results: Results, wall: str, face: str, state: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Positions (m), forces (N/m) and pressures (Pa) of the rows of a face."""
+    table = results.wall_pressure
+    rows = (table["wall"] == wall) & (table["face"] == face) & (table["state"] == state)
+    return table["position"][rows], table["force"][rows], table["pressure"][rows]
+
+
+def test_the_ledger_closes_and_the_column_comes_to_rest(runs: Runs) -> None:
+    for results in (runs.dam, runs.end):
+        summary = results.summary
+        assert summary["at_rest"] and abs(summary["ledger"]["residual"]) < 1e-12 * summary["ledger"]["potential"]
+        assert not any("detached" in text or "arrested" in text for text in summary["warnings"])
+
+
+def test_no_point_is_in_the_dam_and_walls_have_no_published_runout(runs: Runs) -> None:
+    x = runs.dam.snapshot(-1).x
+    assert not ((x[:, 0] > 0.15) & (x[:, 0] < 0.18) & (x[:, 1] < 0.03)).any()
+    assert all(error["error"] is None and "walls" in error["comment"] for error in runs.dam.summary["errors"])
+
+
+def test_the_deposit_presses_on_an_end_wall_between_its_active_and_passive_state(runs: Runs) -> None:
+    x = runs.end.snapshot(-1).x
+    height = x[x[:, 0] > 0.135 - 0.0075, 1].max() + 0.25 * 0.0075
+    force, hydrostatic = runs.end.summary["wall_forces"]["end"]["at_end"], 0.5 * RHO * G * height**2
+    assert K_ACTIVE < force / hydrostatic < 1.0 / K_ACTIVE
+    assert runs.end.summary["wall_forces"]["end"]["peak"] > force
+
+
+@pytest.mark.parametrize("name", ["dam", "end"])
+def test_profiles_are_the_forces_of_the_last_rows(runs: Runs, name: str) -> None:
+    """The sum of the rows of all vertical faces is the mean force; the top of the dam has a small friction."""
+    results: Results = getattr(runs, name)
+    time, force = results.history["time"], results.history[f"force.{name}.x"]
+    steps = np.diff(time)[-10:]
+    mean = steps @ force[-10:] / steps.sum()
+    low, high = (pressures(results, name, face, "end")[1] for face in ("low_x", "high_x"))
+    assert low.sum() - high.sum() == pytest.approx(mean, rel=1e-9 if name == "end" else 2e-3)
+
+
+def test_the_gate_has_the_active_pressure_and_its_moment(runs: Runs) -> None:
+    """Pressures of gate and back wall are K_a rho g (H - y) within 5 % of that at the foot, the arm is H / 3."""
+    for wall, face in (("gate", "low_x"), ("back_wall", "high_x")):
+        y, _, pressure = pressures(runs.dam, wall, face, "release")
+        exact = K_ACTIVE * RHO * G * np.maximum(H_I - y, 0.0)
+        np.testing.assert_allclose(pressure, exact, atol=0.12 * exact.max())
+        inside = (y > 0.02) & (y < 0.08)
+        np.testing.assert_allclose(pressure[inside], exact[inside], atol=0.02 * exact.max())
+        forces = runs.dam.summary["wall_forces"][wall]
+        assert forces["moment_at_release"] / forces["at_release"] == pytest.approx(H_I / 3.0, rel=0.03)
+
+
+def test_the_floor_carries_the_weight_of_the_column(runs: Runs) -> None:
+    x, force, pressure = pressures(runs.dam, "floor", "top", "release")
+    assert force.sum() == pytest.approx(WEIGHT, rel=1e-3)
+    inside = x < 0.07
+    np.testing.assert_allclose(pressure[inside], RHO * G * H_I, rtol=0.06)
+
+
+def test_a_low_dam_is_overtopped_and_a_high_one_is_not(runs: Runs, tmp_path: Path) -> None:
+    def beyond(results: Results, x: float) -> float:
+        snapshot = results.snapshot(-1)
+        return float(snapshot.arrays["mass"][snapshot.x[:, 0] > x].sum()) / (RHO * H_I * R_I)
+
+    near = ("walls.0.from=0.12", "walls.0.to=0.15", "walls.0.height=0.015")
+    low = run(tmp_path / "low", *near, "friction.floor=0.1", "stages.collapse.max_time_factor=4")
+    assert beyond(low, 0.15) > 0.02 and beyond(runs.dam, 0.18) == 0.0
+    assert low.history["force.dam.y"].min() < 0.0
+    x = low.snapshot(-1).x
+    assert not ((x[:, 0] > 0.12) & (x[:, 0] < 0.15) & (x[:, 1] < 0.015)).any()
+
+
+def test_runs_with_walls_have_equal_bits_with_two_threads(runs: Runs, tmp_path: Path) -> None:
+    case = mpmcol.load_case("dam", ["output.snapshots=1"])
+    two = mpmcol.run(case, tmp_path / "two", threads=2).summary
+    assert two["state_sha256"] == runs.dam.summary["state_sha256"]
+    assert two["wall_forces"] == runs.dam.summary["wall_forces"]
+
+
+@pytest.mark.parametrize(
+    ("case", "overrides"),
+    [
+        (
+            "quickstart",
+            ("grid.spacing=0.0097", "grid.points_per_cell=4", "geometry.aspect=1", "output.wall_forces=true"),
+        ),
+        (
+            "quarter",
+            ("grid.spacing=0.0194", "geometry.aspect=0.5", "stages.initial_stress=k0", "geometry.base=rigid",
+             "method.wall_impulse=true", "output.wall_forces=true"),
+        ),
+    ],
+    ids=["ring wall", "quarter"],
+)  # fmt: skip
+def test_walls_in_axisymmetry_and_three_dimensions(case: str, overrides: tuple[str, ...], tmp_path: Path) -> None:
+    width = ", half_width=0.0776" if case == "quarter" else ""
+    walls = f"walls=[{{from=0.1358, to=0.194, height=0.0582{width}}}]"
+    end = ("stages.collapse.max_time_factor=3", "output.snapshots=1")
+    results = mpmcol.run(mpmcol.load_case(case, [*overrides, *end, walls]), tmp_path / "run", threads=1)
+    summary, x = results.summary, results.snapshot(-1).x
+    assert abs(summary["ledger"]["residual"]) < 1e-11 * summary["ledger"]["potential"]
+    assert summary["wall_forces"]["wall-1"]["peak"] > 0.0 and summary["wall_forces"]["wall-1"]["moment"] > 0.0
+    inside = (x[:, 0] > 0.1358) & (x[:, 0] < 0.194) & (x[:, 1] < 0.0582)
+    assert not (inside & (x[:, 2] < 0.0776) if case == "quarter" else inside).any()
