@@ -57,7 +57,9 @@ class ReferenceWall:
 
 @dataclass(frozen=True)
 class ReferenceMaterial:
-    """Elastic if phi is None; Mohr-Coulomb otherwise, softening from (phi, psi) to the residual values if rate > 0."""
+    """Elastic if phi and mu are None; Mohr-Coulomb with phi, softening from (phi, psi) to the residual values if
+    rate > 0; Drucker-Prager or mu(I) with mu.
+    """
 
     E: float
     nu: float
@@ -68,6 +70,11 @@ class ReferenceMaterial:
     psi_residual: float = 0.0
     rate: float = 0.0  # beta of Table 1
     strain_factor: float = (2.0 / 3.0) ** 0.5  # d eps = strain_factor sqrt(de^p : de^p)
+    mu: float | None = None  # of sqrt(J2) = c + mu p, at vanishing rate
+    mu_2: float | None = None  # at infinite rate; None: no dependence on the rate
+    I_0: float = 1.0
+    d: float = 1.0  # diameter of grains, m
+    rho_s: float = 1.0  # their density, kg/m3
 
     @property
     def K(self) -> float:
@@ -343,6 +350,32 @@ def mohr_coulomb(s: Array, phi: float, psi: float, p_apex: float, K: float, G: f
     return axes @ np.diag(S + p_apex) @ axes.T, False
 
 
+def shear_rate(tau: float, p: float, material: ReferenceMaterial, dt: float) -> float:
+    """Plastic shear rate g (1/s) with tau - G dt g = c + mu(I) p and I = g d sqrt(rho_s / p); 0 without yield.
+
+    The positive root of a quadratic equation for g: multiply by I_0 + I.
+    """
+    G, c, mu, mu_2 = material.G, material.c, material.mu, material.mu_2
+    over = tau - c - mu * p
+    if over <= 0.0:
+        return 0.0
+    if mu_2 is None or p <= 0.0:
+        return over / (G * dt)
+    q = material.I_0 * np.sqrt(p / material.rho_s) / material.d  # I_0 over I, times g
+    return float(np.max(np.roots([G * dt, p * (mu_2 - mu) + G * dt * q - over, -over * q])))
+
+
+def cone_return(s: Array, material: ReferenceMaterial, dt: float) -> tuple[Array, bool]:
+    """Return of the trial stress s (3, 3) at constant volume to sqrt(J2) = c + mu(I) p, and whether it is the apex."""
+    mean, p_apex = np.trace(s) / 3.0, material.c / material.mu
+    if mean > p_apex:
+        return p_apex * IDENTITY, True
+    deviator = s - mean * IDENTITY
+    tau = np.sqrt(0.5 * np.sum(deviator**2))
+    reduced = tau - material.G * dt * shear_rate(tau, -mean, material, dt)
+    return mean * IDENTITY + deviator * (reduced / tau if tau > 0.0 else 1.0), False
+
+
 def stress_update(
     points: ReferencePoints,
     materials: Sequence[ReferenceMaterial],
@@ -424,6 +457,8 @@ def _filtered_point(
 
 def _apex(material: ReferenceMaterial, history: Array) -> float:
     """Mean stress at the apex of the yield surface; infinite without one."""
+    if material.mu is not None:
+        return material.c / material.mu
     if material.phi is None:
         return np.inf
     phi, _ = material.angles(history[0] if material.rate > 0.0 else 0.0)
@@ -441,10 +476,9 @@ def _stress_of(
     volumetric = dt * np.trace(D)
     deviatoric = dt * D - volumetric / 3.0 * IDENTITY
     rotated = s + dt * (W @ s - s @ W)  # Eq. 33, the old stress first
-    if material.phi is None:
+    if material.phi is None and material.mu is None:
         return rotated + elastic(material, deviatoric, volumetric), J * d, e_o, history
 
-    phi, psi = material.angles(history[0] if material.rate > 0.0 else 0.0)
     p_apex = _apex(material, history)
     if e_o > 0.0:
         opened = (1.0 + e_o) * d - 1.0
@@ -456,7 +490,11 @@ def _stress_of(
         J = J * d
         trial = rotated + elastic(material, deviatoric, volumetric)
 
-    sigma, at_apex = mohr_coulomb(trial, phi, psi, p_apex, material.K, material.G)
+    if material.mu is not None:
+        sigma, at_apex = cone_return(trial, material, dt)
+    else:
+        phi, psi = material.angles(history[0] if material.rate > 0.0 else 0.0)
+        sigma, at_apex = mohr_coulomb(trial, phi, psi, p_apex, material.K, material.G)
     if at_apex and scheme.opening_strain:
         e_o = max(0.0, (np.trace(trial) / 3.0 - p_apex) / material.K)
         J = J / (1.0 + e_o)

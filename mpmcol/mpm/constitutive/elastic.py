@@ -10,6 +10,7 @@ from mpmcol.mpm.jit import device
 from mpmcol.units import Table, option, quantity
 
 STATE: tuple[str, ...] = ()
+INVARIANTS = False
 
 
 class Elasticity(Table):
@@ -63,7 +64,7 @@ def may_yield(s1, s3, history, params):
 
 
 @device
-def return_map(s1, s2, s3, history, params):
+def return_map(s1, s2, s3, history, params, dt):
     """The trial stress itself."""
     return s1, s2, s3, history, 0.0, 0.0
 

@@ -17,6 +17,7 @@ from mpmcol.mpm.simd import where_positive
 from mpmcol.units import option, quantity
 
 STATE: tuple[str, ...] = ()
+INVARIANTS = False
 MOST_DEGREES = 89.0  # N grows without bound towards 90
 
 
@@ -87,7 +88,7 @@ def may_yield(s1, s3, history, params):
 
 
 @device
-def return_map(s1, s2, s3, history, params):
+def return_map(s1, s2, s3, history, params, dt):
     """Return sorted principal stresses to the yield surface; see `ConstitutiveLaw.return_map`."""
     a = params.apex
     t1, t2, t3, released = return_to_cone(

@@ -18,6 +18,7 @@ from mpmcol.mpm.simd import sqrt
 from mpmcol.units import option, quantity
 
 STATE: tuple[str, ...] = ("plastic_shear_strain",)
+INVARIANTS = False
 
 
 class Material(Elasticity):
@@ -90,7 +91,7 @@ def may_yield(s1, s3, history, params):
 
 
 @device
-def return_map(s1, s2, s3, history, params):
+def return_map(s1, s2, s3, history, params, dt):
     """Return to the yield surface of the present plastic strain, then add the increment to that strain."""
     eps, other = history
     remaining = decay(params.rate * eps)

@@ -14,7 +14,7 @@ ELASTIC = {"density": 2650.0, "youngs_modulus": 10e6, "poissons_ratio": 0.2}
 K, G = 10e6 / 1.8, 10e6 / 2.4
 SCALE = 1e4
 ANGLES = [(33.0, 0.0), (39.0, 6.0), (50.0, 25.0), (30.0, 30.0), (20.0, 1.0)]
-UNUSED = (0.0, 0.0)
+UNUSED, DT = (0.0, 0.0), 1e-5
 
 
 def params_of(friction, dilatancy=0.0, cohesion=0.0):
@@ -26,7 +26,7 @@ def params_of(friction, dilatancy=0.0, cohesion=0.0):
 
 def returned(trial, params):
     """Stresses (n, 3) after the return, released volumetric strains (n,), whether the trial is elastic (n,)."""
-    *principal, _, released, yields = mohr_coulomb.return_map(*trial.T, UNUSED, params)
+    *principal, _, released, yields = mohr_coulomb.return_map(*trial.T, UNUSED, params, DT)
     elastic = yields <= 0.0
     return np.where(elastic[:, None], trial, np.array(principal).T), np.where(elastic, 0.0, released), elastic
 
@@ -207,7 +207,7 @@ def softening(cohesion=0.0):
 def test_softening_returns_with_the_angles_of_the_present_strain(eps, phi, psi, cohesion):
     trial = random_trials(500, seed=6)
     *principal, (strain, _), opened, yields = mohr_coulomb_softening.return_map(
-        *trial.T, (np.full(len(trial), eps), 0.0), softening(cohesion)
+        *trial.T, (np.full(len(trial), eps), 0.0), softening(cohesion), DT
     )
     stress, released, elastic = returned(trial, params_of(phi, psi, cohesion))
     np.testing.assert_array_equal(yields <= 0.0, elastic)
@@ -224,6 +224,6 @@ def test_may_yield_is_positive_wherever_softening_material_yields(cohesion):
     trial, params = random_trials(2_000, seed=7), softening(cohesion)
     for eps in (0.0, 0.1, 20.0):
         history = (np.full(len(trial), eps), 0.0)
-        yields = mohr_coulomb_softening.return_map(*trial.T, history, params)[-1] > 0.0
+        yields = mohr_coulomb_softening.return_map(*trial.T, history, params, DT)[-1] > 0.0
         may = mohr_coulomb_softening.may_yield(trial[:, 0], trial[:, 2], history, params) > 0.0
         assert yields.any() and not np.any(yields & ~may)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import radians
+from math import radians, tan
 from typing import Any
 
 import numpy as np
@@ -28,6 +28,10 @@ PLASTIC = {
         "friction_peak_deg": 45.0, "friction_residual_deg": 30.0, "dilatancy_peak_deg": 15.0,
         "dilatancy_residual_deg": 1.0, "softening_rate": 5.0, "cohesion": 10.0,
     },
+    "drucker-prager": {"friction_deg": 33.0, "match": "tangent", "cohesion": 20.0},
+    "mu-i": {
+        "mu_s": 0.4, "mu_2": 0.7, "I_0": 0.3, "grain_diameter": 0.05, "grain_density": 2500.0, "cohesion": 20.0,
+    },
 }  # fmt: skip
 PLAIN = Settings(alpha_d=0.1, cfl=0.3)
 H, CELLS, ORIGIN = 0.1, (13, 10, 8), (0.0, -0.2, 0.0)
@@ -45,6 +49,10 @@ def reference_material(law: str) -> reference.ReferenceMaterial:
         return reference.ReferenceMaterial(1e6, 0.25)
     if law == "mohr-coulomb":
         return reference.ReferenceMaterial(1e6, 0.25, radians(33.0), radians(5.0), 20.0)
+    if law == "drucker-prager":
+        return reference.ReferenceMaterial(1e6, 0.25, c=20.0, mu=tan(radians(33.0)))
+    if law == "mu-i":
+        return reference.ReferenceMaterial(1e6, 0.25, c=20.0, mu=0.4, mu_2=0.7, I_0=0.3, d=0.05, rho_s=2500.0)
     return reference.ReferenceMaterial(
         1e6, 0.25, radians(45.0), radians(15.0), keys["cohesion"], radians(30.0), radians(1.0), 5.0
     )
@@ -84,7 +92,7 @@ def as_reference(points: Points) -> reference.ReferencePoints:
     )  # fmt: skip
 
 
-SOFTENING = "mohr-coulomb-softening"
+SOFTENING, CONES = "mohr-coulomb-softening", ("drucker-prager", "mu-i")
 AXISYMMETRIC, PIC = {"axisymmetric": True}, {"flip_fraction": 0.0}
 FILTER = {  # K of ELASTIC; shear rates are about 1/s, and some points have opened further than the limit
     "filter_rate": 500.0, "filter_shear_rate": 2.5, "filter_opening": 5e-4, "filter_modulus": 1e6 / 1.5,
@@ -105,6 +113,8 @@ LAW_CASES: list[tuple[int, str, dict]] = [  # dimension, law of the column, chan
     *((2, law, change) for law in ("elastic", "mohr-coulomb") for change in ({}, AXISYMMETRIC, *OPTIONS)),
     *((2, SOFTENING, change) for change in ({}, AXISYMMETRIC, FILTER)),
     (2, "mohr-coulomb", FILTER | AXISYMMETRIC),
+    *((2, law, change) for law in CONES for change in ({}, AXISYMMETRIC, FILTER, {"opening_strain": False})),
+    *(pytest.param(3, law, change, marks=pytest.mark.slow) for law in CONES for change in ({}, FILTER)),
     *((3, law, {}) for law in ("elastic", "mohr-coulomb")),
     pytest.param(3, SOFTENING, {}, marks=pytest.mark.slow),
     *((3, "mohr-coulomb", change | {"gravity_z": 1.0}) for change in OPTIONS),
