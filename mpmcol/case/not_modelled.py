@@ -24,8 +24,8 @@ _ANSWERS = {
     "layer|layering|stratum|strata": "layers of the column are [[layers]]",
     "obstacle|obstacles|barrier|barriers|baffle|pillar": "obstacles are not modelled",
     "viscosity|viscous|inertial|rheology|mu_i|mu_0|mus|mu2|i0|d50|grain_size|rate_dependent": (
-        'friction that depends on the rate of strain is material.law = "mu-i", with mu_s, mu_2, I_0, grain_diameter and '
-        "grain_density; there is no viscosity"
+        'friction that depends on the rate of strain is material.law = "mu-i", with mu_s, mu_2, I_0, '
+        "grain_diameter and grain_density; there is no viscosity"
     ),
     "mu(?!_[s2])|friction_coefficient|coefficient_of_friction|internal_friction|phi|friction_angle": (
         "friction is given as an angle: material.friction_deg, atan(mu) for a coefficient mu"

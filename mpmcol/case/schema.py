@@ -22,7 +22,6 @@ from mpmcol.case.tables import (
     integer,
 )
 from mpmcol.case.values import leaf_values
-from mpmcol.mpm.constitutive import elastic
 from mpmcol.units import Table, option
 
 MAX_TIME_FACTOR = 10.0  # default of stages.collapse.max_time_factor on a horizontal base
@@ -110,7 +109,7 @@ class Case(Table):
         return filled
 
     @property
-    def materials(self) -> tuple[elastic.Elasticity, ...]:
+    def materials(self) -> tuple[Material, ...]:
         """Materials by kind of the points: column, base, layers of the column."""
         return (self.material, self.base_material, *(layer.material for layer in self.layers))
 

@@ -18,6 +18,7 @@ RESULT, HISTORY, MEASURE, TABLE, SLOPES = "result.json", "history.csv", "measure
 
 Names = dict[str, tuple[str, str]]  # name -> unit ("" without one; ENERGY depends on the model), meaning
 
+_PERCENTILES = {"p5": "percentile 5", "median": "median", "p95": "percentile 95"}
 _DEPOSIT: Names = {
     "front": ("m", "distance of the front from the wall or axis, by each of its definitions"),
     "zeta": ("", "runout (r_f - r_i) / r_i, by each definition of the front (Eq. 37-39)"),
@@ -117,6 +118,11 @@ _STRESS: Names = {
     "pressure_p99": ("", "percentile 99 of the pressure over weight_at_foot"),
     "pressure_max": ("", "largest pressure over weight_at_foot"),
     "scatter": ("", "standard deviation of the pressure from the mean of its cell, over weight_at_foot"),
+}
+_FLOW: Names = {
+    **{f"I_{name}": ("", f"{text} of the inertial number I of the flow") for name, text in _PERCENTILES.items()},
+    **{f"mu_{name}": ("", f"{text} of the friction coefficient mu(I)") for name, text in _PERCENTILES.items()},
+    "ill_posed": ("", "share of the flow in which the mu(I) law is ill-posed (Barker et al. 2015)"),
 }
 _FAILURE: Names = {
     "check": ("", "name of the check that failed"),
@@ -229,6 +235,8 @@ NAMES: dict[str, Names] = {  # file or command -> its names
         **_nested("dissipation", _DISSIPATION),
         "wall_forces": ("", "largest forces on floor, back wall and gate; null without output.wall_forces"),
         **_nested("wall_forces.WALL", _WALL_FORCES),
+        "flow": ("", "rates of the flowing column (I > 1e-3) over the collapse, in mass times time; law mu-i only"),
+        **_nested("flow", _FLOW),
         "stress": ("", "quality of the stresses of single points"),
         **_nested("stress", _STRESS),
         **_nested("errors", _SCORE),

@@ -17,6 +17,7 @@ from mpmcol.case.slope import ENDLESS_REMEDY, endless_flow
 from mpmcol.errors import UsageError
 from mpmcol.setup.domain import LEAST_CELLS, default_length, expected_front, usable
 from mpmcol.setup.time_step import time_step_warnings
+from mpmcol.setup.unfit_materials import constant_friction, large_grains, light_grains
 
 FEWEST_CELLS = 6  # in height and radius of a column
 FEWEST_BED_CELLS = 4
@@ -220,4 +221,7 @@ CHECKS: tuple[Callable[[Case, float], str | None], ...] = (
     short_domain,
     slope_without_rest,
     flow_before_release,
+    constant_friction,
+    large_grains,
+    light_grains,
 )

@@ -6,7 +6,7 @@ from collections.abc import Hashable
 from typing import Any, Protocol
 
 from mpmcol.mpm.constitutive import drucker_prager, elastic, mohr_coulomb, mohr_coulomb_softening, mu_i
-from mpmcol.mpm.constitutive.elastic import Elasticity
+from mpmcol.mpm.constitutive.elastic import Derived, Elasticity
 
 
 class ConstitutiveLaw(Hashable, Protocol):
@@ -27,6 +27,13 @@ class ConstitutiveLaw(Hashable, Protocol):
     @property
     def INVARIANTS(self) -> bool:
         """Whether the functions of stresses take invariants instead of principal stresses."""
+
+    @property
+    def DERIVED(self) -> dict[str, Derived]:
+        """Quantities that follow from the stress of a point, for output: name -> function (mean, shear, params).
+
+        mean, shear: mean stress and sqrt(J2) (n,), Pa. Returns (n,).
+        """
 
     @property
     def Material(self) -> type[Elasticity]:

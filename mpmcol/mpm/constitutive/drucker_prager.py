@@ -17,7 +17,7 @@ from collections.abc import Callable
 from math import cos, inf, radians, sin, sqrt, tan
 from typing import Literal, NamedTuple
 
-from mpmcol.mpm.constitutive.elastic import Elasticity
+from mpmcol.mpm.constitutive.elastic import Derived, Elasticity
 from mpmcol.mpm.constitutive.invariants import active_ratio, return_from_tension
 from mpmcol.mpm.constitutive.mohr_coulomb import MOST_DEGREES
 from mpmcol.mpm.jit import device
@@ -25,6 +25,7 @@ from mpmcol.units import option, quantity
 
 STATE: tuple[str, ...] = ()
 INVARIANTS = True
+DERIVED: dict[str, Derived] = {}
 
 MATCHES: dict[str, Callable[[float], float]] = {
     "plane-strain": cos,

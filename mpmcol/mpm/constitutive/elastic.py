@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Literal, NamedTuple
+from collections.abc import Callable
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
 from mpmcol.mpm.jit import device
 from mpmcol.units import Table, option, quantity
 
+Derived = Callable[[np.ndarray, np.ndarray, Any], np.ndarray]
+
 STATE: tuple[str, ...] = ()
 INVARIANTS = False
+DERIVED: dict[str, Derived] = {}
 
 
 class Elasticity(Table):

@@ -11,13 +11,14 @@ from __future__ import annotations
 from math import cos, radians, sin, tan
 from typing import Literal, NamedTuple
 
-from mpmcol.mpm.constitutive.elastic import Elasticity
+from mpmcol.mpm.constitutive.elastic import Derived, Elasticity
 from mpmcol.mpm.jit import device
 from mpmcol.mpm.simd import where_positive
 from mpmcol.units import option, quantity
 
 STATE: tuple[str, ...] = ()
 INVARIANTS = False
+DERIVED: dict[str, Derived] = {}
 MOST_DEGREES = 89.0  # N grows without bound towards 90
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import Literal, NamedTuple
 
-from mpmcol.mpm.constitutive.elastic import Elasticity
+from mpmcol.mpm.constitutive.elastic import Derived, Elasticity
 from mpmcol.mpm.constitutive.elementary import cotangent, decay, sine
 from mpmcol.mpm.constitutive.mohr_coulomb import MOST_DEGREES, flow_number, return_to_cone, shear_friction
 from mpmcol.mpm.jit import device
@@ -19,6 +19,7 @@ from mpmcol.units import option, quantity
 
 STATE: tuple[str, ...] = ("plastic_shear_strain",)
 INVARIANTS = False
+DERIVED: dict[str, Derived] = {}
 
 
 class Material(Elasticity):

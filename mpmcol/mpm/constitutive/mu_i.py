@@ -18,7 +18,9 @@ from __future__ import annotations
 from math import asin, degrees, sqrt
 from typing import Literal, NamedTuple
 
-from mpmcol.mpm.constitutive.elastic import Elasticity
+import numpy as np
+
+from mpmcol.mpm.constitutive.elastic import Derived, Elasticity
 from mpmcol.mpm.constitutive.invariants import active_ratio, return_from_tension
 from mpmcol.mpm.jit import device
 from mpmcol.mpm.simd import sqrt as root
@@ -41,7 +43,9 @@ class Material(Elasticity):
     )
     I_0: float = quantity("inertial number at which mu is midway between mu_s and mu_2", gt=0.0)
     grain_diameter: float = quantity("diameter d of the grains", "m", gt=0.0)
-    grain_density: float = quantity("density rho_s of the grains, larger than that of the bulk material (density)", "kg/m3", gt=0.0)
+    grain_density: float = quantity(
+        "density rho_s of the grains, larger than that of the bulk material (density)", "kg/m3", gt=0.0
+    )
     cohesion: float = quantity("cohesion c", "Pa", 0.0, ge=0.0)
 
     @property
@@ -61,18 +65,49 @@ class Material(Elasticity):
 
 
 class MuIParams(NamedTuple):
-    """Moduli (Pa), mu_s, mu_2 - mu_s, (I_0 / d) / sqrt(rho_s) (kg^-1/2 m^1/2), c (Pa), mean stress at the apex (Pa)."""
+    """Moduli (Pa), mu_s, mu_2 - mu_s, I_0, (I_0 / d) / sqrt(rho_s) (SI), c and mean stress at the apex (Pa)."""
 
     bulk_modulus: float
     shear_modulus: float
     mu_s: float
     mu_excess: float
+    I_0: float
     rate_scale: float
     cohesion: float
     apex: float
 
 
 PARAMS = MuIParams
+
+
+def inertial_number(mean: np.ndarray, shear: np.ndarray, params: MuIParams) -> np.ndarray:
+    """I of the last step (n,), from the stress that the return has left: I_0 (mu - mu_s) / (mu_2 - mu).
+
+    0 without flow, without pressure, and without dependence on the rate.
+    """
+    strength = params.cohesion - params.mu_s * mean
+    fast, flowing = params.mu_excess * np.maximum(-mean, 0.0), (shear > strength) & (mean < 0.0)
+    remaining = np.maximum(fast - (shear - strength), np.finfo(float).eps * fast)
+    return params.I_0 * np.where(flowing & (fast > 0.0), (shear - strength) / np.where(fast > 0.0, remaining, 1.0), 0.0)
+
+
+DERIVED: dict[str, Derived] = {"inertial_number": inertial_number}
+
+
+def friction_of(number: np.ndarray, material: Material) -> np.ndarray:
+    """mu(I)."""
+    return material.mu_s + (material.mu_2 - material.mu_s) * number / (material.I_0 + number)
+
+
+def well_posed(number: np.ndarray, material: Material) -> np.ndarray:
+    """Whether the equations of incompressible flow are well-posed at I (n,).
+
+    Barker, Schaeffer, Bohorquez & Gray 2015 (doi:10.1017/jfm.2015.412): with n = I mu'(I) / mu(I),
+    4 n^2 - 4 n + mu^2 (1 - n / 2)^2 <= 0.
+    """
+    mu = friction_of(number, material)
+    n = number * (material.mu_2 - material.mu_s) * material.I_0 / (material.I_0 + number) ** 2 / mu
+    return 4.0 * n**2 - 4.0 * n + mu**2 * (1.0 - 0.5 * n) ** 2 <= 0.0
 
 
 def make_params(material: Material) -> MuIParams:
@@ -82,6 +117,7 @@ def make_params(material: Material) -> MuIParams:
         material.shear_modulus,
         material.mu_s,
         material.mu_2 - material.mu_s,
+        material.I_0,
         material.I_0 / (material.grain_diameter * sqrt(material.grain_density)),
         material.cohesion,
         material.cohesion / material.mu_s,
