@@ -30,8 +30,8 @@ _ANSWERS = {
     "mu(?!_[s2])|friction_coefficient|coefficient_of_friction|internal_friction|phi|friction_angle": (
         "friction is given as an angle: material.friction_deg, atan(mu) for a coefficient mu"
     ),
-    "tension|tensile|tension_cutoff|cutoff|capillary|cohesive": (
-        "the tensile strength follows from material.cohesion, which is that of Mohr-Coulomb"
+    "tensile|cutoff|capillary|cohesive": (
+        "the tensile strength is material.tension, of law mohr-coulomb, at most material.cohesion / tan(friction_deg)"
     ),
 }
 _PATTERNS = {re.compile(rf"(?:^|_)(?:{parts})(?:_|$)"): answer for parts, answer in _ANSWERS.items()}

@@ -70,6 +70,9 @@ class ReferenceMaterial:
     psi_residual: float = 0.0
     rate: float = 0.0  # beta of Table 1
     strain_factor: float = (2.0 / 3.0) ** 0.5  # d eps = strain_factor sqrt(de^p : de^p)
+    c_residual: float | None = None  # cohesion after softening; None: constant
+    tension: float | None = None  # of the cut-off; None: without one
+    brittle: bool = False  # points that have reached it have neither cohesion nor tension; history[0] is then 1
     mu: float | None = None  # of sqrt(J2) = c + mu p, at vanishing rate
     mu_2: float | None = None  # at infinite rate; None: no dependence on the rate
     I_0: float = 1.0
@@ -90,6 +93,14 @@ class ReferenceMaterial:
         remaining = np.exp(-self.rate * eps)
         phi = self.phi_residual + (self.phi - self.phi_residual) * remaining
         return phi, self.psi_residual + (self.psi - self.psi_residual) * remaining
+
+    def cohesion(self, eps: float) -> float:
+        """Cohesion after the plastic deviatoric strain eps."""
+        return (
+            self.c
+            if self.c_residual is None
+            else self.c_residual + (self.c - self.c_residual) * np.exp(-self.rate * eps)
+        )
 
 
 @dataclass(frozen=True)
@@ -350,6 +361,17 @@ def mohr_coulomb(s: Array, phi: float, psi: float, p_apex: float, K: float, G: f
     return axes @ np.diag(S + p_apex) @ axes.T, False
 
 
+def cut_off_return(s: Array, material: ReferenceMaterial, history: Array) -> tuple[Array, bool]:
+    """Return of the trial stress s (3, 3) to pyramid and cut-off, and whether it is the apex; sets history[0]."""
+    c, tension = (0.0, 0.0) if material.brittle and history[0] > 0.0 else (material.c, material.tension)
+    values, axes = np.linalg.eigh(s)
+    new = koiter_return(values[None], material.phi, material.psi, c, material.K, material.G, tension=tension)[0]
+    slack = 1e-9 * (np.abs(values).max() + tension)
+    if material.brittle and new.max() > tension - slack and np.abs(new - values).max() > slack:
+        history[0] = 1.0
+    return axes @ np.diag(new) @ axes.T, bool(new.min() > tension - slack)
+
+
 def shear_rate(tau: float, p: float, material: ReferenceMaterial, dt: float) -> float:
     """Plastic shear rate g (1/s) with tau - G dt g = c + mu(I) p and I = g d sqrt(rho_s / p); 0 without yield.
 
@@ -461,8 +483,11 @@ def _apex(material: ReferenceMaterial, history: Array) -> float:
         return material.c / material.mu
     if material.phi is None:
         return np.inf
-    phi, _ = material.angles(history[0] if material.rate > 0.0 else 0.0)
-    return material.c / np.tan(phi) if material.c > 0.0 else 0.0
+    if material.tension is not None:
+        return 0.0 if material.brittle and history[0] > 0.0 else material.tension
+    eps = history[0] if material.rate > 0.0 else 0.0
+    phi, _ = material.angles(eps)
+    return material.cohesion(eps) / np.tan(phi) if material.c > 0.0 else 0.0
 
 
 def _stress_of(
@@ -492,6 +517,8 @@ def _stress_of(
 
     if material.mu is not None:
         sigma, at_apex = cone_return(trial, material, dt)
+    elif material.tension is not None:
+        sigma, at_apex = cut_off_return(trial, material, history)
     else:
         phi, psi = material.angles(history[0] if material.rate > 0.0 else 0.0)
         sigma, at_apex = mohr_coulomb(trial, phi, psi, p_apex, material.K, material.G)
@@ -575,9 +602,12 @@ def step(
 
 
 def koiter_return(
-    principal: Array, phi: float, psi: float, c: float, K: float, G: float, tolerance: float = 1e-9
-) -> Array:
+    principal: Array, phi: float, psi: float, c: float, K: float, G: float, tolerance: float = 1e-9,
+    tension: float | None = None,
+) -> Array:  # fmt: skip
     """Return principal trial stresses (n, 3), in any order, to the six Mohr-Coulomb planes by trying every active set.
+
+    tension: of a cut-off by three more planes s_i = tension with an associated flow rule.
 
     Koiter 1953: sigma = trial - D sum lambda b, f = 0 and lambda >= 0 on the active planes, f <= 0 on all others.
     With psi = 0 there is no solution for tension beyond the apex; the apex is then chosen as tension cut-off.
@@ -588,12 +618,15 @@ def koiter_return(
     a = np.array([k * IDENTITY[i] - IDENTITY[j] for i, j in pairs])
     b = np.array([m * IDENTITY[i] - IDENTITY[j] for i, j in pairs])
     D = 2.0 * G * IDENTITY + (K - 2.0 * G / 3.0)
-    strength = 2.0 * c * np.sqrt(k)
+    strength = np.full(len(pairs), 2.0 * c * np.sqrt(k))
+    if tension is not None:
+        a, b = np.concatenate([a, IDENTITY]), np.concatenate([b, IDENTITY])
+        strength = np.concatenate([strength, 3 * [tension]])
     f = principal @ a.T - strength
-    slack = tolerance * (np.max(np.abs(principal), axis=1) + strength)
+    slack = tolerance * (np.max(np.abs(principal), axis=1) + strength[0])
     result = np.where((np.max(f, axis=1) <= slack)[:, None], principal, np.nan)
     for size in (1, 2, 3):
-        for active in map(list, combinations(range(6), size)):
+        for active in map(list, combinations(range(len(a)), size)):
             system = a[active] @ D @ b[active].T
             if np.linalg.cond(system) > 1e12:
                 continue
@@ -602,7 +635,7 @@ def koiter_return(
             admissible = np.max(s @ a.T - strength, axis=1) <= slack
             admissible &= np.min(multiplier, axis=1) * G >= -slack
             result = np.where((admissible & np.isnan(result[:, 0]))[:, None], s, result)
-    if psi == 0.0:
+    if psi == 0.0 and phi > 0.0 and tension is None:
         apex = c / np.tan(phi) if c > 0.0 else 0.0
         beyond = np.isnan(result[:, 0]) & (np.mean(principal, axis=1) >= apex - slack)
         result[beyond] = apex

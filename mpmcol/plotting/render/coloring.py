@@ -43,8 +43,8 @@ def _stored(name: str) -> Callable[[Snapshot], np.ndarray]:
     def values(snapshot: Snapshot) -> np.ndarray:
         if name not in snapshot.arrays:
             raise OutputError(
-                f"the snapshot has no array {name}: an earlier version of mpmcol wrote it, or its law does not give it; "
-                "choose another --color, or run the case again with --fresh"
+                f"the snapshot has no array {name}: an earlier version of mpmcol wrote it, or its law does not give "
+                "it; choose another --color, or run the case again with --fresh"
             )
         return snapshot.arrays[name]
 

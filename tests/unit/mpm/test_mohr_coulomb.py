@@ -227,3 +227,19 @@ def test_may_yield_is_positive_wherever_softening_material_yields(cohesion):
         yields = mohr_coulomb_softening.return_map(*trial.T, history, params, DT)[-1] > 0.0
         may = mohr_coulomb_softening.may_yield(trial[:, 0], trial[:, 2], history, params) > 0.0
         assert yields.any() and not np.any(yields & ~may)
+
+
+def test_cohesion_decays_to_its_residual_value():
+    material = mohr_coulomb_softening.Material(
+        **ELASTIC, friction_peak_deg=33.0, friction_residual_deg=33.0, softening_rate=5.0, cohesion=1e3,
+        cohesion_residual=200.0,
+    )  # fmt: skip
+    params, trial = mohr_coulomb_softening.make_params(material), random_trials(500, seed=6)
+    for eps, cohesion in ((0.0, 1e3), (log(2.0) / 5.0, 600.0), (20.0, 200.0)):
+        history = (np.full(len(trial), eps), 0.0)
+        *principal, _, _, yields = mohr_coulomb_softening.return_map(*trial.T, history, params, DT)
+        stress, _, elastic = returned(trial, params_of(33.0, 0.0, cohesion))
+        np.testing.assert_array_equal(yields <= 0.0, elastic)
+        np.testing.assert_allclose(np.array(principal).T[~elastic], stress[~elastic], atol=1e-8 * SCALE)
+        apex = mohr_coulomb_softening.apex(history, params)
+        np.testing.assert_allclose(apex, cohesion / tan(radians(33.0)), rtol=1e-12)

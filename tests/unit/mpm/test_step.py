@@ -28,6 +28,14 @@ PLASTIC = {
         "friction_peak_deg": 45.0, "friction_residual_deg": 30.0, "dilatancy_peak_deg": 15.0,
         "dilatancy_residual_deg": 1.0, "softening_rate": 5.0, "cohesion": 10.0,
     },
+    "mohr-coulomb, brittle": {
+        "friction_deg": 33.0, "dilatancy_deg": 5.0, "cohesion": 100.0, "tension": 50.0, "tension_failure": "brittle",
+    },
+    "mohr-coulomb, clay": {"friction_deg": 0.0, "cohesion": 150.0, "tension": 100.0},
+    "mohr-coulomb-softening, cohesion": {
+        "friction_peak_deg": 45.0, "friction_residual_deg": 30.0, "softening_rate": 5.0, "cohesion": 100.0,
+        "cohesion_residual": 10.0,
+    },
     "drucker-prager": {"friction_deg": 33.0, "match": "tangent", "cohesion": 20.0},
     "mu-i": {
         "mu_s": 0.4, "mu_2": 0.7, "I_0": 0.3, "grain_diameter": 0.05, "grain_density": 2500.0, "cohesion": 20.0,
@@ -38,7 +46,7 @@ H, CELLS, ORIGIN = 0.1, (13, 10, 8), (0.0, -0.2, 0.0)
 
 
 def body(law: str) -> Body:
-    module = LAWS[law]
+    module = LAWS[law.partition(",")[0]]
     material = module.Material(**ELASTIC, **PLASTIC[law])
     return Body(module, module.make_params(material), material.wave_speed**2)
 
@@ -49,6 +57,14 @@ def reference_material(law: str) -> reference.ReferenceMaterial:
         return reference.ReferenceMaterial(1e6, 0.25)
     if law == "mohr-coulomb":
         return reference.ReferenceMaterial(1e6, 0.25, radians(33.0), radians(5.0), 20.0)
+    if law == "mohr-coulomb, brittle":
+        return reference.ReferenceMaterial(1e6, 0.25, radians(33.0), radians(5.0), 100.0, tension=50.0, brittle=True)
+    if law == "mohr-coulomb, clay":
+        return reference.ReferenceMaterial(1e6, 0.25, 0.0, 0.0, 150.0, tension=100.0)
+    if law == "mohr-coulomb-softening, cohesion":
+        return reference.ReferenceMaterial(
+            1e6, 0.25, radians(45.0), 0.0, 100.0, radians(30.0), rate=5.0, c_residual=10.0
+        )
     if law == "drucker-prager":
         return reference.ReferenceMaterial(1e6, 0.25, c=20.0, mu=tan(radians(33.0)))
     if law == "mu-i":
@@ -73,6 +89,7 @@ def random_points(seed: int, opens: bool, d: int) -> Points:
         opens & (points.kind == 0) & (rng.uniform(size=300) < 0.2), rng.uniform(0.0, 1e-3, 300), 0.0
     )
     points.history[:, 0] = rng.uniform(0.0, 0.3, 300)
+    points.history[::2, 0] = 0.0
     grad_v = np.zeros((300, 3, 3))
     grad_v[:, :d, :d] = rng.normal(0.0, 1.0, (300, d, d))
     points.grad_v = grad_v
@@ -114,6 +131,9 @@ LAW_CASES: list[tuple[int, str, dict]] = [  # dimension, law of the column, chan
     *((2, SOFTENING, change) for change in ({}, AXISYMMETRIC, FILTER)),
     (2, "mohr-coulomb", FILTER | AXISYMMETRIC),
     *((2, law, change) for law in CONES for change in ({}, AXISYMMETRIC, FILTER, {"opening_strain": False})),
+    *((2, f"mohr-coulomb, {kind}", change) for kind in ("brittle", "clay") for change in ({}, FILTER)),
+    (2, "mohr-coulomb-softening, cohesion", {}),
+    *(pytest.param(3, f"mohr-coulomb, {kind}", {}, marks=pytest.mark.slow) for kind in ("brittle", "clay")),
     *(pytest.param(3, law, change, marks=pytest.mark.slow) for law in CONES for change in ({}, FILTER)),
     *((3, law, {}) for law in ("elastic", "mohr-coulomb")),
     pytest.param(3, SOFTENING, {}, marks=pytest.mark.slow),
