@@ -46,7 +46,14 @@ def case_hash(case: Case) -> str:
     if case.geometry.slope_deg == 0.0:  # without effect: the hash is that of a case without the key
         del content["geometry"]["slope_deg"]
     for table in ("friction", "material", "base_material"):
-        content[table] = {key: value for key, value in content[table].items() if value is not None}
+        content[table] = _given(content[table])
+    for layer in content.get("layers", ()):
+        layer["material"] = _given(layer["material"])
     if not content["friction"]:
         del content["friction"]
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:12]
+
+
+def _given(table: dict[str, Any]) -> dict[str, Any]:
+    """A table without the keys that have no value."""
+    return {key: value for key, value in table.items() if value is not None}

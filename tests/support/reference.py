@@ -72,7 +72,7 @@ class ReferenceMaterial:
     strain_factor: float = (2.0 / 3.0) ** 0.5  # d eps = strain_factor sqrt(de^p : de^p)
     c_residual: float | None = None  # cohesion after softening; None: constant
     tension: float | None = None  # of the cut-off; None: without one
-    brittle: bool = False  # points that have reached it have neither cohesion nor tension; history[0] is then 1
+    failure_strain: float = np.inf  # under tension; history[0] is the plastic volumetric strain there
     mu: float | None = None  # of sqrt(J2) = c + mu p, at vanishing rate
     mu_2: float | None = None  # at infinite rate; None: no dependence on the rate
     I_0: float = 1.0
@@ -363,12 +363,12 @@ def mohr_coulomb(s: Array, phi: float, psi: float, p_apex: float, K: float, G: f
 
 def cut_off_return(s: Array, material: ReferenceMaterial, history: Array) -> tuple[Array, bool]:
     """Return of the trial stress s (3, 3) to pyramid and cut-off, and whether it is the apex; sets history[0]."""
-    c, tension = (0.0, 0.0) if material.brittle and history[0] > 0.0 else (material.c, material.tension)
+    c, tension = (0.0, 0.0) if history[0] > material.failure_strain else (material.c, material.tension)
     values, axes = np.linalg.eigh(s)
     new = koiter_return(values[None], material.phi, material.psi, c, material.K, material.G, tension=tension)[0]
     slack = 1e-9 * (np.abs(values).max() + tension)
-    if material.brittle and new.max() > tension - slack and np.abs(new - values).max() > slack:
-        history[0] = 1.0
+    if new.max() > tension - slack:
+        history[0] += max(0.0, np.sum(values - new) / (3.0 * material.K))
     return axes @ np.diag(new) @ axes.T, bool(new.min() > tension - slack)
 
 
@@ -484,7 +484,7 @@ def _apex(material: ReferenceMaterial, history: Array) -> float:
     if material.phi is None:
         return np.inf
     if material.tension is not None:
-        return 0.0 if material.brittle and history[0] > 0.0 else material.tension
+        return 0.0 if history[0] > material.failure_strain else material.tension
     eps = history[0] if material.rate > 0.0 else 0.0
     phi, _ = material.angles(eps)
     return material.cohesion(eps) / np.tan(phi) if material.c > 0.0 else 0.0

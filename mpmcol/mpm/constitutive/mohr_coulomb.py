@@ -22,6 +22,7 @@ STATE: tuple[str, ...] = ()
 INVARIANTS = False
 DERIVED: dict[str, Derived] = {}
 MOST_DEGREES = 89.0  # N grows without bound towards 90
+DOUBLED = 1.0  # plastic volumetric strain of material whose volume has doubled
 UNLIMITED = 1e30  # Pa, tensile strength of material without friction; finite, so that no difference is NaN
 
 
@@ -35,11 +36,11 @@ class Material(Elasticity):
     tension: float | None = quantity(
         "tensile strength, at most c cot(phi); default: c cot(phi), and no limit without friction", "Pa", None, ge=0.0
     )
-    tension_failure: Literal["ductile", "brittle"] | None = option(
-        "whether points that have reached their tensile strength keep tensile strength and cohesion (ductile, default) "
-        "or lose them (brittle)",
-        None,
-    )
+    failure_strain: float | None = quantity(
+        "plastic volumetric strain under tension beyond which a point loses cohesion and tensile strength; 0: once it "
+        "has reached its tensile strength; inf: never; default: 1 with tension, else inf",
+        "", None, ge=0.0, allow_inf=True,
+    )  # fmt: skip
 
     @property
     def apex(self) -> float:
@@ -60,7 +61,8 @@ class Material(Elasticity):
 class MohrCoulombParams(NamedTuple):
     """Moduli (Pa), N_phi, N_psi, mean stress at the apex (Pa); strength 2 c sqrt(N_phi) and tensile strength (Pa).
 
-    cut_off: 1 where the last two apply, in place of the apex. brittle: 1 if they are lost by failure in tension.
+    cut_off: 1 where the last two apply, in place of the apex, until the plastic volumetric strain under tension, the
+    first history variable, exceeds failure_strain.
     """
 
     bulk_modulus: float
@@ -71,7 +73,7 @@ class MohrCoulombParams(NamedTuple):
     strength: float
     tension: float
     cut_off: float
-    brittle: float
+    failure_strain: float
 
 
 PARAMS = MohrCoulombParams
@@ -80,8 +82,10 @@ PARAMS = MohrCoulombParams
 def make_params(material: Material) -> MohrCoulombParams:
     """Flow numbers of the angles, and the mean stress at the apex."""
     phi, psi = radians(material.friction_deg), radians(material.dilatancy_deg)
-    apex, brittle = material.apex, material.tension_failure == "brittle"
+    apex, failure = material.apex, material.failure_strain
     tension = min(apex if material.tension is None else material.tension, UNLIMITED)
+    if failure is None:
+        failure = inf if material.tension is None else DOUBLED
     return MohrCoulombParams(
         material.bulk_modulus,
         material.shear_modulus,
@@ -90,8 +94,8 @@ def make_params(material: Material) -> MohrCoulombParams:
         apex,
         2.0 * material.cohesion * sqrt(flow_number(sin(phi))),
         tension,
-        float(tension < apex or brittle),
-        float(brittle),
+        float(tension < apex or failure < inf),
+        failure,
     )
 
 
@@ -124,11 +128,11 @@ def return_map(s1, s2, s3, history, params, dt):
     """Return sorted principal stresses to the yield surface; see `ConstitutiveLaw.return_map`."""
     if params.cut_off > 0.0:
         strength, tension = present_strength(history, params)
-        t1, t2, t3, released, failed = return_with_cut_off(
+        t1, t2, t3, released, expanded = return_with_cut_off(
             s1, s2, s3, params.n_phi, params.n_psi, strength, tension, params.bulk_modulus, params.shear_modulus
         )
-        lost = where_positive(params.brittle * failed, 1.0, history[0])
-        return t1, t2, t3, (lost, history[1]), released, may_yield(s1, s3, history, params)
+        strained = history[0] + expanded, history[1]
+        return t1, t2, t3, strained, released, may_yield(s1, s3, history, params)
     a = params.apex
     t1, t2, t3, released = return_to_cone(
         s1 - a, s2 - a, s3 - a, params.n_phi, params.n_psi, params.bulk_modulus, params.shear_modulus
@@ -139,11 +143,11 @@ def return_map(s1, s2, s3, history, params, dt):
 @device
 def apex(history, params):
     """Mean stress of an opened point, Pa."""
-    return where_positive(history[0] * params.brittle, 0.0, params.tension)
+    return where_positive(history[0] - params.failure_strain, 0.0, params.tension)
 
 
 @device
 def present_strength(history, params):
-    """2 c sqrt(N_phi) and tensile strength (Pa), both zero where brittle material has failed in tension."""
-    lost = history[0] * params.brittle
+    """2 c sqrt(N_phi) and tensile strength (Pa), both zero where material has failed in tension."""
+    lost = history[0] - params.failure_strain
     return where_positive(lost, 0.0, params.strength), where_positive(lost, 0.0, params.tension)

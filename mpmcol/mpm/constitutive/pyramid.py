@@ -99,7 +99,7 @@ def return_by_tension(s1, s2, s3, tension, nu):
 def return_with_cut_off(s1, s2, s3, k, m, strength, tension, bulk, shear):
     """Return a yielding stress to pyramid and cut-off.
 
-    Returns also the volumetric strain released at the apex of the cut-off, and one where tension is active.
+    Returns also the volumetric strain released at the apex of the cut-off, and the plastic one where tension is active.
     """
     nu = (3.0 * bulk - 2.0 * shear) / (6.0 * bulk + 2.0 * shear)
     a1, a2, a3 = return_by_shear(s1, s2, s3, k, m, strength, bulk, shear)
@@ -111,7 +111,6 @@ def return_with_cut_off(s1, s2, s3, k, m, strength, tension, bulk, shear):
     t1 = where_positive(in_tension, tension, a1)
     t2 = where_positive(in_tension, where_positive(both, c2, b2), a2)
     t3 = where_positive(in_tension, where_positive(both, low, b3), a3)
-    failed = where_positive(in_tension, 1.0, 0.0)
-    released = ((s1 + s2 + s3) * (1.0 / 3.0) - tension) * (1.0 / bulk)
-    at_apex = where_positive(tension - t3, 0.0, failed)
-    return t1, t2, t3, where_positive(at_apex, where_positive(released, released, 0.0), 0.0), failed
+    expanded = where_positive(in_tension, (s1 - t1 + s2 - t2 + s3 - t3) * (1.0 / (3.0 * bulk)), 0.0)
+    expanded = where_positive(expanded, expanded, 0.0)
+    return t1, t2, t3, where_positive(tension - t3, 0.0, expanded), expanded

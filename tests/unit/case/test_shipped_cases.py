@@ -13,6 +13,7 @@ SHIPPED = [
     "channel-dense",
     "channel-loose",
     "coarse-channel",
+    "cohesive-column",
     "cylinder",
     "frictional-floor",
     "granular-bed",
@@ -24,6 +25,7 @@ SHIPPED = [
     "lube-channel-loose",
     "lube-cylinder",
     "lube-quarter",
+    "mu-i-cylinder",
     "quarter",
     "quickstart",
 ]

@@ -29,7 +29,7 @@ PLASTIC = {
         "dilatancy_residual_deg": 1.0, "softening_rate": 5.0, "cohesion": 10.0,
     },
     "mohr-coulomb, brittle": {
-        "friction_deg": 33.0, "dilatancy_deg": 5.0, "cohesion": 100.0, "tension": 50.0, "tension_failure": "brittle",
+        "friction_deg": 33.0, "dilatancy_deg": 5.0, "cohesion": 100.0, "tension": 50.0, "failure_strain": 0.0,
     },
     "mohr-coulomb, clay": {"friction_deg": 0.0, "cohesion": 150.0, "tension": 100.0},
     "mohr-coulomb-softening, cohesion": {
@@ -58,7 +58,9 @@ def reference_material(law: str) -> reference.ReferenceMaterial:
     if law == "mohr-coulomb":
         return reference.ReferenceMaterial(1e6, 0.25, radians(33.0), radians(5.0), 20.0)
     if law == "mohr-coulomb, brittle":
-        return reference.ReferenceMaterial(1e6, 0.25, radians(33.0), radians(5.0), 100.0, tension=50.0, brittle=True)
+        return reference.ReferenceMaterial(
+            1e6, 0.25, radians(33.0), radians(5.0), 100.0, tension=50.0, failure_strain=0.0
+        )
     if law == "mohr-coulomb, clay":
         return reference.ReferenceMaterial(1e6, 0.25, 0.0, 0.0, 150.0, tension=100.0)
     if law == "mohr-coulomb-softening, cohesion":

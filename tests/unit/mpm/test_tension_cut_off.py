@@ -112,26 +112,30 @@ def test_clay_in_uniaxial_tension_fails_at_its_tensile_strength_or_at_twice_the_
     assert mohr_coulomb.may_yield(1.001 * strength, 0.0, INTACT, params) > 0.0
 
 
-def test_brittle_material_loses_tension_and_cohesion_where_it_has_failed_in_tension():
-    params = params_of(20.0, 0.0, 0.5 * C, tension_failure="brittle")
+def test_material_that_has_failed_in_tension_has_friction_only():
+    params = params_of(20.0, 0.0, 0.5 * C, failure_strain=1e-4)
     trial = np.array([[0.9 * C, 0.0, -0.5 * C], [0.0, -0.5 * C, -5.0 * C], [0.4 * C, 0.0, 0.0]])
-    *_, history, _, yields = mohr_coulomb.return_map(*trial.T, (np.zeros(3), 0.0), params, DT)
+    stress, _ = returned(trial, params)
+    *_, history, _, yields = mohr_coulomb.return_map(*trial.T, (np.full(3, 9e-5), 0.0), params, DT)
     np.testing.assert_array_equal(yields > 0.0, [True, True, False])
-    np.testing.assert_array_equal(history[0], [1.0, 0.0, 0.0])  # by tension, by shear, elastic
-    np.testing.assert_array_equal(mohr_coulomb.apex(history, params), [0.0, 0.5 * C, 0.5 * C])
-    lost = mohr_coulomb.make_params(
-        mohr_coulomb.Material(density=2000.0, youngs_modulus=E, poissons_ratio=0.2, friction_deg=20.0)
-    )
+    plastic = (trial - stress).sum(axis=1) / (3.0 * params.bulk_modulus)
+    np.testing.assert_allclose(history[0][:2] - 9e-5, [plastic[0], 0.0], atol=1e-15)  # by tension, and by shear
+    assert history[0][0] > 1e-4
+    np.testing.assert_array_equal(mohr_coulomb.apex(history, params)[:2], [0.0, 0.5 * C])
+
+    dry = mohr_coulomb.Material(density=2000.0, youngs_modulus=E, poissons_ratio=0.2, friction_deg=20.0)
     again = random_trials(2000, seed=3)
-    *found, _, _, yields = mohr_coulomb.return_map(*again.T, (np.ones(2000), 0.0), params, DT)
-    *expected, _, _, cone = mohr_coulomb.return_map(*again.T, INTACT, lost, DT)
+    *found, _, _, yields = mohr_coulomb.return_map(*again.T, (np.full(2000, 2e-4), 0.0), params, DT)
+    *expected, _, _, cone = mohr_coulomb.return_map(*again.T, INTACT, mohr_coulomb.make_params(dry), DT)
     np.testing.assert_array_equal(yields > 0.0, cone > 0.0)
     shear_only = (cone > 0.0) & (np.array(expected)[0] < 0.0)
     np.testing.assert_allclose(np.array(found)[:, shear_only], np.array(expected)[:, shear_only], atol=1e-8 * SCALE)
 
 
-def test_ductile_material_keeps_its_strength():
-    params = params_of(20.0, 0.0, 0.5 * C)
-    *_, history, _, _ = mohr_coulomb.return_map(0.9 * C, 0.0, 0.0, INTACT, params, DT)
-    assert history[0] == 0.0
+@pytest.mark.parametrize(
+    ("keys", "limit"), [({}, 1.0), ({"tension": None}, np.inf), ({"tension": None, "failure_strain": 0.0}, 0.0)]
+)
+def test_strength_is_lost_where_the_volume_has_doubled_by_default(keys, limit):
+    params = params_of(20.0, **{"tension": 0.5 * C} | keys)
+    assert params.failure_strain == limit and params.cut_off == float(limit < np.inf)
     assert params.strength == pytest.approx(2.0 * C * sqrt(params.n_phi))
