@@ -15,6 +15,7 @@ ENERGY_UNITS = {  # by model: in headers, and in words
 }
 FORCE_UNITS = {"plane": "N/m", "axisymmetric": "N/rad", "quarter": "N", "full": "N"}
 RESULT, HISTORY, MEASURE, TABLE, SLOPES = "result.json", "history.csv", "measure", "table.csv", "slopes.csv"
+ELEMENT = "element.csv"
 
 Names = dict[str, tuple[str, str]]  # name -> unit ("" without one; ENERGY depends on the model), meaning
 
@@ -210,6 +211,18 @@ _SLOPES: Names = {
     "law_exponent": ("", "exponent of that law"),
 }
 
+_ELEMENT: Names = {
+    "strain": ("", "vertical, shear or volumetric strain, as the test prescribes it"),
+    **{f"stress.{name}": ("Pa", "Cauchy stress by component, tension > 0") for name in ("xx", "yy", "zz", "xy")},
+    "pressure": ("Pa", "mean pressure"),
+    "shear": ("Pa", "shear stress sqrt(J2)"),
+    "volumetric_strain": ("", "change of volume with gaps, over the initial volume"),
+    "opening_strain": ("", "volume of gaps over that of the material"),
+    "mobilised_deg": ("deg", "friction angle that the stress mobilises: sin(phi) = (s1 - s3) / -(s1 + s3)"),
+    "plastic_shear_strain": ("", "plastic shear strain, of the law mohr-coulomb-softening"),
+    "inertial_number": ("", "inertial number I, of the law mu-i"),
+}
+
 _FRONTS: Names = {
     **{f"front.{name}": entry for name, entry in _FRONT.items()},
     **{f"zeta.{name}": ("", f"runout (r_f - r_i) / r_i by the {meaning}") for name, (_, meaning) in _FRONT.items()},
@@ -264,4 +277,5 @@ NAMES: dict[str, Names] = {  # file or command -> its names
     },
     TABLE: {**_TABLE, "status": _RUN["status"], **_DEPOSIT, **_FRONTS, **_SIZES, **_COST},
     SLOPES: _SLOPES,
+    ELEMENT: _ELEMENT,
 }
