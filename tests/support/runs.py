@@ -21,6 +21,8 @@ SMALL_CASES = {  # name -> shipped case and overrides, to be cut short with SHOR
     "layers": ("layered-column", "grid.spacing=0.015"),
     "outline": ("channel", "grid.spacing=0.015", "geometry.outline=[[0, 0], [0.2, 0], [0, 0.2]]", "stages.gate=false"),
     "granular bed": ("granular-bed", "grid.spacing=0.015"),
+    "mu(I)": ("mu-i-cylinder", "grid.spacing=0.0194", "grid.points_per_cell=4", "material.cohesion=20"),
+    "failure in tension": ("cohesive-column", "grid.spacing=0.125", "material.failure_strain=1e-3"),
     "quarter": ("quarter", "grid.spacing=0.0194", "geometry.aspect=0.4", "stages.initial_stress=k0"),
     "friction": ("frictional-floor", "grid.spacing=0.015", "friction.back_wall=0.2", "stages.gate_speed=0.5"),
     "friction in 3D": (
