@@ -53,7 +53,7 @@ def render(
         run: the results of a run, or their folder.
         gif, mp4: also write an animation of all snapshots in this format; MP4 requires imageio-ffmpeg.
         view: "side", "3d" or "top", if the model of the run has it (default: "side" in 2D, "3d" in 3D).
-        color: "displacement", "velocity", "pressure" or "shear".
+        color: "displacement", "velocity", "pressure", "shear", or "inertial" with the law mu-i.
         snapshot: index of the snapshot; -1 is the last.
         size: width and height, pixels.
         out: the PNG (default: in the results folder).

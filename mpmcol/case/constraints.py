@@ -222,6 +222,29 @@ CONSTRAINTS = (
         for table in ("material", "base_material")
         for smaller, larger in _ORDERED_ANGLES
     ),
+    *(
+        Constraint((f"{table}.cohesion_residual", f"{table}.cohesion"), _at_most, _AT_MOST)
+        for table in ("material", "base_material")
+    ),
+    *(Constraint((f"{table}.mu_s", f"{table}.mu_2"), _at_most, _AT_MOST) for table in ("material", "base_material")),
+    *(
+        Constraint(
+            (f"{table}.friction_deg", f"{table}.cohesion"),
+            lambda friction, cohesion: friction != 0.0 or cohesion != 0.0,
+            "needs a cohesion, not {1}: material without both has no strength",
+        )
+        for table in ("material", "base_material")
+    ),
+    *(
+        Constraint(
+            (f"{table}.tension", f"{table}.cohesion", f"{table}.friction_deg"),
+            lambda tension, cohesion, friction: (
+                not tension or not friction or tension <= cohesion / math.tan(math.radians(friction)) * (1.0 + 1e-9)
+            ),
+            "must not exceed c cot(phi), with {1} and {2}",
+        )
+        for table in ("material", "base_material")
+    ),
     Constraint(
         ("method.flip_fraction", "method.transfer"),
         lambda fraction, transfer: fraction == 1.0 or transfer in ("taylor-flip", "flip"),

@@ -23,14 +23,15 @@ _ANSWERS = {
     ),
     "layer|layering|stratum|strata": "layers of the column are [[layers]]",
     "obstacle|obstacles|barrier|barriers|baffle|pillar": "obstacles are not modelled",
-    "viscosity|viscous|inertial|rheology|mu_i|mu_s|mu_0|mu_2|mus|mu2|i_?0|d50|grain_(size|diameter)|rate_dependent": (
-        "dependence on the rate of strain, such as mu(I), is not modelled; friction is material.friction_deg"
+    "viscosity|viscous|inertial|rheology|mu_i|mu_0|mus|mu2|i0|d50|grain_size|rate_dependent": (
+        'friction that depends on the rate of strain is material.law = "mu-i", with mu_s, mu_2, I_0, '
+        "grain_diameter and grain_density; there is no viscosity"
     ),
-    "mu|friction_coefficient|coefficient_of_friction|internal_friction|phi|friction_angle": (
+    "mu(?!_[s2])|friction_coefficient|coefficient_of_friction|internal_friction|phi|friction_angle": (
         "friction is given as an angle: material.friction_deg, atan(mu) for a coefficient mu"
     ),
-    "tension|tensile|tension_cutoff|cutoff|capillary|cohesive": (
-        "the tensile strength follows from material.cohesion, which is that of Mohr-Coulomb"
+    "tensile|cutoff|capillary|cohesive": (
+        "the tensile strength is material.tension, of law mohr-coulomb, at most material.cohesion / tan(friction_deg)"
     ),
 }
 _PATTERNS = {re.compile(rf"(?:^|_)(?:{parts})(?:_|$)"): answer for parts, answer in _ANSWERS.items()}

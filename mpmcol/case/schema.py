@@ -30,7 +30,6 @@ from mpmcol.case.tables import (
 )
 from mpmcol.case.values import leaf_values
 from mpmcol.case.walls import WallTable, check_walls, with_names
-from mpmcol.mpm.constitutive import elastic
 from mpmcol.units import Table, option
 
 MAX_TIME_FACTOR = 10.0  # default of stages.collapse.max_time_factor on a horizontal base
@@ -139,7 +138,7 @@ class Case(Table):
         return filled
 
     @property
-    def materials(self) -> tuple[elastic.Elasticity, ...]:
+    def materials(self) -> tuple[Material, ...]:
         """Materials by kind of the points: column, base, layers of the column."""
         return (self.material, self.base_material, *(layer.material for layer in self.layers))
 

@@ -31,7 +31,7 @@ def case_hash(case: Case) -> str:
     """Twelve hexadecimal digits that identify the simulation.
 
     Title, output, score and the names of walls have no influence, nor have the choice between height and aspect and
-    keys without a value in the table friction.
+    keys without a value in the tables of friction and of the materials.
     """
     content = case.model_dump(mode="json", by_alias=True, exclude={"title", "output", "score"})
     content["geometry"] |= {"aspect": None, "height": case.geometry.h_i}
@@ -50,7 +50,15 @@ def case_hash(case: Case) -> str:
         del content["geometry"]["sides"]
     if case.geometry.slope_deg == 0.0:  # without effect: the hash is that of a case without the key
         del content["geometry"]["slope_deg"]
-    content["friction"] = {key: value for key, value in content["friction"].items() if value is not None}
+    for table in ("friction", "material", "base_material"):
+        content[table] = _given(content[table])
+    for layer in content.get("layers", ()):
+        layer["material"] = _given(layer["material"])
     if not content["friction"]:
         del content["friction"]
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:12]
+
+
+def _given(table: dict[str, Any]) -> dict[str, Any]:
+    """A table without the keys that have no value."""
+    return {key: value for key, value in table.items() if value is not None}

@@ -45,6 +45,7 @@ GROUPS = {  # heading in the help -> command -> where it is defined
         "plan": "mpmcol.cli.plan:plan",
     },
     "Tools": {
+        "element": "mpmcol.cli.element:element",
         "bench": "mpmcol.cli.bench:bench",
     },
 }

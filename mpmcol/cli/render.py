@@ -12,7 +12,7 @@ import click
 from mpmcol.cli.options import PATH, positive_integer
 
 LEAST_PIXELS, MOST_PIXELS = 200, 8000
-COLORS = ("displacement", "velocity", "pressure", "shear")
+COLORS = ("displacement", "velocity", "pressure", "shear", "inertial")
 
 
 def parse_size(context: click.Context, parameter: click.Parameter, text: str) -> tuple[int, int]:

@@ -19,10 +19,11 @@ UNITS_BY_MODEL = {  # of units that depend on the model
     ENERGY: {model: units[0] for model, units in ENERGY_UNITS.items()}, FORCE: FORCE_UNITS, MOMENT: MOMENT_UNITS,
 }  # fmt: skip
 RESULT, HISTORY, MEASURE, TABLE, SLOPES = "result.json", "history.csv", "measure", "table.csv", "slopes.csv"
-PRESSURE = "wall_pressure.csv"
+PRESSURE, ELEMENT = "wall_pressure.csv", "element.csv"
 
 Names = dict[str, tuple[str, str]]  # name -> unit ("" without one; ENERGY depends on the model), meaning
 
+_PERCENTILES = {"p5": "percentile 5", "median": "median", "p95": "percentile 95"}
 _DEPOSIT: Names = {
     "front": ("m", "distance of the front from the wall or axis, by each of its definitions"),
     "zeta": ("", "runout (r_f - r_i) / r_i, by each definition of the front (Eq. 37-39)"),
@@ -135,6 +136,11 @@ _STRESS: Names = {
     "pressure_max": ("", "largest pressure over weight_at_foot"),
     "scatter": ("", "standard deviation of the pressure from the mean of its cell, over weight_at_foot"),
 }
+_FLOW: Names = {
+    **{f"I_{name}": ("", f"{text} of the inertial number I of the flow") for name, text in _PERCENTILES.items()},
+    **{f"mu_{name}": ("", f"{text} of the friction coefficient mu(I)") for name, text in _PERCENTILES.items()},
+    "ill_posed": ("", "share of the flow in which the mu(I) law is ill-posed (Barker et al. 2015)"),
+}
 _FAILURE: Names = {
     "check": ("", "name of the check that failed"),
     "cause": ("", "what was observed"),
@@ -222,6 +228,18 @@ _SLOPES: Names = {
     "law_exponent": ("", "exponent of that law"),
 }
 
+_ELEMENT: Names = {
+    "strain": ("", "vertical, shear or volumetric strain, as the test prescribes it"),
+    **{f"stress.{name}": ("Pa", "Cauchy stress by component, tension > 0") for name in ("xx", "yy", "zz", "xy")},
+    "pressure": ("Pa", "mean pressure"),
+    "shear": ("Pa", "shear stress sqrt(J2)"),
+    "volumetric_strain": ("", "change of volume with gaps, over the initial volume"),
+    "opening_strain": ("", "volume of gaps over that of the material"),
+    "mobilised_deg": ("deg", "friction angle that the stress mobilises: sin(phi) = (s1 - s3) / -(s1 + s3)"),
+    "plastic_shear_strain": ("", "plastic shear strain, of the law mohr-coulomb-softening"),
+    "inertial_number": ("", "inertial number I, of the law mu-i"),
+}
+
 _FRONTS: Names = {
     **{f"front.{name}": entry for name, entry in _FRONT.items()},
     **{f"zeta.{name}": ("", f"runout (r_f - r_i) / r_i by the {meaning}") for name, (_, meaning) in _FRONT.items()},
@@ -247,6 +265,8 @@ NAMES: dict[str, Names] = {  # file or command -> its names
         **_nested("dissipation", _DISSIPATION),
         "wall_forces": ("", "largest forces on floor, walls and gate; null without output.wall_forces"),
         **_nested("wall_forces.WALL", _WALL_FORCES),
+        "flow": ("", "rates of the flowing column (I > 1e-3) over the collapse, in mass times time; law mu-i only"),
+        **_nested("flow", _FLOW),
         "stress": ("", "quality of the stresses of single points"),
         **_nested("stress", _STRESS),
         **_nested("errors", _SCORE),
@@ -275,4 +295,5 @@ NAMES: dict[str, Names] = {  # file or command -> its names
     TABLE: {**_TABLE, "status": _RUN["status"], **_DEPOSIT, **_FRONTS, **_SIZES, **_COST},
     SLOPES: _SLOPES,
     PRESSURE: _PRESSURE,
+    ELEMENT: _ELEMENT,
 }

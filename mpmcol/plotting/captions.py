@@ -23,6 +23,12 @@ from mpmcol.units import length_text
 
 MODELS = {"plane": "plane strain", "axisymmetric": "axisymmetric", "quarter": "3D quarter model", "full": "3D model"}
 LENGTHS = {"r_i": "r_i", "h_i": "h_i", "h": "spacing"}  # symbols
+NAMES = {  # of the laws
+    "mohr-coulomb": "Mohr-Coulomb",
+    "mohr-coulomb-softening": "Mohr-Coulomb with softening",
+    "drucker-prager": "Drucker-Prager",
+    "mu-i": r"$\mu(I)$",
+}
 FRICTION = ("friction_deg", "friction_peak_deg", "friction_residual_deg")
 MOST_KEYS = 2  # in the name of a run
 OUTLINE_KEY = "geometry.outline"  # too long for a name
@@ -88,7 +94,7 @@ def _material_text(material: Mapping[str, Any]) -> list[str]:
     """Constitutive law and friction angle; of a softening law from peak to residual."""
     if "law" not in material:
         return []
-    name = str(material["law"]).replace("mohr-coulomb", "Mohr-Coulomb").replace("-softening", " with softening")
+    name = NAMES.get(law := str(material["law"]), law)
     angles = [f"{material[key]:g}" for key in FRICTION if material.get(key) is not None]
     return [rf"{name}, $\varphi$ = {' to '.join(angles)}$\degree$" if angles else name]
 

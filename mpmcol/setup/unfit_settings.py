@@ -18,6 +18,7 @@ from mpmcol.errors import UsageError
 from mpmcol.setup.domain import LEAST_CELLS, default_length, expected_front, usable
 from mpmcol.setup.shortening import Shortening, shortenings
 from mpmcol.setup.time_step import time_step_warnings
+from mpmcol.setup.unfit_materials import constant_friction, large_grains, light_grains
 
 FEWEST_CELLS = 6  # in height and radius of a column
 FEWEST_BED_CELLS = 4
@@ -248,4 +249,7 @@ CHECKS: tuple[Callable[[Case, float], str | None], ...] = (
     short_domain,
     slope_without_rest,
     flow_before_release,
+    constant_friction,
+    large_grains,
+    light_grains,
 )

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from mpmcol.mpm.constitutive.invariants import invariants_of
 from mpmcol.mpm.grid import NODE, Grid
 from mpmcol.mpm.particles import COLUMN
 from mpmcol.mpm.solver import Solver
@@ -158,16 +159,18 @@ def _outside_of_kind(state: CheckedState, limit: float, kind: int) -> Violation 
     solver, floor = state.solver, STRESS_FLOOR * state.stress
     law, params = solver.bodies[kind].law, solver.bodies[kind].params
     rows = np.flatnonzero(solver.points.kind == kind)
-    s1, s2, s3 = principal_stresses(*(component[rows] for component in solver.points.sigma.T))
+    principal = principal_stresses(*(component[rows] for component in solver.points.sigma.T))
+    s1, _, s3 = principal
     history = np.array([values[rows] for values in solver.points.history.T])
     scale = limit * (np.maximum(np.abs(s1), np.abs(s3)) + floor)
-    suspects = np.flatnonzero(law.may_yield(s1, s3, tuple(history), params) > scale)
+    stress = np.array(invariants_of(*principal) if law.INVARIANTS else principal)
+    suspects = np.flatnonzero(law.may_yield(stress[0], stress[-1], tuple(history), params) > scale)
     if not len(suspects):
         return None
-    s1, s2, s3, scale, history = s1[suspects], s2[suspects], s3[suspects], scale[suspects], history[:, suspects]
+    stress, scale, history = stress[:, suspects], scale[suspects], history[:, suspects]
     excess = np.full(len(suspects), np.inf)
-    for known in (tuple(history), (0.0 * s1, 0.0 * s1)):  # the history grows after the return mapping of a step
-        excess = np.minimum(excess, limit * law.return_map(s1, s2, s3, known, params)[-1] / scale)
+    for known in (tuple(history), tuple(0.0 * history)):  # the history grows after the return mapping of a step
+        excess = np.minimum(excess, limit * law.return_map(*stress, known, params, dt=0.0)[-1] / scale)
     worst = int(excess.argmax())
     if excess[worst] <= limit:
         return None

@@ -46,6 +46,7 @@ def quality_notes(simulation: Simulation) -> Iterator[str]:
     least = LEAST_RELEASED * model.column_mass * gravity * model.discretization.h_i
     if (shares := dissipation_of(simulation)) and shares.released > least:
         yield from _dissipation_notes(shares, is_filtered)
+    yield from simulation.recorder.flow.notes()
     if simulation.progress.at_rest:
         solver = simulation.solver
         snapshot = simulation.recorder.snapshot_of(solver.points, solver.time, solver.steps, "rest")

@@ -26,7 +26,9 @@ from mpmcol.mpm.solver import Solver
 from mpmcol.provenance import versions
 from mpmcol.setup.column_shape import column_shape
 from mpmcol.setup.model import Model
+from mpmcol.simulation.derived import derived_quantities
 from mpmcol.simulation.energy import Energies, energy_ledger, stored_energies
+from mpmcol.simulation.flow_regime import FlowHistogram
 from mpmcol.simulation.wall_forces import WallForces
 
 HISTORY_INTERVAL = 5.0  # s of wall-clock time between two writings of history.csv
@@ -44,6 +46,7 @@ class Recorder:
         self.shape = column_shape(case, model.discretization)
         walls = [wall.name for wall in model.discretization.walls] if case.output.wall_forces else []
         self.forces = WallForces(model, walls)
+        self.flow = FlowHistogram(case)
         self.rows: list[dict[str, Any]] = []
         self.seconds = 0.0
         self.extreme_J = [1.0, 1.0]  # smallest and largest volume ratio so far
@@ -100,6 +103,8 @@ class Recorder:
             **self.forces.columns(solver.time),
         }
         self.rows.append(row)
+        if stage == "collapse":
+            self.flow.add(points)
         if time.monotonic() - self._history_written > HISTORY_INTERVAL:
             self._write_history()
         self.seconds += time.perf_counter() - started
@@ -139,6 +144,7 @@ class Recorder:
             "rows": self.rows,
             "initial_energies": self.initial_energies,
             "forces": self.forces.memory(),
+            "flow": self.flow.memory(),
             "extreme_J": [float(J) for J in self.extreme_J],
             "snapshots": dict(self.checksums),
             "seconds": self.seconds,
@@ -149,6 +155,7 @@ class Recorder:
         self.rows, self.extreme_J = list(memory["rows"]), memory["extreme_J"]
         self.initial_energies, self.initial_positions = memory["initial_energies"], initial_positions
         self.forces.set_memory(memory["forces"])
+        self.flow.set_memory(memory.get("flow", ()))
         self.seconds = memory["seconds"]
         self.checksums = dict(memory["snapshots"])
         self._written = [describe_snapshot(self.folder / name) for name in self.checksums]
@@ -221,6 +228,7 @@ def take_snapshot(
     }  # fmt: skip
     for k, name in enumerate(LAWS[case.material.law].STATE):
         arrays[name] = points.history[:, k]
+    arrays |= derived_quantities(case, points)
     return Snapshot(time, steps, stage, arrays)
 
 

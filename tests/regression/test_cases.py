@@ -32,6 +32,8 @@ COARSE = {
     "layered-column": ("grid.spacing=0.01", "geometry.aspect=1"),
     "frictional-floor": ("grid.spacing=0.0075",),
     "dam": (),
+    "cohesive-column": ("grid.spacing=0.1",),
+    "mu-i-cylinder": ("grid.spacing=9.7 mm", "grid.points_per_cell=4"),
     **OF_PAPER,
     **{twin: OF_PAPER[f"lube-{twin}"] for twin in TWINS},
 }
@@ -53,6 +55,8 @@ EXPECTED: dict[str, tuple[int, float, float, float, float]] = {
     "granular-bed": (2317, 1.028753042, 1.028753042, 1.028753042, 0.933558176),
     "frictional-floor": (2782, 1.215351515, 1.215351515, 1.215351515, 0.92135736),
     "dam": (2776, 0.619618654, 0.619618654, 0.619618654, 0.924730652),
+    "cohesive-column": (1842, 0.195622937, 0.148745314, 0.195622937, 0.998552227),
+    "mu-i-cylinder": (2620, 1.114527618, 1.114527618, 1.04803905, 0.630361786),
     "bui-rods": (1654, 0.654307258, 0.654307258, 0.6443832, 0.998293409),
     "layered-column": (1758, 1.094432895, 1.094432895, 1.094432895, 0.861452289),
     "inclined-channel": (1094, 0.886340247, 0.886340247, 0.886340247, 0.87517582),

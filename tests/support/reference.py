@@ -58,7 +58,9 @@ class ReferenceWall:
 
 @dataclass(frozen=True)
 class ReferenceMaterial:
-    """Elastic if phi is None; Mohr-Coulomb otherwise, softening from (phi, psi) to the residual values if rate > 0."""
+    """Elastic if phi and mu are None; Mohr-Coulomb with phi, softening from (phi, psi) to the residual values if
+    rate > 0; Drucker-Prager or mu(I) with mu.
+    """
 
     E: float
     nu: float
@@ -69,6 +71,14 @@ class ReferenceMaterial:
     psi_residual: float = 0.0
     rate: float = 0.0  # beta of Table 1
     strain_factor: float = (2.0 / 3.0) ** 0.5  # d eps = strain_factor sqrt(de^p : de^p)
+    c_residual: float | None = None  # cohesion after softening; None: constant
+    tension: float | None = None  # of the cut-off; None: without one
+    failure_strain: float = np.inf  # under tension; history[0] is the plastic volumetric strain there
+    mu: float | None = None  # of sqrt(J2) = c + mu p, at vanishing rate
+    mu_2: float | None = None  # at infinite rate; None: no dependence on the rate
+    I_0: float = 1.0
+    d: float = 1.0  # diameter of grains, m
+    rho_s: float = 1.0  # their density, kg/m3
 
     @property
     def K(self) -> float:
@@ -84,6 +94,14 @@ class ReferenceMaterial:
         remaining = np.exp(-self.rate * eps)
         phi = self.phi_residual + (self.phi - self.phi_residual) * remaining
         return phi, self.psi_residual + (self.psi - self.psi_residual) * remaining
+
+    def cohesion(self, eps: float) -> float:
+        """Cohesion after the plastic deviatoric strain eps."""
+        return (
+            self.c
+            if self.c_residual is None
+            else self.c_residual + (self.c - self.c_residual) * np.exp(-self.rate * eps)
+        )
 
 
 @dataclass(frozen=True)
@@ -377,6 +395,43 @@ def mohr_coulomb(s: Array, phi: float, psi: float, p_apex: float, K: float, G: f
     return axes @ np.diag(S + p_apex) @ axes.T, False
 
 
+def cut_off_return(s: Array, material: ReferenceMaterial, history: Array) -> tuple[Array, bool]:
+    """Return of the trial stress s (3, 3) to pyramid and cut-off, and whether it is the apex; sets history[0]."""
+    c, tension = (0.0, 0.0) if history[0] > material.failure_strain else (material.c, material.tension)
+    values, axes = np.linalg.eigh(s)
+    new = koiter_return(values[None], material.phi, material.psi, c, material.K, material.G, tension=tension)[0]
+    slack = 1e-9 * (np.abs(values).max() + tension)
+    if new.max() > tension - slack:
+        history[0] += max(0.0, np.sum(values - new) / (3.0 * material.K))
+    return axes @ np.diag(new) @ axes.T, bool(new.min() > tension - slack)
+
+
+def shear_rate(tau: float, p: float, material: ReferenceMaterial, dt: float) -> float:
+    """Plastic shear rate g (1/s) with tau - G dt g = c + mu(I) p and I = g d sqrt(rho_s / p); 0 without yield.
+
+    The positive root of a quadratic equation for g: multiply by I_0 + I.
+    """
+    G, c, mu, mu_2 = material.G, material.c, material.mu, material.mu_2
+    over = tau - c - mu * p
+    if over <= 0.0:
+        return 0.0
+    if mu_2 is None or p <= 0.0:
+        return over / (G * dt)
+    q = material.I_0 * np.sqrt(p / material.rho_s) / material.d  # I_0 over I, times g
+    return float(np.max(np.roots([G * dt, p * (mu_2 - mu) + G * dt * q - over, -over * q])))
+
+
+def cone_return(s: Array, material: ReferenceMaterial, dt: float) -> tuple[Array, bool]:
+    """Return of the trial stress s (3, 3) at constant volume to sqrt(J2) = c + mu(I) p, and whether it is the apex."""
+    mean, p_apex = np.trace(s) / 3.0, material.c / material.mu
+    if mean > p_apex:
+        return p_apex * IDENTITY, True
+    deviator = s - mean * IDENTITY
+    tau = np.sqrt(0.5 * np.sum(deviator**2))
+    reduced = tau - material.G * dt * shear_rate(tau, -mean, material, dt)
+    return mean * IDENTITY + deviator * (reduced / tau if tau > 0.0 else 1.0), False
+
+
 def stress_update(
     points: ReferencePoints,
     materials: Sequence[ReferenceMaterial],
@@ -458,10 +513,15 @@ def _filtered_point(
 
 def _apex(material: ReferenceMaterial, history: Array) -> float:
     """Mean stress at the apex of the yield surface; infinite without one."""
+    if material.mu is not None:
+        return material.c / material.mu
     if material.phi is None:
         return np.inf
-    phi, _ = material.angles(history[0] if material.rate > 0.0 else 0.0)
-    return material.c / np.tan(phi) if material.c > 0.0 else 0.0
+    if material.tension is not None:
+        return 0.0 if history[0] > material.failure_strain else material.tension
+    eps = history[0] if material.rate > 0.0 else 0.0
+    phi, _ = material.angles(eps)
+    return material.cohesion(eps) / np.tan(phi) if material.c > 0.0 else 0.0
 
 
 def _stress_of(
@@ -475,10 +535,9 @@ def _stress_of(
     volumetric = dt * np.trace(D)
     deviatoric = dt * D - volumetric / 3.0 * IDENTITY
     rotated = s + dt * (W @ s - s @ W)  # Eq. 33, the old stress first
-    if material.phi is None:
+    if material.phi is None and material.mu is None:
         return rotated + elastic(material, deviatoric, volumetric), J * d, e_o, history
 
-    phi, psi = material.angles(history[0] if material.rate > 0.0 else 0.0)
     p_apex = _apex(material, history)
     if e_o > 0.0:
         opened = (1.0 + e_o) * d - 1.0
@@ -490,7 +549,13 @@ def _stress_of(
         J = J * d
         trial = rotated + elastic(material, deviatoric, volumetric)
 
-    sigma, at_apex = mohr_coulomb(trial, phi, psi, p_apex, material.K, material.G)
+    if material.mu is not None:
+        sigma, at_apex = cone_return(trial, material, dt)
+    elif material.tension is not None:
+        sigma, at_apex = cut_off_return(trial, material, history)
+    else:
+        phi, psi = material.angles(history[0] if material.rate > 0.0 else 0.0)
+        sigma, at_apex = mohr_coulomb(trial, phi, psi, p_apex, material.K, material.G)
     if at_apex and scheme.opening_strain:
         e_o = max(0.0, (np.trace(trial) / 3.0 - p_apex) / material.K)
         J = J / (1.0 + e_o)
@@ -571,9 +636,12 @@ def step(
 
 
 def koiter_return(
-    principal: Array, phi: float, psi: float, c: float, K: float, G: float, tolerance: float = 1e-9
-) -> Array:
+    principal: Array, phi: float, psi: float, c: float, K: float, G: float, tolerance: float = 1e-9,
+    tension: float | None = None,
+) -> Array:  # fmt: skip
     """Return principal trial stresses (n, 3), in any order, to the six Mohr-Coulomb planes by trying every active set.
+
+    tension: of a cut-off by three more planes s_i = tension with an associated flow rule.
 
     Koiter 1953: sigma = trial - D sum lambda b, f = 0 and lambda >= 0 on the active planes, f <= 0 on all others.
     With psi = 0 there is no solution for tension beyond the apex; the apex is then chosen as tension cut-off.
@@ -584,12 +652,15 @@ def koiter_return(
     a = np.array([k * IDENTITY[i] - IDENTITY[j] for i, j in pairs])
     b = np.array([m * IDENTITY[i] - IDENTITY[j] for i, j in pairs])
     D = 2.0 * G * IDENTITY + (K - 2.0 * G / 3.0)
-    strength = 2.0 * c * np.sqrt(k)
+    strength = np.full(len(pairs), 2.0 * c * np.sqrt(k))
+    if tension is not None:
+        a, b = np.concatenate([a, IDENTITY]), np.concatenate([b, IDENTITY])
+        strength = np.concatenate([strength, 3 * [tension]])
     f = principal @ a.T - strength
-    slack = tolerance * (np.max(np.abs(principal), axis=1) + strength)
+    slack = tolerance * (np.max(np.abs(principal), axis=1) + strength[0])
     result = np.where((np.max(f, axis=1) <= slack)[:, None], principal, np.nan)
     for size in (1, 2, 3):
-        for active in map(list, combinations(range(6), size)):
+        for active in map(list, combinations(range(len(a)), size)):
             system = a[active] @ D @ b[active].T
             if np.linalg.cond(system) > 1e12:
                 continue
@@ -598,7 +669,7 @@ def koiter_return(
             admissible = np.max(s @ a.T - strength, axis=1) <= slack
             admissible &= np.min(multiplier, axis=1) * G >= -slack
             result = np.where((admissible & np.isnan(result[:, 0]))[:, None], s, result)
-    if psi == 0.0:
+    if psi == 0.0 and phi > 0.0 and tension is None:
         apex = c / np.tan(phi) if c > 0.0 else 0.0
         beyond = np.isnan(result[:, 0]) & (np.mean(principal, axis=1) >= apex - slack)
         result[beyond] = apex

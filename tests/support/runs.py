@@ -28,6 +28,8 @@ SMALL_CASES = {  # name -> shipped case and overrides, to be cut short with SHOR
         "layers=[{ from = 0.05, to = 0.1, material = { density = 1500 } }]",
     ),
     "granular bed": ("granular-bed", "grid.spacing=0.015"),
+    "mu(I)": ("mu-i-cylinder", "grid.spacing=0.0194", "grid.points_per_cell=4", "material.cohesion=20"),
+    "failure in tension": ("cohesive-column", "grid.spacing=0.125", "material.failure_strain=1e-3"),
     "quarter": ("quarter", "grid.spacing=0.0194", "geometry.aspect=0.4", "stages.initial_stress=k0"),
     "friction": (
         "frictional-floor",

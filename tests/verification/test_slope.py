@@ -1,10 +1,9 @@
 """An infinite slope of Mohr-Coulomb sand (phi = 33, psi = 0) on a no-slip floor.
 
 At constant volume (psi = 0) the sand mobilises tau / sigma_n = sin(phi): it stays at rest below atan(sin 33) = 28.6
-degrees and accelerates by g (sin th - sin(phi) cos th) above. The grid is periodic along x: its address table
-repeats every PERIOD nodes: points outside the first period act on its nodes. Tiles with the same nodes have the same
-colour, so this requires one thread. The initial stress is hydrostatic (K = 1); between 28.6 and 33 degrees the
-result depends on it.
+degrees and accelerates by g (sin th - sin(phi) cos th) above. The grid is periodic along x
+(`tests.support.periodic_layer`). The initial stress is hydrostatic (K = 1); between 28.6 and 33 degrees the result
+depends on it.
 """
 
 from __future__ import annotations
@@ -29,14 +28,14 @@ from mpmcol.failure_modes.toolkit import (
     sand_body,
     walled_grid,
 )
-from mpmcol.mpm.boundary import hold_components
 from mpmcol.mpm.constitutive import mohr_coulomb
-from mpmcol.mpm.grid import TILE, Grid, allocate_grid, node_coordinates, node_records, tile_count
+from mpmcol.mpm.grid import node_records
 from mpmcol.mpm.particles import COLUMN
 from mpmcol.mpm.settings import Settings
 from mpmcol.mpm.solver import Solver
+from tests.support.periodic_layer import PERIOD, PeriodicSolver, periodic_grid
 
-PERIOD, LAYER, H = 8, 8, 0.05
+LAYER, H = 8, 0.05
 DEPTH = LAYER * H
 SINE = np.sin(np.radians(PHI))
 
@@ -47,33 +46,13 @@ def on_slope(degrees: float) -> Settings:
     return PLAIN._replace(gravity_x=x, gravity_y=y, gravity_z=z)
 
 
-def periodic_grid() -> Grid:
-    """Forty periods long, with a no-slip floor."""
-    grid = allocate_grid((0.0, 0.0), H, (40 * PERIOD, LAYER + 4))
-    grid.ax[:] = grid.ax[np.arange(grid.n_x) % PERIOD]
-    _, y = node_coordinates(grid)
-    floor = y < 0.5 * H
-    hold_components(grid, floor, floor)
-    return grid
-
-
-class PeriodicSolver(Solver):
-    """Solver that clears and updates each tile once, though points of several periods act on it."""
-
-    def sort(self) -> None:
-        super().sort()
-        assert self.tiles is not None
-        x, y = np.divmod(self.tiles.active // self.grid.tile_doubles, tile_count(self.grid.n_y))
-        self.set_tiles(self.tiles._replace(active=np.unique(self.grid.ax[TILE * x] + self.grid.ay[TILE * y])))
-
-
 def layer(degrees: float, mobilised: float) -> tuple[Solver, np.ndarray]:
     """A layer at rest with tau = `mobilised` sigma_n, and the heights of its points."""
     points = points_at(lattice((PERIOD * H, 0.0), (2 * PERIOD * H, DEPTH), H / 2), H / 2, kind=COLUMN)
     angle, depth = np.radians(degrees), DEPTH - points.x[:, 1]
     normal = DENSITY * G * np.cos(angle) * depth
     points.sigma = np.stack([-normal, -normal, -normal, mobilised * normal], axis=1)
-    solver = PeriodicSolver(points, periodic_grid(), on_slope(degrees), sand_body(), elastic_body())
+    solver = PeriodicSolver(points, periodic_grid(H, LAYER + 4), on_slope(degrees), sand_body(), elastic_body())
     return solver, points.x[:, 1].copy()
 
 

@@ -5,16 +5,17 @@ from __future__ import annotations
 from collections.abc import Hashable
 from typing import Any, Protocol
 
-from mpmcol.mpm.constitutive import elastic, mohr_coulomb, mohr_coulomb_softening
-from mpmcol.mpm.constitutive.elastic import Elasticity
+from mpmcol.mpm.constitutive import drucker_prager, elastic, mohr_coulomb, mohr_coulomb_softening, mu_i
+from mpmcol.mpm.constitutive.elastic import Derived, Elasticity
 
 
 class ConstitutiveLaw(Hashable, Protocol):
     """What the module of a constitutive law defines.
 
-    Stresses are principal Cauchy stresses in Pa, s1 >= s2 >= s3, tension > 0. The functions of stresses are compiled
-    (`@device`) and take numbers, or vectors of eight points: they have no branches and select with `where_positive`.
-    They also run in plain Python.
+    Stresses are in Pa, tension > 0: either the principal Cauchy stresses s1 >= s2 >= s3, or, with INVARIANTS, the mean
+    stress and the shear stress sqrt(J2) >= 0, where the return keeps the direction of the deviator. The functions of
+    stresses are compiled (`@device`) and take numbers, or vectors of eight points: they have no branches and select
+    with `where_positive`. They also run in plain Python.
     """
 
     __name__: str
@@ -22,6 +23,17 @@ class ConstitutiveLaw(Hashable, Protocol):
     @property
     def STATE(self) -> tuple[str, ...]:
         """Names of the history variables, at most two; their initial values are zero."""
+
+    @property
+    def INVARIANTS(self) -> bool:
+        """Whether the functions of stresses take invariants instead of principal stresses."""
+
+    @property
+    def DERIVED(self) -> dict[str, Derived]:
+        """Quantities that follow from the stress of a point, for output: name -> function (mean, shear, params).
+
+        mean, shear: mean stress and sqrt(J2) (n,), Pa. Returns (n,).
+        """
 
     @property
     def Material(self) -> type[Elasticity]:
@@ -37,14 +49,21 @@ class ConstitutiveLaw(Hashable, Protocol):
     def make_params(self, material: Any) -> Any:
         """Parameters of a `Material`."""
 
-    def may_yield(self, s1: Any, s3: Any, history: Any, params: Any) -> Any:
-        """A number above zero wherever `return_map` may change the stress."""
+    @property
+    def may_yield(self) -> Any:
+        """(s1, s3, history, params) or (mean, shear, history, params).
 
-    def return_map(self, s1: Any, s2: Any, s3: Any, history: Any, params: Any) -> Any:
-        """Return a trial stress to the yield surface.
+        Returns a number above zero wherever `return_map` may change the stress.
+        """
 
-        Returns s1, s2, s3, the new history (a pair), the volumetric strain released at the apex of the surface, and
-        the yield function of the trial stress. Only meaningful where the last is above zero.
+    @property
+    def return_map(self) -> Any:
+        """(s1, s2, s3, history, params, dt) or (mean, shear, history, params, dt): return a trial stress to the yield
+        surface.
+
+        dt: duration of the step, s; 0 gives the return to the largest strength of a law that depends on the rate.
+        Returns the stress in the same form, the new history (a pair), the volumetric strain released at the apex of the
+        surface, and the yield function of the trial stress, in Pa. Only meaningful where the last is above zero.
         """
 
     def apex(self, history: Any, params: Any) -> Any:
@@ -55,4 +74,6 @@ LAWS: dict[str, ConstitutiveLaw] = {
     "elastic": elastic,
     "mohr-coulomb": mohr_coulomb,
     "mohr-coulomb-softening": mohr_coulomb_softening,
+    "drucker-prager": drucker_prager,
+    "mu-i": mu_i,
 }

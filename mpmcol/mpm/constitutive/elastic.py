@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Literal, NamedTuple
+from collections.abc import Callable
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
 from mpmcol.mpm.jit import device
 from mpmcol.units import Table, option, quantity
 
+Derived = Callable[[np.ndarray, np.ndarray, Any], np.ndarray]
+
 STATE: tuple[str, ...] = ()
+INVARIANTS = False
+DERIVED: dict[str, Derived] = {}
 
 
 class Elasticity(Table):
@@ -63,7 +68,7 @@ def may_yield(s1, s3, history, params):
 
 
 @device
-def return_map(s1, s2, s3, history, params):
+def return_map(s1, s2, s3, history, params, dt):
     """The trial stress itself."""
     return s1, s2, s3, history, 0.0, 0.0
 

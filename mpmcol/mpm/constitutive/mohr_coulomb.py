@@ -3,30 +3,49 @@
 Principal stresses s1 >= s2 >= s3, tension > 0, measured from the apex c cot(phi); k = (1 + sin phi) / (1 - sin phi), m
 likewise with psi: yield function f = k s1 - s3 <= 0, plastic potential m s1 - s3. Face, both edges and apex follow
 Clausen, Damkilde & Andersen (2007), doi:10.1016/j.compstruc.2007.04.002. With psi = 0 no plastic flow can remove
-tension; the same formulas are then a tension cut-off at the apex.
+tension; the same formulas are then a tension cut-off at the apex. A smaller tensile strength, its loss, and material
+without friction, which has no apex, are in `pyramid`.
 """
 
 from __future__ import annotations
 
-from math import cos, radians, sin, tan
+from math import cos, inf, radians, sin, sqrt, tan
 from typing import Literal, NamedTuple
 
-from mpmcol.mpm.constitutive.elastic import Elasticity
+from mpmcol.mpm.constitutive.elastic import Derived, Elasticity
+from mpmcol.mpm.constitutive.pyramid import excess_with_cut_off, return_to_cone, return_with_cut_off
 from mpmcol.mpm.jit import device
 from mpmcol.mpm.simd import where_positive
 from mpmcol.units import option, quantity
 
 STATE: tuple[str, ...] = ()
+INVARIANTS = False
+DERIVED: dict[str, Derived] = {}
 MOST_DEGREES = 89.0  # N grows without bound towards 90
+DOUBLED = 1.0  # plastic volumetric strain of material whose volume has doubled
+UNLIMITED = 1e30  # Pa, tensile strength of material without friction; finite, so that no difference is NaN
 
 
 class Material(Elasticity):
     """[material] with law = "mohr-coulomb"."""
 
     law: Literal["mohr-coulomb"] = option("constitutive law", "mohr-coulomb")
-    friction_deg: float = quantity("friction angle phi", "deg", gt=0.0, le=MOST_DEGREES)
+    friction_deg: float = quantity("friction angle phi; 0 needs cohesion", "deg", ge=0.0, le=MOST_DEGREES)
     dilatancy_deg: float = quantity("dilatancy angle psi, at most friction_deg", "deg", 0.0, ge=0.0, le=MOST_DEGREES)
     cohesion: float = quantity("cohesion c", "Pa", 0.0, ge=0.0)
+    tension: float | None = quantity(
+        "tensile strength, at most c cot(phi); default: c cot(phi), and no limit without friction", "Pa", None, ge=0.0
+    )
+    failure_strain: float | None = quantity(
+        "plastic volumetric strain under tension beyond which a point loses cohesion and tensile strength; 0: once it "
+        "has reached its tensile strength; inf: never; default: 1 with tension, else inf",
+        "", None, ge=0.0, allow_inf=True,
+    )  # fmt: skip
+
+    @property
+    def apex(self) -> float:
+        """Mean stress at the apex, c cot(phi), Pa; inf without friction."""
+        return self.cohesion / tan(radians(self.friction_deg)) if self.friction_deg > 0.0 else inf
 
     @property
     def active_pressure_ratio(self) -> float:
@@ -40,13 +59,21 @@ class Material(Elasticity):
 
 
 class MohrCoulombParams(NamedTuple):
-    """Moduli (Pa), N_phi, N_psi, and the mean stress at the apex (Pa)."""
+    """Moduli (Pa), N_phi, N_psi, mean stress at the apex (Pa); strength 2 c sqrt(N_phi) and tensile strength (Pa).
+
+    cut_off: 1 where the last two apply, in place of the apex, until the plastic volumetric strain under tension, the
+    first history variable, exceeds failure_strain.
+    """
 
     bulk_modulus: float
     shear_modulus: float
     n_phi: float
     n_psi: float
     apex: float
+    strength: float
+    tension: float
+    cut_off: float
+    failure_strain: float
 
 
 PARAMS = MohrCoulombParams
@@ -55,12 +82,20 @@ PARAMS = MohrCoulombParams
 def make_params(material: Material) -> MohrCoulombParams:
     """Flow numbers of the angles, and the mean stress at the apex."""
     phi, psi = radians(material.friction_deg), radians(material.dilatancy_deg)
+    apex, failure = material.apex, material.failure_strain
+    tension = min(apex if material.tension is None else material.tension, UNLIMITED)
+    if failure is None:
+        failure = inf if material.tension is None else DOUBLED
     return MohrCoulombParams(
         material.bulk_modulus,
         material.shear_modulus,
         flow_number(sin(phi)),
         flow_number(sin(psi)),
-        material.cohesion / tan(phi),
+        apex,
+        2.0 * material.cohesion * sqrt(flow_number(sin(phi))),
+        tension,
+        float(tension < apex or failure < inf),
+        failure,
     )
 
 
@@ -82,13 +117,22 @@ def flow_number(sine: float) -> float:
 
 @device
 def may_yield(s1, s3, history, params):
-    """The yield function."""
+    """The yield function; with a cut-off the larger of those of shear and tension."""
+    if params.cut_off > 0.0:
+        return excess_with_cut_off(s1, s3, params.n_phi, *present_strength(history, params))
     return params.n_phi * (s1 - params.apex) - (s3 - params.apex)
 
 
 @device
-def return_map(s1, s2, s3, history, params):
+def return_map(s1, s2, s3, history, params, dt):
     """Return sorted principal stresses to the yield surface; see `ConstitutiveLaw.return_map`."""
+    if params.cut_off > 0.0:
+        strength, tension = present_strength(history, params)
+        t1, t2, t3, released, expanded = return_with_cut_off(
+            s1, s2, s3, params.n_phi, params.n_psi, strength, tension, params.bulk_modulus, params.shear_modulus
+        )
+        strained = history[0] + expanded, history[1]
+        return t1, t2, t3, strained, released, may_yield(s1, s3, history, params)
     a = params.apex
     t1, t2, t3, released = return_to_cone(
         s1 - a, s2 - a, s3 - a, params.n_phi, params.n_psi, params.bulk_modulus, params.shear_modulus
@@ -99,34 +143,11 @@ def return_map(s1, s2, s3, history, params):
 @device
 def apex(history, params):
     """Mean stress of an opened point, Pa."""
-    return params.apex
+    return where_positive(history[0] - params.failure_strain, 0.0, params.tension)
 
 
 @device
-def return_to_cone(s1, s2, s3, k, m, bulk, shear):
-    """Return a yielding stress, measured from the apex; also gives the volumetric strain released at the apex."""
-    p = (s1 + s2 + s3) * (1.0 / 3.0)
-    # Distance from each edge, along the flow directions of its two faces; where both are positive the stress returns
-    # to the apex.
-    edge1 = (s1 + s2 - 2.0 * p + m * (s3 - p)) * (0.5 / shear) + (2.0 + m) * p * (1.0 / (3.0 * bulk))
-    edge3 = (s1 - p + m * (s2 + s3 - 2.0 * p)) * (0.5 / shear) + (1.0 + 2.0 * m) * p * (1.0 / (3.0 * bulk))
-    coupling = (0.5 * bulk / shear - 1.0 / 3.0) * (m - 1.0)  # lambda / 2G (m - 1)
-    step = (k * s1 - s3) * (1.0 / (k * m + 1.0 + coupling * (k - 1.0)))
-    face1, face2, face3 = s1 - step * (m + coupling), s2 - step * coupling, s3 - step * (coupling - 1.0)
-
-    spread = (k - 1.0) * (m - 1.0) * (1.0 / (3.0 * shear))
-    on1 = edge1 * (1.0 / (spread + (2.0 + m) * (2.0 + k) * (1.0 / (9.0 * bulk))))
-    on3 = edge3 * (1.0 / (spread + (1.0 + 2.0 * m) * (1.0 + 2.0 * k) * (1.0 / (9.0 * bulk))))
-    beyond1, beyond3 = face2 - face1, face3 - face2
-    t1 = where_positive(beyond1, on1, where_positive(beyond3, on3, face1))
-    t2 = where_positive(beyond1, on1, where_positive(beyond3, k * on3, face2))
-    t3 = where_positive(beyond1, k * on1, where_positive(beyond3, k * on3, face3))
-
-    at_apex = where_positive(edge1, where_positive(edge3, 1.0, 0.0), 0.0)
-    released = where_positive(at_apex, where_positive(p, p * (1.0 / bulk), 0.0), 0.0)
-    return (
-        where_positive(at_apex, 0.0, t1),
-        where_positive(at_apex, 0.0, t2),
-        where_positive(at_apex, 0.0, t3),
-        released,
-    )
+def present_strength(history, params):
+    """2 c sqrt(N_phi) and tensile strength (Pa), both zero where material has failed in tension."""
+    lost = history[0] - params.failure_strain
+    return where_positive(lost, 0.0, params.strength), where_positive(lost, 0.0, params.tension)

@@ -1,7 +1,7 @@
-"""Mohr-Coulomb with softening: friction and dilatancy decay from peak to residual values with plastic shear strain.
+"""Mohr-Coulomb with softening: friction, dilatancy and cohesion decay from peak to residual values with plastic strain.
 
-phi = phi_r + (phi_p - phi_r) exp(-beta eps), psi likewise (Fern & Soga 2016, doi:10.1007/s11440-016-0436-x; Table 1
-of the paper), eps = path integral of sqrt(2/3 de:de) with de the deviatoric plastic strain increment. Other codes use
+phi = phi_r + (phi_p - phi_r) exp(-beta eps), psi and c likewise (Fern & Soga 2016, doi:10.1007/s11440-016-0436-x; Table
+1 of the paper), eps = path integral of sqrt(2/3 de:de) with de the deviatoric plastic strain increment. Other codes use
 factors other than sqrt(2/3): set `strain_factor`.
 """
 
@@ -10,14 +10,17 @@ from __future__ import annotations
 import math
 from typing import Literal, NamedTuple
 
-from mpmcol.mpm.constitutive.elastic import Elasticity
+from mpmcol.mpm.constitutive.elastic import Derived, Elasticity
 from mpmcol.mpm.constitutive.elementary import cotangent, decay, sine
-from mpmcol.mpm.constitutive.mohr_coulomb import MOST_DEGREES, flow_number, return_to_cone, shear_friction
+from mpmcol.mpm.constitutive.mohr_coulomb import MOST_DEGREES, flow_number, shear_friction
+from mpmcol.mpm.constitutive.pyramid import return_to_cone
 from mpmcol.mpm.jit import device
 from mpmcol.mpm.simd import sqrt
 from mpmcol.units import option, quantity
 
 STATE: tuple[str, ...] = ("plastic_shear_strain",)
+INVARIANTS = False
+DERIVED: dict[str, Derived] = {}
 
 
 class Material(Elasticity):
@@ -34,7 +37,8 @@ class Material(Elasticity):
         default=math.sqrt(2.0 / 3.0),
         gt=0.0,
     )
-    cohesion: float = quantity("cohesion c, constant", "Pa", 0.0, ge=0.0)
+    cohesion: float = quantity("peak cohesion c", "Pa", 0.0, ge=0.0)
+    cohesion_residual: float | None = quantity("residual cohesion; default: that of the peak", "Pa", None, ge=0.0)
 
     @property
     def active_pressure_ratio(self) -> float:
@@ -48,7 +52,9 @@ class Material(Elasticity):
 
 
 class SofteningParams(NamedTuple):
-    """Moduli (Pa), residual angles and peak minus residual (radians), decay rate, cohesion (Pa), smallest N_phi."""
+    """Moduli (Pa), residual angles and peak minus residual (radians), decay rate, residual cohesion and peak minus
+    residual (Pa), smallest N_phi.
+    """
 
     bulk_modulus: float
     shear_modulus: float
@@ -58,7 +64,8 @@ class SofteningParams(NamedTuple):
     psi_excess: float
     rate: float
     strain_factor: float
-    cohesion: float
+    cohesion_residual: float
+    cohesion_excess: float
     weakest_n_phi: float
 
 
@@ -69,6 +76,7 @@ def make_params(material: Material) -> SofteningParams:
     """Angles in radians, peak values as the excess over the residual ones."""
     phi_r, psi_r = math.radians(material.friction_residual_deg), math.radians(material.dilatancy_residual_deg)
     phi_p, psi_p = math.radians(material.friction_peak_deg), math.radians(material.dilatancy_peak_deg)
+    c_p, c_r = material.cohesion, material.cohesion_residual
     return SofteningParams(
         material.bulk_modulus,
         material.shear_modulus,
@@ -78,7 +86,8 @@ def make_params(material: Material) -> SofteningParams:
         psi_p - psi_r,
         material.softening_rate,
         material.strain_factor,
-        material.cohesion,
+        c_p if c_r is None else c_r,
+        0.0 if c_r is None else c_p - c_r,
         flow_number(math.sin(min(phi_r, phi_p))),
     )
 
@@ -90,12 +99,13 @@ def may_yield(s1, s3, history, params):
 
 
 @device
-def return_map(s1, s2, s3, history, params):
+def return_map(s1, s2, s3, history, params, dt):
     """Return to the yield surface of the present plastic strain, then add the increment to that strain."""
     eps, other = history
     remaining = decay(params.rate * eps)
     sin_phi = sine(params.phi_residual + params.phi_excess * remaining)
-    k, a = flow_number(sin_phi), params.cohesion * cotangent(sin_phi)
+    cohesion = params.cohesion_residual + params.cohesion_excess * remaining
+    k, a = flow_number(sin_phi), cohesion * cotangent(sin_phi)
     m = flow_number(sine(params.psi_residual + params.psi_excess * remaining))
     yields = k * (s1 - a) - (s3 - a)
     t1, t2, t3, released = return_to_cone(s1 - a, s2 - a, s3 - a, k, m, params.bulk_modulus, params.shear_modulus)
@@ -109,4 +119,6 @@ def return_map(s1, s2, s3, history, params):
 @device
 def apex(history, params):
     """Mean stress of an opened point, Pa."""
-    return params.cohesion * cotangent(sine(params.phi_residual + params.phi_excess * decay(params.rate * history[0])))
+    remaining = decay(params.rate * history[0])
+    cohesion = params.cohesion_residual + params.cohesion_excess * remaining
+    return cohesion * cotangent(sine(params.phi_residual + params.phi_excess * remaining))

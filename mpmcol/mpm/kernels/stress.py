@@ -20,6 +20,7 @@ from mpmcol.mpm.kernels.stress_common import (
     open_or_close,
 )
 from mpmcol.mpm.kernels.stress_filter import make_stress_filter
+from mpmcol.mpm.kernels.stress_return import make_return
 from mpmcol.mpm.kernels.volumetric_averaging import make_volumetric_excess
 from mpmcol.mpm.lanes import LANES, RECORD_SIZE
 from mpmcol.mpm.simd import any_positive, load, maximum, reduce_max, reduce_sum, splat, vector, where_positive
@@ -31,13 +32,12 @@ TENSORS: dict[int, ModuleType] = {2: stress_2d, 3: stress_3d}  # by dimension; b
 
 def make_stress_update(dimension: int, law: ConstitutiveLaw) -> Callable[..., Any]:
     """The stress update of one point, or of eight as vectors, with the formulas of `law` frozen in."""
-    may_yield, return_map, apex = law.may_yield, law.return_map, law.apex
-    tensors = TENSORS[dimension]
+    tensors, may_yield, return_map, apex = TENSORS[dimension], law.may_yield, law.return_map, law.apex
     strain_increment, volume_ratio, rotate = tensors.strain_increment, tensors.volume_ratio, tensors.rotate
     isotropic, add_elastic, select, contract = (
         tensors.isotropic, tensors.add_elastic, tensors.select, tensors.contract,
     )  # fmt: skip
-    decompose, principal_bounds, return_stress = tensors.decompose, tensors.principal_bounds, tensors.return_stress
+    decompose, bounds, return_stress = make_return(tensors, law)
     add = tensors.add
 
     @device
@@ -59,9 +59,9 @@ def make_stress_update(dimension: int, law: ConstitutiveLaw) -> Callable[..., An
         t = add_elastic(t, e, g2, pressure)
 
         parts = decompose(t)
-        largest, smallest = principal_bounds(parts)
-        if any_positive(where_positive(is_open, 0.0, may_yield(largest, smallest, history, params))):
-            returned, new_history, released, yields = return_stress(parts, history, params, return_map)
+        first, last = bounds(parts)
+        if any_positive(where_positive(is_open, 0.0, may_yield(first, last, history, params))):
+            returned, new_history, released, yields = return_stress(parts, history, params, dt, return_map)
             yields = where_positive(is_open, 0.0, yields)
             t = select(yields, returned, t)
             history, opening, ratio = apply_return(yields, new_history, history, released, opening, ratio, settings)

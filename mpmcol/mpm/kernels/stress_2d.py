@@ -101,6 +101,20 @@ def contract(s, e):
 
 
 @device
+def scale_deviator(s, scale, shift):
+    """scale s + shift I."""
+    return scale * s[0] + shift, scale * s[1] + shift, scale * s[2] + shift, scale * s[3]
+
+
+@device
+def invariants(s):
+    """Mean stress, and shear stress sqrt(J2)."""
+    mean = (s[0] + s[1] + s[2]) * (1.0 / 3.0)
+    xx, yy, zz = s[0] - mean, s[1] - mean, s[2] - mean
+    return mean, sqrt(0.5 * (xx * xx + yy * yy + zz * zz) + s[3] * s[3])
+
+
+@device
 def decompose(s):
     """Centre, half the difference of the normal stresses, shear stress, radius of Mohr's circle; and s_zz."""
     centre, half = 0.5 * (s[0] + s[1]), 0.5 * (s[0] - s[1])
@@ -116,11 +130,11 @@ def principal_bounds(parts):
 
 
 @device
-def return_stress(parts, history, params, return_map):
+def return_stress(parts, history, params, dt, return_map):
     """Return a stress given by `decompose` to the yield surface, with the principal directions unchanged."""
     centre, half, s_xy, radius, s_zz = parts
     r_a, r_b, r_z, q, released, yields = return_unsorted(
-        centre + radius, centre - radius, s_zz, history, params, return_map
+        centre + radius, centre - radius, s_zz, history, params, dt, return_map
     )
     scale = where_positive(radius, 0.5 * (r_a - r_b) / radius, 0.0)
     centre = 0.5 * (r_a + r_b)

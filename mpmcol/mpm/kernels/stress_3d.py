@@ -122,6 +122,21 @@ def contract(s, e):
 
 
 @device
+def scale_deviator(s, scale, shift):
+    """scale s + shift I."""
+    return (
+        scale * s[0] + shift, scale * s[1] + shift, scale * s[2] + shift, scale * s[3], scale * s[4], scale * s[5],
+    )  # fmt: skip
+
+
+@device
+def invariants(s):
+    """Mean stress, and shear stress sqrt(J2)."""
+    mean, _, j2 = decompose(s)
+    return mean, sqrt(j2)
+
+
+@device
 def decompose(s):
     """Mean stress, deviator and its invariant J2."""
     p = (s[0] + s[1] + s[2]) * (1.0 / 3.0)
@@ -138,7 +153,7 @@ def principal_bounds(parts):
 
 
 @device
-def return_stress(parts, history, params, return_map):
+def return_stress(parts, history, params, dt, return_map):
     """Return a stress given by `decompose` to the yield surface, with the principal directions unchanged."""
     p, d, j2 = parts
     value = distinct_eigenvalue(j2, determinant(d))
@@ -151,7 +166,7 @@ def return_stress(parts, history, params, return_map):
     )  # fmt: skip
     radius, centre = sqrt(second_invariant(b)), p - half
     r_a, r_b, r_n, q, released, yields = return_unsorted(
-        centre + radius, centre - radius, p + value, history, params, return_map
+        centre + radius, centre - radius, p + value, history, params, dt, return_map
     )
     scale = where_positive(radius, 0.5 * (r_a - r_b) / radius, 0.0)
     mean = 0.5 * (r_a + r_b)

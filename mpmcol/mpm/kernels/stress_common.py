@@ -76,12 +76,12 @@ def elastic_increment(params, closed, volumetric, is_open):
 
 
 @device
-def return_unsorted(a, b, z, history, params, return_map):
+def return_unsorted(a, b, z, history, params, dt, return_map):
     """Return three principal stresses in their order; a >= b, and z may be anywhere."""
     above, below = z - a, b - z
     s1, s3 = where_positive(above, z, a), where_positive(below, z, b)
     s2 = where_positive(above, a, where_positive(below, b, z))
-    r1, r2, r3, history, released, yields = return_map(s1, s2, s3, history, params)
+    r1, r2, r3, history, released, yields = return_map(s1, s2, s3, history, params, dt)
     r_a, r_b = where_positive(above, r2, r1), where_positive(below, r2, r3)
     return r_a, r_b, where_positive(above, r1, where_positive(below, r3, r2)), history, released, yields
 

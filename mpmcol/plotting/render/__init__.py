@@ -56,7 +56,8 @@ def render(
         results_folder: of the run.
         gif, mp4: also write the animation, beside the PNG, in this format.
         view: "side", "3d" or "top", if the model of the run has it (default: "side" in 2D, "3d" in 3D).
-        color: quantity by which the points are coloured: "displacement", "velocity", "pressure" or "shear".
+        color: quantity by which the points are coloured: "displacement", "velocity", "pressure", "shear", or
+            "inertial" with the law mu-i.
         snapshot: index of the snapshot; negative indices count from the end.
         size: width and height, pixels.
         out: the PNG (default: `snapshot-<number>.png`, or `topview.png`, in the results folder). The animation takes

@@ -36,15 +36,15 @@ class Coloring:
     def scale(self, limit: float) -> tuple[str, float]:
         """Label of a colour bar up to `limit` (SI units), with the unit that suits it, and the factor to that unit."""
         unit = next((unit for unit in reversed(self.units) if limit >= FACTORS[unit][1]), self.units[0])
-        return f"{self.name} ({unit})", 1.0 / FACTORS[unit][1]
+        return f"{self.name} ({unit})" if unit else self.name, 1.0 / FACTORS[unit][1]
 
 
 def _stored(name: str) -> Callable[[Snapshot], np.ndarray]:
     def values(snapshot: Snapshot) -> np.ndarray:
         if name not in snapshot.arrays:
             raise OutputError(
-                f"the snapshot has no array {name}: an earlier version of mpmcol wrote it; run the case again with "
-                "--fresh, or choose another --color"
+                f"the snapshot has no array {name}: an earlier version of mpmcol wrote it, or its law does not give "
+                "it; choose another --color, or run the case again with --fresh"
             )
         return snapshot.arrays[name]
 
@@ -65,4 +65,5 @@ COLORINGS = {
     "velocity": Coloring("speed", ("mm/s", "m/s"), _speed),
     "pressure": Coloring("pressure, mean of the cell", STRESS, _stored("pressure"), 99.5),
     "shear": Coloring("shear stress sqrt(J2), mean of the cell", STRESS, _stored("shear_stress"), 99.5),
+    "inertial": Coloring("inertial number I", ("",), _stored("inertial_number"), 99.0),
 }

@@ -38,6 +38,7 @@ SECONDS = 3.0  # longest duration of a case on one core
 PACE = {2: 40e-9, 3: 150e-9}  # approximate time per point and step, s
 TRIES = 10  # number of spacings before all other values are drawn again
 RADIUS = 0.1  # m
+CONES = ("drucker-prager", "mu-i")
 MOST_ZETA = 4.0  # times the largest runout of the experiments
 STRAY = 1.0  # r_i: distance of detached particles from the pile, in addition to the runout of the pile
 MOST_BETA = 1.1
@@ -158,7 +159,7 @@ def _layers(draw: random.Random, height: float) -> str:
 
 def _material(draw: random.Random) -> str:
     """The material as an inline table."""
-    law = draw.choice(("mohr-coulomb", "mohr-coulomb", "mohr-coulomb", "mohr-coulomb-softening", "elastic"))
+    law = draw.choice(("mohr-coulomb", "mohr-coulomb", "mohr-coulomb", "mohr-coulomb-softening", "elastic", *CONES))
     values: dict[str, Any] = {
         "law": f'"{law}"', "density": draw.uniform(1400.0, 2700.0), "poissons_ratio": draw.uniform(0.0, 0.49),
         "youngs_modulus": _log_uniform(draw, 1e5, 1e8),
@@ -167,10 +168,32 @@ def _material(draw: random.Random) -> str:
     dilatancy = draw.choice((0.0, 0.0, draw.uniform(0.0, friction / 2.0)))
     if law == "mohr-coulomb":
         values |= {"friction_deg": friction, "dilatancy_deg": dilatancy, "cohesion": cohesion}
+        values |= _tension(draw, cohesion)
     if law == "mohr-coulomb-softening":
         values |= {"friction_peak_deg": friction, "friction_residual_deg": draw.uniform(15.0, friction)}
         values |= {"softening_rate": draw.uniform(1.0, 20.0), "cohesion": cohesion}
+        values |= {"cohesion_residual": draw.uniform(0.0, cohesion)}
+    if law == "drucker-prager":
+        match = draw.choice(("plane-strain", "compression", "tangent"))
+        values |= {"friction_deg": friction, "match": f'"{match}"', "cohesion": cohesion}
+    if law == "mu-i":
+        mu_s = math.sin(math.radians(friction))
+        values |= {
+            "mu_s": mu_s,
+            "mu_2": mu_s + draw.choice((0.0, draw.uniform(0.1, 0.5))),
+            "I_0": draw.uniform(0.1, 0.5),
+        }
+        values |= {"grain_diameter": _log_uniform(draw, 1e-4, 1e-2), "grain_density": draw.uniform(2000.0, 3000.0)}
+        values |= {"cohesion": cohesion}
     return "{ " + ", ".join(f"{key} = {value}" for key, value in values.items()) + " }"
+
+
+def _tension(draw: random.Random, cohesion: float) -> dict[str, Any]:
+    """A tension cut-off, and undrained clay, for some of the cohesive materials; empty for the others."""
+    if not cohesion or draw.random() < 0.4:
+        return {}
+    clay = {"friction_deg": 0.0, "dilatancy_deg": 0.0} if draw.random() < 0.3 else {}
+    return clay | {"tension": draw.choice((0.0, cohesion)), "failure_strain": draw.choice((0.0, 0.1, 1.0))}
 
 
 def _log_uniform(draw: random.Random, low: float, high: float) -> float:

@@ -20,8 +20,8 @@ ASKED = {  # key -> part of the answer
     "material.pore_pressure": "pore fluid is not modelled",
     "geometry.layer": "layers of the column are [[layers]]",
     "obstacle": "obstacles are not modelled",
-    "material.mu_s": "rate of strain, such as mu(I), is not modelled",
-    "material.grain_diameter": "rate of strain, such as mu(I), is not modelled",
+    "material.mu_0": 'material.law = "mu-i"',
+    "material.grain_size": 'material.law = "mu-i"',
     "material.mu": "material.friction_deg, atan(mu)",
     "material.tension_cutoff": "material.cohesion",
 }

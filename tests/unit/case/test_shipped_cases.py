@@ -13,6 +13,7 @@ SHIPPED = [
     "channel-dense",
     "channel-loose",
     "coarse-channel",
+    "cohesive-column",
     "cylinder",
     "dam",
     "frictional-floor",
@@ -25,6 +26,7 @@ SHIPPED = [
     "lube-channel-loose",
     "lube-cylinder",
     "lube-quarter",
+    "mu-i-cylinder",
     "quarter",
     "quickstart",
 ]

@@ -14,7 +14,7 @@ ELASTIC = {"density": 2650.0, "youngs_modulus": 10e6, "poissons_ratio": 0.2}
 K, G = 10e6 / 1.8, 10e6 / 2.4
 SCALE = 1e4
 ANGLES = [(33.0, 0.0), (39.0, 6.0), (50.0, 25.0), (30.0, 30.0), (20.0, 1.0)]
-UNUSED = (0.0, 0.0)
+UNUSED, DT = (0.0, 0.0), 1e-5
 
 
 def params_of(friction, dilatancy=0.0, cohesion=0.0):
@@ -26,7 +26,7 @@ def params_of(friction, dilatancy=0.0, cohesion=0.0):
 
 def returned(trial, params):
     """Stresses (n, 3) after the return, released volumetric strains (n,), whether the trial is elastic (n,)."""
-    *principal, _, released, yields = mohr_coulomb.return_map(*trial.T, UNUSED, params)
+    *principal, _, released, yields = mohr_coulomb.return_map(*trial.T, UNUSED, params, DT)
     elastic = yields <= 0.0
     return np.where(elastic[:, None], trial, np.array(principal).T), np.where(elastic, 0.0, released), elastic
 
@@ -207,7 +207,7 @@ def softening(cohesion=0.0):
 def test_softening_returns_with_the_angles_of_the_present_strain(eps, phi, psi, cohesion):
     trial = random_trials(500, seed=6)
     *principal, (strain, _), opened, yields = mohr_coulomb_softening.return_map(
-        *trial.T, (np.full(len(trial), eps), 0.0), softening(cohesion)
+        *trial.T, (np.full(len(trial), eps), 0.0), softening(cohesion), DT
     )
     stress, released, elastic = returned(trial, params_of(phi, psi, cohesion))
     np.testing.assert_array_equal(yields <= 0.0, elastic)
@@ -224,6 +224,22 @@ def test_may_yield_is_positive_wherever_softening_material_yields(cohesion):
     trial, params = random_trials(2_000, seed=7), softening(cohesion)
     for eps in (0.0, 0.1, 20.0):
         history = (np.full(len(trial), eps), 0.0)
-        yields = mohr_coulomb_softening.return_map(*trial.T, history, params)[-1] > 0.0
+        yields = mohr_coulomb_softening.return_map(*trial.T, history, params, DT)[-1] > 0.0
         may = mohr_coulomb_softening.may_yield(trial[:, 0], trial[:, 2], history, params) > 0.0
         assert yields.any() and not np.any(yields & ~may)
+
+
+def test_cohesion_decays_to_its_residual_value():
+    material = mohr_coulomb_softening.Material(
+        **ELASTIC, friction_peak_deg=33.0, friction_residual_deg=33.0, softening_rate=5.0, cohesion=1e3,
+        cohesion_residual=200.0,
+    )  # fmt: skip
+    params, trial = mohr_coulomb_softening.make_params(material), random_trials(500, seed=6)
+    for eps, cohesion in ((0.0, 1e3), (log(2.0) / 5.0, 600.0), (20.0, 200.0)):
+        history = (np.full(len(trial), eps), 0.0)
+        *principal, _, _, yields = mohr_coulomb_softening.return_map(*trial.T, history, params, DT)
+        stress, _, elastic = returned(trial, params_of(33.0, 0.0, cohesion))
+        np.testing.assert_array_equal(yields <= 0.0, elastic)
+        np.testing.assert_allclose(np.array(principal).T[~elastic], stress[~elastic], atol=1e-8 * SCALE)
+        apex = mohr_coulomb_softening.apex(history, params)
+        np.testing.assert_allclose(apex, cohesion / tan(radians(33.0)), rtol=1e-12)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import radians
+from math import radians, tan
 from typing import Any
 
 import numpy as np
@@ -30,6 +30,18 @@ PLASTIC = {
         "friction_peak_deg": 45.0, "friction_residual_deg": 30.0, "dilatancy_peak_deg": 15.0,
         "dilatancy_residual_deg": 1.0, "softening_rate": 5.0, "cohesion": 10.0,
     },
+    "mohr-coulomb, brittle": {
+        "friction_deg": 33.0, "dilatancy_deg": 5.0, "cohesion": 100.0, "tension": 50.0, "failure_strain": 0.0,
+    },
+    "mohr-coulomb, clay": {"friction_deg": 0.0, "cohesion": 150.0, "tension": 100.0},
+    "mohr-coulomb-softening, cohesion": {
+        "friction_peak_deg": 45.0, "friction_residual_deg": 30.0, "softening_rate": 5.0, "cohesion": 100.0,
+        "cohesion_residual": 10.0,
+    },
+    "drucker-prager": {"friction_deg": 33.0, "match": "tangent", "cohesion": 20.0},
+    "mu-i": {
+        "mu_s": 0.4, "mu_2": 0.7, "I_0": 0.3, "grain_diameter": 0.05, "grain_density": 2500.0, "cohesion": 20.0,
+    },
 }  # fmt: skip
 PLAIN = Settings(alpha_d=0.1, cfl=0.3)
 H, CELLS, ORIGIN = 0.1, (13, 10, 8), (0.0, -0.2, 0.0)
@@ -37,7 +49,7 @@ DAM = WallBox("dam", (5, 0, 2), (7, 4, 5))
 
 
 def body(law: str) -> Body:
-    module = LAWS[law]
+    module = LAWS[law.partition(",")[0]]
     material = module.Material(**ELASTIC, **PLASTIC[law])
     return Body(module, module.make_params(material), material.wave_speed**2)
 
@@ -48,6 +60,20 @@ def reference_material(law: str) -> reference.ReferenceMaterial:
         return reference.ReferenceMaterial(1e6, 0.25)
     if law == "mohr-coulomb":
         return reference.ReferenceMaterial(1e6, 0.25, radians(33.0), radians(5.0), 20.0)
+    if law == "mohr-coulomb, brittle":
+        return reference.ReferenceMaterial(
+            1e6, 0.25, radians(33.0), radians(5.0), 100.0, tension=50.0, failure_strain=0.0
+        )
+    if law == "mohr-coulomb, clay":
+        return reference.ReferenceMaterial(1e6, 0.25, 0.0, 0.0, 150.0, tension=100.0)
+    if law == "mohr-coulomb-softening, cohesion":
+        return reference.ReferenceMaterial(
+            1e6, 0.25, radians(45.0), 0.0, 100.0, radians(30.0), rate=5.0, c_residual=10.0
+        )
+    if law == "drucker-prager":
+        return reference.ReferenceMaterial(1e6, 0.25, c=20.0, mu=tan(radians(33.0)))
+    if law == "mu-i":
+        return reference.ReferenceMaterial(1e6, 0.25, c=20.0, mu=0.4, mu_2=0.7, I_0=0.3, d=0.05, rho_s=2500.0)
     return reference.ReferenceMaterial(
         1e6, 0.25, radians(45.0), radians(15.0), keys["cohesion"], radians(30.0), radians(1.0), 5.0
     )
@@ -68,6 +94,7 @@ def random_points(seed: int, opens: bool, d: int) -> Points:
         opens & (points.kind == 0) & (rng.uniform(size=300) < 0.2), rng.uniform(0.0, 1e-3, 300), 0.0
     )
     points.history[:, 0] = rng.uniform(0.0, 0.3, 300)
+    points.history[::2, 0] = 0.0
     grad_v = np.zeros((300, 3, 3))
     grad_v[:, :d, :d] = rng.normal(0.0, 1.0, (300, d, d))
     points.grad_v = grad_v
@@ -87,7 +114,7 @@ def as_reference(points: Points) -> reference.ReferencePoints:
     )  # fmt: skip
 
 
-SOFTENING = "mohr-coulomb-softening"
+SOFTENING, CONES = "mohr-coulomb-softening", ("drucker-prager", "mu-i")
 AXISYMMETRIC, PIC = {"axisymmetric": True}, {"flip_fraction": 0.0}
 FILTER = {  # K of ELASTIC; shear rates are about 1/s, and some points have opened further than the limit
     "filter_rate": 500.0, "filter_shear_rate": 2.5, "filter_opening": 5e-4, "filter_modulus": 1e6 / 1.5,
@@ -108,6 +135,11 @@ LAW_CASES: list[tuple[int, str, dict]] = [  # dimension, law of the column, chan
     *((2, law, change) for law in ("elastic", "mohr-coulomb") for change in ({}, AXISYMMETRIC, *OPTIONS)),
     *((2, SOFTENING, change) for change in ({}, AXISYMMETRIC, FILTER)),
     (2, "mohr-coulomb", FILTER | AXISYMMETRIC),
+    *((2, law, change) for law in CONES for change in ({}, AXISYMMETRIC, FILTER, {"opening_strain": False})),
+    *((2, f"mohr-coulomb, {kind}", change) for kind in ("brittle", "clay") for change in ({}, FILTER)),
+    (2, "mohr-coulomb-softening, cohesion", {}),
+    *(pytest.param(3, f"mohr-coulomb, {kind}", {}, marks=pytest.mark.slow) for kind in ("brittle", "clay")),
+    *(pytest.param(3, law, change, marks=pytest.mark.slow) for law in CONES for change in ({}, FILTER)),
     *((3, law, {}) for law in ("elastic", "mohr-coulomb")),
     pytest.param(3, SOFTENING, {}, marks=pytest.mark.slow),
     *((3, "mohr-coulomb", change | {"gravity_z": 1.0}) for change in OPTIONS),

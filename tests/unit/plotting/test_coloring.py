@@ -48,7 +48,8 @@ def test_the_unit_of_the_colour_bar_suits_the_largest_value() -> None:
     labels = [pressure.scale(limit)[0].rpartition(" ")[2] for limit in (0.5, 20.0, 3e3, 2e6)]
     assert labels == ["(Pa)", "(Pa)", "(kPa)", "(MPa)"]
     assert COLORINGS["displacement"].scale(2.0)[0].endswith("(m)")
-    assert all(coloring.scale(1.0)[0].endswith(")") for coloring in COLORINGS.values())
+    assert all(coloring.scale(1.0)[0].endswith(")") for name, coloring in COLORINGS.items() if name != "inertial")
+    assert COLORINGS["inertial"].scale(0.1) == ("inertial number I", 1.0)
 
 
 def test_single_large_stresses_do_not_set_the_scale() -> None:
@@ -69,11 +70,16 @@ def test_an_old_snapshot_without_pressure_is_reported() -> None:
         COLORINGS["pressure"].limit(old, META)
 
 
-@pytest.mark.parametrize("color", COLORS)
+@pytest.mark.parametrize("color", [color for color in COLORS if color != "inertial"])
 def test_a_run_is_drawn_in_every_colour(finished: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, color: str):
     monkeypatch.setattr(backends, "has_egl", lambda: False)
     render(finished, gif=False, color=color, size=(400, 240), out=tmp_path / "a.png")
     assert (tmp_path / "a.png").stat().st_size > 5000
+
+
+def test_a_colour_that_the_law_does_not_give_is_refused(finished: Path, tmp_path: Path) -> None:
+    refused = invoke("render", finished, "--color", "inertial", "--out", tmp_path / "a.png")
+    assert refused.exit_code == 5 and "its law does not give" in refused.stderr
 
 
 def test_an_unknown_colour_is_refused(finished: Path) -> None:

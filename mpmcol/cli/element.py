@@ -1,0 +1,67 @@
+"""`mpmcol element`: element test of the law of a case."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from mpmcol.cli.options import out_option, overrides_option
+
+TESTS = ("plane-strain", "triaxial", "shear", "extension")
+
+
+@click.command()
+@click.argument("case")
+@overrides_option
+@click.option("--test", type=click.Choice(TESTS), default=TESTS[0], show_default=True, help="Strain path.")
+@click.option(
+    "--pressure", type=click.FloatRange(0.0, min_open=True), help="Initial pressure, Pa  [default: rho g h_i]"
+)
+@click.option(
+    "--strain",
+    type=click.FloatRange(0.0, 10.0, min_open=True),
+    default=0.05,
+    show_default=True,
+    help="Strain at the end: vertical, shear or volumetric.",
+)
+@click.option("--steps", type=click.IntRange(10, 1_000_000), default=1000, show_default=True, help="Number of steps.")
+@click.option(
+    "--rate", type=click.FloatRange(0.0, min_open=True), default=1.0, show_default=True, help="Rate of the strain, 1/s."
+)
+@out_option("elements/CASE-TEST")
+def element(
+    case: str,
+    overrides: tuple[str, ...],
+    test: str,
+    pressure: float | None,
+    strain: float,
+    steps: int,
+    rate: float,
+    out: Path | None,
+) -> None:
+    """Test the law of a case with one material point under a prescribed strain path.
+
+    CASE is a TOML file or the name of a shipped case (mpmcol cases). The point starts with an isotropic pressure. The
+    tests are plane-strain and triaxial compression at constant lateral stress, simple shear at constant normal stress,
+    and isotropic extension. Writes element.csv and element.png: stress path, shear stress and volumetric strain.
+    """
+    from mpmcol.case import load_case
+    from mpmcol.io.atomic import make_folder
+    from mpmcol.studies.element.chart import draw_chart, write_table
+    from mpmcol.studies.element.paths import PATHS
+    from mpmcol.studies.element.run import element_test
+
+    loaded, path = load_case(case, overrides), PATHS[test]
+    weight = loaded.material.density * loaded.geometry.gravity * loaded.geometry.h_i
+    columns = element_test(loaded, path, weight if pressure is None else pressure, strain, steps, rate)
+    folder = out or Path("elements") / f"{Path(case).stem}-{test}"
+    shear, angle = columns["shear"], columns["mobilised_deg"]
+    click.echo(f"{loaded.material.law}: {path.description}, initial pressure {columns['pressure'][0]:.4g} Pa")
+    click.echo(f"largest shear stress {shear.max():.4g} Pa, at the end {shear[-1]:.4g} Pa")
+    click.echo(f"largest mobilised friction angle {angle.max():.4g} deg, at the end {angle[-1]:.4g} deg")
+    click.echo(f"volumetric strain at the end {columns['volumetric_strain'][-1]:.4g}")
+    make_folder(folder)
+    click.echo(write_table(folder, columns))
+    for chart in draw_chart(folder, loaded, path, columns):
+        click.echo(chart)

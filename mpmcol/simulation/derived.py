@@ -1,0 +1,30 @@
+"""Quantities that follow from the stress of points, by the law of each material (`DERIVED` of the law)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mpmcol.case import Case
+from mpmcol.mpm.constitutive import LAWS
+from mpmcol.mpm.particles import Points
+
+
+def derived_quantities(case: Case, points: Points) -> dict[str, np.ndarray]:
+    """Arrays (n,) by name; zero for points of materials without the quantity."""
+    laws = [(kind, LAWS[material.law], material) for kind, material in enumerate(case.materials)]
+    found = {name: np.zeros(len(points)) for _, law, _ in laws for name in law.DERIVED}
+    if not found:
+        return found
+    mean, shear = _invariants(points.sigma)
+    for kind, law, material in laws:
+        own, params = points.kind == kind, law.make_params(material)
+        for name, function in law.DERIVED.items():
+            found[name][own] = function(mean[own], shear[own], params)
+    return found
+
+
+def _invariants(sigma: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Mean stress and sqrt(J2) (n,) of stresses xx yy zz xy yz xz (n, 6)."""
+    mean = sigma[:, :3].mean(axis=1)
+    deviator2 = ((sigma[:, :3] - mean[:, None]) ** 2).sum(axis=1)
+    return mean, np.sqrt(0.5 * deviator2 + (sigma[:, 3:] ** 2).sum(axis=1))

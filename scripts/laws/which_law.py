@@ -1,0 +1,74 @@
+"""Runout, height and stop time of channels and cylinders with each law: a table (Markdown) and a sweep for each.
+
+    python scripts/laws/which_law.py OUT [--model channel|cylinder] [--law NAME] [--aspect A,...] [--spacing H]
+
+Finished runs in OUT are not repeated; the script can be interrupted and repeated. In full it takes some hours.
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+import mpmcol
+
+ASPECTS = "0.5,0.75,1,1.5,2,3,5,7,10"
+CHEAP = (
+    "geometry.base=rigid", "method.wall_impulse=true", "stages.initial_stress=k0", "grid.points_per_cell=9",
+    "time.cfl=0.45", "stages.equilibrate.damping=0.5", "output.snapshots=1",
+)  # fmt: skip
+UNDAMPED = "stages.collapse.damping=0"
+ELASTIC = "youngs_modulus=3.5e6, poissons_ratio=0.2"
+RATE = "I_0=0.279, grain_density={}, grain_diameter={}"  # Jop, Forterre & Pouliquen 2006
+BEADS = f"law='mu-i', density=1500.0, {ELASTIC}, mu_s=0.3819, mu_2=0.6435, {RATE.format(2450.0, 0.53e-3)}"
+# as strong as the sand of the paper in slow plane flow, mu_s = sin(33 deg), with the increase of the beads
+SAND = f"law='mu-i', density=1600.0, {ELASTIC}, mu_s=0.5446, mu_2=0.8062, {RATE.format(2650.0, 0.32e-3)}"
+
+
+def softening(case: str) -> str:
+    """The material of a shipped case with a softening law, but with the moduli of the others."""
+    values = mpmcol.load_case(case).material.model_dump(exclude_none=True) | {"youngs_modulus": 3.5e6}
+    return "material={" + ", ".join(f"{key}={value!r}" for key, value in values.items()) + "}"
+
+
+def laws() -> dict[str, tuple[str, ...]]:
+    """Overrides by the name of the law."""
+    sand = f"material={{law='mohr-coulomb', density=2650.0, {ELASTIC}, friction_deg=33.0}}"
+    return {
+        "mohr-coulomb-damped": (sand, "stages.collapse.damping=0.05"),
+        "mohr-coulomb": (sand, UNDAMPED),
+        "softening-loose": (softening("channel-loose"), UNDAMPED),
+        "softening-dense": (softening("channel-dense"), UNDAMPED),
+        "mu-i-beads": (f"material={{{BEADS}}}", UNDAMPED),
+        "mu-i-sand": (f"material={{{SAND}}}", UNDAMPED),
+    }
+
+
+def row(name: str, model: str, one: dict[str, Any]) -> str:
+    """A row of the table."""
+    values = [one["a"], one["zeta.front_height"], one["law.zeta"], one["beta"], one["law.beta"], one["stop_time"]]
+    return f"| {name} | {model} | " + " | ".join("" if value is None else f"{value:.3g}" for value in values) + " |"
+
+
+def main() -> None:
+    """Run the sweeps and print the table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("out", type=Path)
+    parser.add_argument("--model", choices=("channel", "cylinder"))
+    parser.add_argument("--law", choices=tuple(laws()))
+    parser.add_argument("--aspect", default=ASPECTS)
+    parser.add_argument("--spacing", default="0.0045")
+    options = parser.parse_args()
+    rows = ["| law | model | a | zeta | zeta, experiment | beta | beta, experiment | stop time |", "|---" * 8 + "|"]
+    for model in [options.model] if options.model else ["channel", "cylinder"]:
+        for name, overrides in laws().items():
+            if options.law in (None, name):
+                case = mpmcol.load_case(model, [*CHEAP, f"grid.spacing={options.spacing}", *overrides])
+                results = mpmcol.sweep(case, aspect=options.aspect, out=options.out / f"{model}-{name}")
+                rows += [row(name, model, one) for one in results.rows if one["status"] == "done"]
+    print("\n".join(rows))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,94 @@
+"""`mpmcol element`: element tests of laws against closed forms, and the command."""
+
+from __future__ import annotations
+
+import csv
+from math import asin, degrees, radians, sin, sqrt
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import mpmcol
+from mpmcol.cli.element import TESTS
+from mpmcol.studies.element import run
+from mpmcol.studies.element.paths import PATHS
+from mpmcol.studies.element.run import element_test
+from tests.support.cli import invoke
+
+P0 = 1e3
+SAND = "law = 'mohr-coulomb', density = 1600.0, youngs_modulus = 10e6, poissons_ratio = 0.2, friction_deg = 33.0"
+
+
+def driven(material: str, test: str, strain: float = 0.02, rate: float = 1.0) -> dict[str, np.ndarray]:
+    case = mpmcol.load_case("coarse-channel", [f"material={{{material}}}"])
+    return element_test(case, PATHS[test], P0, strain, 400, rate)
+
+
+def test_the_command_offers_all_paths() -> None:
+    assert list(PATHS) == list(TESTS)
+
+
+@pytest.mark.parametrize("cohesion", [0.0, 500.0])
+@pytest.mark.parametrize("test", ["plane-strain", "triaxial"])
+def test_compression_ends_at_the_strength_of_mohr_coulomb(test: str, cohesion: float) -> None:
+    found = driven(f"{SAND}, cohesion = {cohesion}", test)
+    n_phi = (1.0 + sin(radians(33.0))) / (1.0 - sin(radians(33.0)))
+    assert -found["stress.yy"][-1] == pytest.approx(n_phi * P0 + 2.0 * cohesion * sqrt(n_phi), rel=1e-9)
+    np.testing.assert_allclose(-found["stress.xx"], P0, rtol=1e-9)
+    if test == "triaxial":
+        np.testing.assert_allclose(found["stress.zz"], found["stress.xx"], rtol=1e-12)
+
+
+def test_dilatancy_expands_at_the_rate_of_the_flow_rule() -> None:
+    found = driven(f"{SAND}, dilatancy_deg = 10.0", "plane-strain")
+    slope = np.diff(found["volumetric_strain"])[-1] / np.diff(found["strain"])[-1]
+    n_psi = (1.0 + sin(radians(10.0))) / (1.0 - sin(radians(10.0)))
+    assert slope == pytest.approx(n_psi - 1.0, rel=0.03)
+
+
+def test_simple_shear_mobilises_the_sine_of_friction_without_dilatancy() -> None:
+    found = driven(SAND, "shear", 0.05)
+    assert found["stress.xy"][-1] == pytest.approx(sin(radians(33.0)) * P0, rel=1e-3)
+    assert found["mobilised_deg"][-1] == pytest.approx(33.0, rel=1e-9)
+
+
+def test_extension_of_cohesive_sand_opens_at_its_tensile_strength() -> None:
+    found = driven(f"{SAND}, cohesion = 500.0, tension = 200.0", "extension", 0.002)
+    assert found["pressure"][-1] == pytest.approx(-200.0, rel=1e-12)
+    bulk = 10e6 / 1.8
+    assert found["opening_strain"][-1] == pytest.approx(0.002 - 1200.0 / bulk, rel=0.01)
+
+
+def test_the_rate_raises_the_friction_of_mu_i() -> None:
+    keys = "mu_s = 0.4, mu_2 = 0.7, I_0 = 0.3, grain_diameter = 1e-3, grain_density = 2500.0"
+    material = f"law = 'mu-i', density = 1600.0, youngs_modulus = 10e6, poissons_ratio = 0.2, {keys}"
+    for rate in (0.01, 20.0):
+        found = driven(material, "shear", 0.05, rate)
+        number = rate * 1e-3 * sqrt(2500.0 / found["pressure"][-1])
+        assert found["inertial_number"][-1] == pytest.approx(number, rel=0.02)
+        assert found["shear"][-1] / found["pressure"][-1] == pytest.approx(0.4 + 0.3 / (1.0 + 0.3 / number), rel=1e-3)
+    assert degrees(asin(0.4)) < found["mobilised_deg"][-1]
+
+
+def test_the_command_writes_chart_and_table(tmp_path: Path) -> None:
+    result = invoke("element", "coarse-channel", "--strain", "0.01", "--steps", "50", "--out", tmp_path / "new")
+    assert result.exit_code == 0 and "largest mobilised friction angle 33 deg" in result.output
+    assert (tmp_path / "new/element.png").stat().st_size > 5000
+    rows = list(csv.reader((tmp_path / "new/element.csv").read_text().splitlines()))
+    assert len(rows) == 52 and rows[0][:2] == ["strain", "stress.xx [Pa]"]
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "text"),
+    [("--test", "torsion", "plane-strain"), ("--pressure", "-1", "x>0"), ("--steps", "1", "10<=x")],
+)
+def test_wrong_options_are_refused(option: str, value: str, text: str) -> None:
+    refused = invoke("element", "coarse-channel", option, value)
+    assert refused.exit_code == 2 and text in refused.stderr
+
+
+def test_a_stress_that_cannot_be_kept_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(run, "WIDEST", 0.01)
+    refused = invoke("element", "coarse-channel", "--test", "triaxial", "--out", tmp_path)
+    assert refused.exit_code == 2 and "no strain keeps the stress" in refused.stderr

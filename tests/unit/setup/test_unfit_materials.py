@@ -1,0 +1,34 @@
+"""Notes on parameters of the mu(I) law."""
+
+from __future__ import annotations
+
+import pytest
+
+import mpmcol
+from mpmcol.setup.unfit_settings import setting_warnings
+
+BEADS = {
+    "law": '"mu-i"', "density": "1550.0", "youngs_modulus": "2e6", "poissons_ratio": "0.2", "mu_s": "0.48",
+    "mu_2": "0.73", "I_0": "0.279", "grain_diameter": "0.7e-3", "grain_density": "2500.0",
+}  # fmt: skip
+
+
+def warnings_for(**keys: str) -> list[str]:
+    material = ", ".join(f"{key} = {value}" for key, value in (BEADS | keys).items())
+    case = mpmcol.load_case("coarse-channel", [f"material={{{material}}}", "grid.spacing=0.01"])
+    return setting_warnings(case, 0.01)
+
+
+@pytest.mark.parametrize(
+    ("keys", "text"),
+    [
+        ({"mu_2": "0.48"}, "material.mu_2 = mu_s = 0.48: friction does not depend on the rate"),
+        ({"grain_diameter": "0.02"}, "material.grain_diameter = 20 mm is larger than a cell of 10 mm"),
+        ({"density": "2650.0"}, "material.density = 2650 kg/m3 is that of the material with its pores"),
+    ],
+)
+def test_a_wrong_parameter_is_noted_and_a_right_one_is_not(keys: dict[str, str], text: str) -> None:
+    usual = warnings_for()
+    (added,) = set(warnings_for(**keys)) - set(usual)
+    assert added.startswith(text)
+    assert not any("mu_2" in warning or "grain" in warning for warning in usual)
