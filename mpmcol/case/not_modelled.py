@@ -18,11 +18,14 @@ _ANSWERS = {
     "slope(?!_deg)|sloped|inclination|inclined|incline|tilt|tilted": (
         "the slope of the base is geometry.slope_deg, in degrees"
     ),
-    "water|pore|fluid|saturation|saturated|permeability|moisture|suction|drained|undrained": (
+    "water|pore|fluid|saturation|saturated|permeability|moisture|suction|drained": (
         "pore fluid is not modelled: the material is dry"
     ),
+    "undrained|s_?u|c_?u|tresca": (
+        "undrained shear strength is material.cohesion with material.friction_deg = 0, of law mohr-coulomb"
+    ),
     "layer|layering|stratum|strata": "layers of the column are [[layers]]",
-    "obstacle|obstacles|barrier|barriers|baffle|pillar": "obstacles are not modelled",
+    "obstacle|obstacles|barrier|barriers|baffle|pillar|dam": "obstacles and end walls are boxes: [[walls]]",
     "viscosity|viscous|inertial|rheology|mu_i|mu_0|mus|mu2|i0|d50|grain_size|rate_dependent": (
         'friction that depends on the rate of strain is material.law = "mu-i", with mu_s, mu_2, I_0, '
         "grain_diameter and grain_density; there is no viscosity"

@@ -19,7 +19,7 @@ ASKED = {  # key -> part of the answer
     "water.level": "pore fluid is not modelled",
     "material.pore_pressure": "pore fluid is not modelled",
     "geometry.layer": "layers of the column are [[layers]]",
-    "obstacle": "obstacles are not modelled",
+    "obstacle": "obstacles and end walls are boxes: [[walls]]",
     "material.mu_0": 'material.law = "mu-i"',
     "material.grain_size": 'material.law = "mu-i"',
     "material.mu": "material.friction_deg, atan(mu)",
