@@ -112,7 +112,7 @@ def rough_floor(case: Case, h: float) -> str | None:
     """Mohr-Coulomb without dilatancy mobilises sin(phi) in shear: the column yields before it slides on the floor."""
     floor = case.friction.floor
     angle = max((angle for _, angle in _angles(case, "friction_")), default=90.0)
-    if floor is None or floor < (mobilised := sin(radians(angle))):
+    if floor is None or angle == 0.0 or floor < (mobilised := sin(radians(angle))):
         return None
     return (
         f"friction.floor = {floor:.4g} ({degrees(atan(floor)):.3g} degrees): the column shears at sin({angle:g} "
@@ -159,7 +159,7 @@ def wall_out_of_reach(case: Case, h: float) -> str | None:
 def friction_in_radians(case: Case, h: float) -> str | None:
     """Granular material has friction angles above 1.6 degrees, a right angle in radians."""
     for name, angle in _angles(case, "friction_"):
-        if angle < RIGHT_ANGLE:
+        if 0.0 < angle < RIGHT_ANGLE:  # 0: undrained clay
             return (
                 f"material.{name} = {angle:g} is an angle in degrees, and the material flows like a liquid; if it is "
                 f'in radians, set "{angle:g} rad" ({degrees(angle):.3g} degrees)'

@@ -32,3 +32,10 @@ def test_a_wrong_parameter_is_noted_and_a_right_one_is_not(keys: dict[str, str],
     (added,) = set(warnings_for(**keys)) - set(usual)
     assert added.startswith(text)
     assert not any("mu_2" in warning or "grain" in warning for warning in usual)
+
+
+def test_undrained_clay_has_no_note_on_its_friction() -> None:
+    clay = "law = 'mohr-coulomb', density = 1800.0, youngs_modulus = 5e6, poissons_ratio = 0.3, friction_deg = 0.0"
+    overrides = [f"material={{{clay}, cohesion = 1e3}}", "geometry.base=rigid", "friction.floor=0.3"]
+    case = mpmcol.load_case("coarse-channel", [*overrides, "method.wall_impulse=true"])
+    assert not any("friction" in warning for warning in setting_warnings(case, 0.005))
