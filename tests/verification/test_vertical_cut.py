@@ -36,3 +36,14 @@ def test_a_cut_stands_below_and_falls_above_its_critical_height(
 ) -> None:
     assert runout(phi, 0.9 * stands, tension, tmp_path / "stands") < 0.01
     assert runout(phi, 1.1 * falls, tension, tmp_path / "falls") > 0.05
+
+
+def test_a_strong_column_stays_for_a_second(tmp_path: Path) -> None:
+    """Without motion, and with the weight above on the lowest points; it has tensile strength, so that no crack opens."""
+    values = ["material.cohesion=20 kPa", "material.tension=34 kPa", "grid.spacing=0.0625", "output.snapshots=1"]
+    values += ["stages.collapse.end=time", "stages.collapse.max_time_factor=3.2"]  # 1.02 s
+    last = mpmcol.run(mpmcol.load_case("cohesive-column", values), tmp_path / "run").snapshot(-1)
+    assert last.time > 1.0
+    assert last.displacement_magnitude.max() < 0.01 * 0.0625
+    lowest = last.x[:, 1] < 0.03
+    assert -last.arrays["stress"][lowest, 1].mean() == pytest.approx(WEIGHT * (1.0 - 0.25 * 0.0625), rel=0.02)

@@ -62,7 +62,7 @@ class MohrCoulombParams(NamedTuple):
     """Moduli (Pa), N_phi, N_psi, mean stress at the apex (Pa); strength 2 c sqrt(N_phi) and tensile strength (Pa).
 
     cut_off: 1 where the last two apply, in place of the apex, until the plastic volumetric strain under tension, the
-    first history variable, exceeds failure_strain.
+    first history variable, exceeds failure_strain; 0 without cohesion, which leaves nothing to lose.
     """
 
     bulk_modulus: float
@@ -94,7 +94,7 @@ def make_params(material: Material) -> MohrCoulombParams:
         apex,
         2.0 * material.cohesion * sqrt(flow_number(sin(phi))),
         tension,
-        float(tension < apex or failure < inf),
+        float(material.cohesion > 0.0 and (tension < apex or failure < inf)),
         failure,
     )
 

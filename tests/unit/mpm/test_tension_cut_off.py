@@ -139,3 +139,13 @@ def test_strength_is_lost_where_the_volume_has_doubled_by_default(keys, limit):
     params = params_of(20.0, **{"tension": 0.5 * C} | keys)
     assert params.failure_strain == limit and params.cut_off == float(limit < np.inf)
     assert params.strength == pytest.approx(2.0 * C * sqrt(params.n_phi))
+
+
+def test_dry_material_has_no_cut_off():
+    """Its parameters, and so its results, are those of material without these keys."""
+    dry = {"density": 2000.0, "youngs_modulus": E, "poissons_ratio": 0.2, "friction_deg": 33.0}
+    plain, cut = (
+        mohr_coulomb.make_params(mohr_coulomb.Material(**dry, **keys))
+        for keys in ({}, {"cohesion": 0.0, "tension": 0.0, "failure_strain": 0.0})
+    )
+    assert cut._replace(failure_strain=plain.failure_strain) == plain and cut.cut_off == 0.0

@@ -1,0 +1,78 @@
+"""Collapses with the laws: strength in plane strain, cohesion, and grain size. One line per run.
+
+    python scripts/laws/collapses.py OUT [GROUP ...]
+
+Runs in OUT that are finished are not repeated. All groups take a quarter of an hour.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator
+from math import asin, degrees
+from pathlib import Path
+
+import mpmcol
+
+R_I = 0.09  # m, of coarse-channel
+COMMON = (
+    "geometry.base=rigid", "method.wall_impulse=true", "stages.initial_stress=k0", "stages.collapse.damping=0",
+    "output.snapshots=1",
+)  # fmt: skip
+DENSITY = 1550.0  # kg/m3
+GRAINS = "mu_s=0.32, mu_2=0.60, I_0=0.4, grain_density=2500.0"  # Lagree et al. 2011, doi:10.1017/jfm.2011.335
+MU_S = degrees(asin(0.32))  # friction angle with mu = 0.32 in plane strain
+
+Run = tuple[str, float, float, str]  # name, a, h in m, material
+
+
+def material(law: str, keys: str) -> str:
+    """Override that replaces the material of a case."""
+    return f"material={{law='{law}', density={DENSITY}, youngs_modulus=2e6, poissons_ratio=0.2, {keys}}}"
+
+
+def strength() -> Iterator[Run]:
+    """Drucker-Prager as strong as Mohr-Coulomb in plane strain, and with other matches."""
+    yield "mohr-coulomb-33", 1.0, 0.005, material("mohr-coulomb", "friction_deg=33")
+    for match in ("plane-strain", "tangent", "compression"):
+        yield f"{match}-33", 1.0, 0.005, material("drucker-prager", f"friction_deg=33, match='{match}'")
+    for h in (0.005, 0.004):
+        for law in ("mohr-coulomb", "drucker-prager"):
+            yield f"{law}-18.66-{1e3 * h:g}mm", 2.0, h, material(law, f"friction_deg={MU_S}")
+
+
+def cohesion() -> Iterator[Run]:
+    """Runout with cohesion over rho g h_i."""
+    for relative in (0.0, 0.05, 0.10, 0.15):
+        c = relative * DENSITY * 9.81 * 0.5 * R_I
+        yield f"cohesion-{relative}", 0.5, 0.0025, material("drucker-prager", f"friction_deg=23.58, cohesion={c}")
+
+
+def grains() -> Iterator[Run]:
+    """Runout with mu(I) over a, with smaller grains, and without dependence on the rate."""
+    for a in (0.5, 1.0, 2.0, 5.0):
+        yield f"mu-i-a{a:g}", a, 0.005, material("mu-i", f"{GRAINS}, grain_diameter={a * R_I / 32}")
+    yield "mu-i-small", 2.0, 0.005, material("mu-i", f"{GRAINS}, grain_diameter={2.0 * R_I / 320}")
+    constant = GRAINS.replace("mu_2=0.60", "mu_2=0.32")
+    yield "mu-i-constant", 2.0, 0.005, material("mu-i", f"{constant}, grain_diameter=0.001")
+
+
+GROUPS = {"strength": strength, "cohesion": cohesion, "grains": grains}
+
+
+def main() -> None:
+    """Run the groups and print runout and height."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("out", type=Path)
+    parser.add_argument("groups", nargs="*", metavar="GROUP", help=f"{', '.join(GROUPS)}; default: all")
+    options = parser.parse_args()
+    for group in options.groups or GROUPS:
+        for name, a, h, law in GROUPS[group]():
+            values = [*COMMON, f"geometry.aspect={a}", f"grid.spacing={h}", law]
+            summary = mpmcol.run(mpmcol.load_case("coarse-channel", values), options.out / name, threads=1).summary
+            zeta = ", ".join(f"{front} {value:.3f}" for front, value in summary["zeta"].items())
+            print(f"{name}: a = {a:g}, zeta {zeta}, beta {summary['beta']:.3f}", flush=True)
+
+
+if __name__ == "__main__":
+    main()
