@@ -39,7 +39,7 @@ def test_a_cut_stands_below_and_falls_above_its_critical_height(
 
 
 def test_a_strong_column_stays_for_a_second(tmp_path: Path) -> None:
-    """Without motion, and with the weight above on the lowest points; it has tensile strength, so that no crack opens."""
+    """Without motion, with the weight above on the lowest points; it has tensile strength, so no crack opens."""
     values = ["material.cohesion=20 kPa", "material.tension=34 kPa", "grid.spacing=0.0625", "output.snapshots=1"]
     values += ["stages.collapse.end=time", "stages.collapse.max_time_factor=3.2"]  # 1.02 s
     last = mpmcol.run(mpmcol.load_case("cohesive-column", values), tmp_path / "run").snapshot(-1)
