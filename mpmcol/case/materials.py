@@ -66,7 +66,7 @@ def with_law_of_column(case: Mapping[str, Any]) -> Mapping[str, Any]:
     """The tables of a case with the law of the column in its layers, so that they are checked if it is invalid."""
     material, layers = case.get("material"), case.get("layers")
     law = material.get("law") if isinstance(material, dict) else None
-    if law not in LAWS or not isinstance(layers, (list, tuple)):
+    if not isinstance(law, str) or law not in LAWS or not isinstance(layers, (list, tuple)):
         return case
     return {**case, "layers": [with_column_material(layer, {"law": law}) for layer in layers]}
 

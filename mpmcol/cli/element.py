@@ -40,7 +40,7 @@ def element(
     rate: float,
     out: Path | None,
 ) -> None:
-    """Test the law of a case with one material point under a prescribed strain path.
+    """Element test of the law of a case under a strain path.
 
     CASE is a TOML file or the name of a shipped case (mpmcol cases). The point starts with an isotropic pressure. The
     tests are plane-strain and triaxial compression at constant lateral stress, simple shear at constant normal stress,

@@ -52,7 +52,7 @@ def run_of(shape: ColumnShape, folder: Path) -> SimpleNamespace:
         history=history | {"stage": np.array(["collapse"] * 3), "time": np.arange(3.0)},
         case=load_case("lube-quarter", [*SIZE, f"geometry.section={shape.section}"]),
         summary=json.loads(json.dumps(summary)), measure=lambda number: measured,
-        snapshot=lambda number: SimpleNamespace(stage="rest", time=0.3),
+        snapshot=lambda number: SimpleNamespace(stage="rest", time=0.3), wall_pressure={},
     )  # fmt: skip
 
 

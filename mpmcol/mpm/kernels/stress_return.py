@@ -36,6 +36,7 @@ def _make_return_by_invariants(tensors: ModuleType) -> tuple[Function, Function,
         return s, *invariants(s)
 
     @device
+    @variant(tensors)
     def mean_and_shear(parts):
         """Mean stress and shear stress."""
         return parts[1], parts[2]

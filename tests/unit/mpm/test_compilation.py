@@ -56,8 +56,9 @@ def test_without_processes_the_block_runs_all_the_same(monkeypatch: pytest.Monke
 
 def test_the_loop_compiled_before_the_sort_is_the_one_that_steps() -> None:
     solver = collapse(DAMPED)
-    solver.prepare()
-    solver.advance(1.0, max_steps=2)
     time_loop: Any = loop.make_time_loop(2, solver.bodies[0].law, solver.bodies[1].law, solver.scheme)
+    solver.prepare()
+    prepared = len(time_loop.signatures)  # with those of other tests, such as of models with walls
+    solver.advance(1.0, max_steps=2)
     assert solver.steps == 2
-    assert len(time_loop.signatures) == 1
+    assert len(time_loop.signatures) == prepared > 0
