@@ -103,7 +103,7 @@ def _without_laws(kind: Literal["box", "outline"], title: str) -> Experiment:
 
 _NO_EXPERIMENT = {
     "box": _without_laws("box", "no published collapse of a box"),
-    OUTLINE: _without_laws("outline", "no published law (no rectangle, or walls in the way)"),
+    OUTLINE: _without_laws("outline", "no published law (no rectangle or walls in the way)"),
 }
 
 

@@ -38,7 +38,7 @@ def set_up_axes(
 ) -> float:
     """Fit the axes to column, deposits and `reach` (m), draw column, gate and floor; returns height over length."""
     axes, unit, factor = target.axes, target.unit, target.factor
-    length = factor * max([reach] + [deposit.max_distance for deposit in deposits])
+    length = factor * _with_walls(max([reach] + [deposit.max_distance for deposit in deposits]), shape)
     top = factor * max([shape.h_i] + [deposit.profile_y.max() for deposit in deposits])
     height = "mean height around the axis" if shape.has_sectors else "height"
     axes.set(
@@ -54,6 +54,12 @@ def set_up_axes(
     if not shape.has_sectors:
         draw_walls(axes, [(one.low_x, one.high_x, one.height) for one in shape.obstacles], factor)
     return float(top / length)
+
+
+def _with_walls(reach: float, shape: ColumnShape) -> float:
+    """Distance (m) up to which a chart shows the walls that the deposit reaches; of an end wall only the face."""
+    near = [one for one in shape.obstacles if one.low_x <= 1.1 * reach]
+    return max([reach] + [min(one.high_x, 1.1 * max(reach, one.low_x)) for one in near])
 
 
 def draw_walls(axes: Axes, walls: Sequence[tuple[float, float, float]], factor: float = 1.0) -> None:

@@ -11,6 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from mpmcol.case.walls import BACK_WALL, FLOOR, GATE_WALL
 from mpmcol.io.glossary import FORCE_UNITS
 from mpmcol.measure import Array, ColumnShape
 from mpmcol.measure.wall_forces import AXES, column
@@ -18,7 +19,8 @@ from mpmcol.plotting.figures import LABEL_SIZE, Heading, add_heading, save_figur
 from mpmcol.plotting.styles import RUN_COLOURS, RUN_LINES
 from mpmcol.units import length_scale
 
-FLOOR, TOP = "floor", "top"
+TOP = "top"
+SIDES = {"low_x": "", "high_x": ", far side", "low_z": ", low z", "high_z": ", high z"}  # faces of a wall in the domain
 LEAST_PRESSURE = 0.01  # of the largest: smaller ones are not counted to the height of the material
 HEADROOM = 1.3  # of the axes, over the largest pressure and the active lines
 
@@ -63,7 +65,7 @@ def wall_chart(
     tau = history["time"] / sqrt(shape.h_i / gravity)
     for wall, colour, line in zip(walls, RUN_COLOURS, RUN_LINES, strict=False):
         parts = [history[column(wall, axis)] for axis in AXES if column(wall, axis) in history]
-        left.plot(tau, np.linalg.norm(parts, axis=0), color=colour, linestyle=line, label=wall)
+        left.plot(tau, np.linalg.norm(parts, axis=0), color=colour, linestyle=line, label=_text(wall))
     unit = FORCE_UNITS[shape.model]
     left.set(
         xlabel=r"time since release $t\,/\,\sqrt{h_i/g}$ (-)", ylabel=f"force on the wall ({unit})", ylim=(0.0, None)
@@ -84,9 +86,17 @@ def wall_profiles(pressures: Mapping[str, Array]) -> Iterator[WallProfile]:
     for key in dict.fromkeys(keys):
         wall, face, state = key
         rows = np.array([other == key for other in keys])
-        profile = WallProfile(f"{wall} {face}, {state}", pressures["position"][rows], pressures["pressure"][rows])
-        if face != TOP and profile.pressure.max() > 0.0:
+        if face == TOP:
+            continue
+        side = "" if wall in (BACK_WALL, GATE_WALL) else SIDES[face]
+        label = f"{_text(wall)}{side}, {state}"
+        profile = WallProfile(label, pressures["position"][rows], pressures["pressure"][rows])
+        if profile.pressure.max() > 0.0:
             yield profile
+
+
+def _text(wall: str) -> str:
+    return wall.replace("_", " ")
 
 
 def _draw_profiles(
