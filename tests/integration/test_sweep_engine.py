@@ -202,6 +202,7 @@ def test_an_interruption_stops_the_runs_gracefully(tmp_path: Path, acts: Acts) -
 
 def test_a_run_that_does_not_end_is_killed(tmp_path: Path, acts: Acts, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(task, "GRACE", 0.5)
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell ignores it in commands in the background
     acts(a1="ignores SIGTERM")
     (run,) = make_runs(tmp_path, "1")
     outcomes = execute_runs([run], Allocation(1, 1), tick=lambda: None)
