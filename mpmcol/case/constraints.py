@@ -52,43 +52,39 @@ def _experiment_fits(name: str, model: str, section: str) -> bool:
 
 
 FILTER_STRENGTH = 0.5  # default of method.filter_strength
-_ORDERED_ANGLES = (
-    ("dilatancy", "friction"),
-    ("dilatancy_peak", "friction_peak"),
-    ("dilatancy_residual", "friction_residual"),
-    ("friction_residual", "friction_peak"),
-    ("dilatancy_residual", "dilatancy_peak"),
+_ORDERED = (  # the first must not exceed the second
+    ("dilatancy_deg", "friction_deg"),
+    ("dilatancy_peak_deg", "friction_peak_deg"),
+    ("dilatancy_residual_deg", "friction_residual_deg"),
+    ("friction_residual_deg", "friction_peak_deg"),
+    ("dilatancy_residual_deg", "dilatancy_peak_deg"),
+    ("cohesion_residual", "cohesion"),
+    ("mu_s", "mu_2"),
 )
+
+
+def _of_material(table: str) -> Iterator[Constraint]:
+    """Constraints between the parameters of a material, whose table has this name."""
+    for smaller, larger in _ORDERED:
+        yield Constraint((f"{table}.{smaller}", f"{table}.{larger}"), at_most, AT_MOST)
+    yield Constraint(
+        (f"{table}.friction_deg", f"{table}.cohesion"),
+        lambda friction, cohesion: friction != 0.0 or cohesion != 0.0,
+        "needs a cohesion, not {1}: material without both has no strength",
+    )
+    yield Constraint(
+        (f"{table}.tension", f"{table}.cohesion", f"{table}.friction_deg"),
+        lambda tension, cohesion, friction: (
+            not tension or not friction or tension <= cohesion / math.tan(math.radians(friction)) * (1.0 + 1e-9)
+        ),
+        "must not exceed c cot(phi), with {1} and {2}",
+    )
+
+
 CONSTRAINTS = (
     *GEOMETRY,
-    *(
-        Constraint((f"{table}.{smaller}_deg", f"{table}.{larger}_deg"), at_most, AT_MOST)
-        for table in ("material", "base_material")
-        for smaller, larger in _ORDERED_ANGLES
-    ),
-    *(
-        Constraint((f"{table}.cohesion_residual", f"{table}.cohesion"), at_most, AT_MOST)
-        for table in ("material", "base_material")
-    ),
-    *(Constraint((f"{table}.mu_s", f"{table}.mu_2"), at_most, AT_MOST) for table in ("material", "base_material")),
-    *(
-        Constraint(
-            (f"{table}.friction_deg", f"{table}.cohesion"),
-            lambda friction, cohesion: friction != 0.0 or cohesion != 0.0,
-            "needs a cohesion, not {1}: material without both has no strength",
-        )
-        for table in ("material", "base_material")
-    ),
-    *(
-        Constraint(
-            (f"{table}.tension", f"{table}.cohesion", f"{table}.friction_deg"),
-            lambda tension, cohesion, friction: (
-                not tension or not friction or tension <= cohesion / math.tan(math.radians(friction)) * (1.0 + 1e-9)
-            ),
-            "must not exceed c cot(phi), with {1} and {2}",
-        )
-        for table in ("material", "base_material")
-    ),
+    *_of_material("material"),
+    *_of_material("base_material"),
     Constraint(
         ("method.flip_fraction", "method.transfer"),
         lambda fraction, transfer: fraction == 1.0 or transfer in ("taylor-flip", "flip"),
