@@ -39,6 +39,7 @@ _STALE_AFTER_S = 7 * 24 * 3600.0
 _FLAGS: dict[str, Any] = {"error_model": "numpy", "nogil": True}
 # Functions that only kernels call have no interface to C, which would take a seventh of the time of compilation.
 CALLED_BY_KERNELS: Any = {"no_cfunc_wrapper": True}
+_SUBROUTINE: Any = {"no_cpython_wrapper": True, **CALLED_BY_KERNELS}
 
 
 def source_digest() -> str:
@@ -103,6 +104,13 @@ class _TolerantCache(FunctionCache):
         """
         return sig, codegen.magic_tuple(), self._py_func.__qualname__
 
+    def holds(self, sig: Any, codegen: Any) -> bool:
+        """Whether there is machine code for arguments of these types."""
+        try:
+            return self._index_key(sig, codegen) in self._cache_file._load_index()
+        except Exception:  # damaged pickles raise many kinds
+            return False
+
 
 def _cached(compiled: Any) -> Any:
     """Store the machine code of a function on disk."""
@@ -149,9 +157,16 @@ def make_unpack(size: int) -> Callable[[Any], tuple[float, ...]]:
     return unpack
 
 
+def subroutine(function: F) -> F:
+    """A loop that kernels call, not Python: compiled once, cached on disk, and inlined into all of them."""
+    compiled: F = _cached(numba.njit(forceinline=True, **_SUBROUTINE, **_FLAGS)(function))
+    return compiled
+
+
 def phase(function: F) -> F:
-    """A parallel loop that is part of a kernel; use `kernel(function)` to call it from Python."""
-    return register_jitable(parallel=True, **CALLED_BY_KERNELS, **_FLAGS)(function)
+    """A parallel loop that kernels call, not Python: compiled once, cached on disk, and linked into all of them."""
+    compiled: F = _cached(numba.njit(parallel=True, **_SUBROUTINE, **_FLAGS)(function))
+    return compiled
 
 
 def kernel(function: F) -> F:
@@ -164,6 +179,22 @@ def driver(function: F) -> F:
     """An entry point from Python that runs phases one after another; cached on disk."""
     compiled: F = _cached(numba.njit(**_FLAGS)(function))
     return compiled
+
+
+def argument_types(*arguments: Any) -> tuple[Any, ...]:
+    """Numba's types of these values, which can be pickled."""
+    return tuple(numba.typeof(each) for each in arguments)
+
+
+def is_compiled(function: Any, types: Any) -> bool:
+    """Whether machine code of a subroutine, phase, kernel or driver for arguments of these types is on disk."""
+    return JIT_DISABLED or function._cache.holds(types, function.targetctx.codegen())
+
+
+def compile_for(function: Any, types: Any) -> None:
+    """Compile a subroutine, phase, kernel or driver for arguments of these types, or load it from the disk cache."""
+    if not JIT_DISABLED:
+        function.compile(types)
 
 
 _forked_with_threads = False  # whether this process is a child forked from one that had started threads

@@ -13,7 +13,11 @@ from mpmcol.mpm.contact import Contacts, no_contacts
 from mpmcol.mpm.grid import Grid, Tiles, no_tiles
 from mpmcol.mpm.jit import compiled_calls
 from mpmcol.mpm.kernels import loop
-from mpmcol.mpm.kernels.compilation import sort_compiled_meanwhile
+from mpmcol.mpm.kernels.compilation import (
+    compile_stress_update,
+    shared_functions_compiled_meanwhile,
+    shared_signatures,
+)
 from mpmcol.mpm.kernels.grid_update import NODE_REPORT
 from mpmcol.mpm.kernels.particle_update import TILE_REPORT, Bodies
 from mpmcol.mpm.kernels.sort import sort_buffers, sort_points
@@ -92,17 +96,23 @@ class Solver:
     def prepare(self) -> None:
         """Compile or load the kernels of the present laws, and sort the points if needed; takes no step."""
         with compiled_calls(compiling=True):
-            with sort_compiled_meanwhile():
-                self._call(self.time, 0)
+            state, dimension = self.state(), self.points.dimension
+            shared = shared_signatures(state, self.sort_arguments())
+            with shared_functions_compiled_meanwhile(dimension, self.scheme.basis, shared):
+                compile_stress_update(state, dimension, *self._laws(), self.scheme)
+            self._call(self.time, 0)
             if self.tiles is None:
                 self.sort()
 
     def sort(self) -> None:
         """Put the points in order of tiles, inactive ones last, and list the tiles that active points can reach."""
-        size = RECORD_SIZE[self.points.dimension]
-        rows, materials = self.points.rows.reshape(-1), len(self.bodies) - 1
-        self.set_tiles(Tiles(*sort_points(rows, size, self.grid, *self.buffers, self.margin, materials)))
+        self.set_tiles(Tiles(*sort_points(*self.sort_arguments())))
         self.clock[loop.TRAVELLED] = 0.0
+
+    def sort_arguments(self) -> tuple[Any, ...]:
+        """Arguments of `sort_points`."""
+        rows, size, materials = self.points.rows.reshape(-1), RECORD_SIZE[self.points.dimension], len(self.bodies) - 1
+        return rows, size, self.grid, *self.buffers, self.margin, materials
 
     def set_tiles(self, tiles: Tiles) -> None:
         """State that the points are in the order of `tiles`, as after a sort."""
@@ -153,10 +163,12 @@ class Solver:
             ledger=self.ledger,
         )
 
+    def _laws(self) -> tuple[ConstitutiveLaw, ConstitutiveLaw]:
+        return self.bodies[COLUMN].law, self.bodies[BASE].law
+
     def _call(self, end: float, steps: int) -> int:
         """Call the compiled loop once."""
-        laws = self.bodies[COLUMN].law, self.bodies[BASE].law
-        time_loop = loop.make_time_loop(self.points.dimension, *laws, self.scheme)
+        time_loop = loop.make_time_loop(self.points.dimension, *self._laws(), self.scheme)
         return int(time_loop(self.state(), end, steps))
 
     def _adapt_call(self, steps: int, seconds: float) -> None:

@@ -1,51 +1,95 @@
-"""Compilation by two processes: the sort in a second one, while this one compiles the time loop.
+"""Compilation by two processes: one compiles what all laws share, this one meanwhile what depends on the laws.
 
-`python -m mpmcol.mpm.kernels.compilation` compiles the sort, which is the same for all models, into the disk cache.
+`python -m mpmcol.mpm.kernels.compilation` compiles the sort and the phases of the nodes into the disk cache. It reads
+dimension, shape functions and types of the arguments, pickled, from its standard input.
 """
 
 from __future__ import annotations
 
 import contextlib
 import os
+import pickle
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
 
 import numpy as np
 
-from mpmcol.mpm.grid import allocate_grid
-from mpmcol.mpm.jit import CACHE_FOLDER, JIT_DISABLED
-from mpmcol.mpm.kernels.sort import sort_buffers, sort_points
-from mpmcol.mpm.lanes import RECORD_SIZE
+from mpmcol.mpm.constitutive import ConstitutiveLaw
+from mpmcol.mpm.jit import argument_types, compile_for, is_compiled
+from mpmcol.mpm.kernels.grid_update import clear, update_grid
+from mpmcol.mpm.kernels.particle_update import make_update_points
+from mpmcol.mpm.kernels.particle_update_split import make_update_stresses
+from mpmcol.mpm.kernels.sort import sort_points
+from mpmcol.mpm.kernels.step import State
+from mpmcol.mpm.kernels.transfer import make_p2g
+from mpmcol.mpm.settings import Scheme
+
+Signature = tuple[Any, ...]  # types of the arguments of a compiled function
+
+
+def shared_functions(dimension: int, basis: str) -> tuple[Callable[..., Any], ...]:
+    """The compiled functions that do not depend on the laws."""
+    return sort_points, clear, make_p2g(dimension, basis), update_grid
+
+
+def shared_signatures(state: State, sort_arguments: Sequence[Any]) -> tuple[Signature, ...]:
+    """Types of their arguments in a simulation with this state."""
+    rows, grid, contacts, tiles, settings, _, smallest_mass, node_report, _, _, _ = state
+    dt = 0.0
+    arguments = (
+        sort_arguments,
+        (grid, tiles),
+        (rows, grid, tiles, settings),
+        (grid, contacts, tiles, settings, smallest_mass, dt, node_report),
+    )
+    return tuple(argument_types(*each) for each in arguments)
 
 
 @contextlib.contextmanager
-def sort_compiled_meanwhile() -> Iterator[None]:
-    """Compile the sort in a second process during the block, if it is not in the disk cache; wait for it at the end.
+def shared_functions_compiled_meanwhile(dimension: int, basis: str, signatures: Sequence[Signature]) -> Iterator[None]:
+    """Compile these functions in a second process during the block, unless they are cached; wait for it at the end.
 
-    It saves a quarter of the time of compilation. Where no process can be started, or with one core, nothing is done,
-    and the sort is compiled when it is called.
+    Where no process can be started, or with one core, nothing is done, and they are compiled when they are called.
     """
+    functions = shared_functions(dimension, basis)
+    cached = all(is_compiled(function, types) for function, types in zip(functions, signatures, strict=True))
     with contextlib.ExitStack() as stack:
-        if not JIT_DISABLED and not is_sort_cached() and (os.cpu_count() or 1) > 1:
+        if not cached and (os.cpu_count() or 1) > 1:
             with contextlib.suppress(OSError):
                 process = subprocess.Popen(
-                    [sys.executable, "-m", __name__], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+                    [sys.executable, "-m", __name__],
+                    stdin=subprocess.PIPE,
+                    stdout=subprocess.DEVNULL,
+                    stderr=subprocess.DEVNULL,
                 )
                 stack.enter_context(process)
+                if process.stdin:
+                    process.stdin.write(pickle.dumps((dimension, basis, signatures)))
+                    process.stdin.close()
         yield
 
 
-def is_sort_cached() -> bool:
-    """Whether the disk cache holds the machine code of the sort."""
-    return any(CACHE_FOLDER.glob(f"*/sort.{sort_points.__name__}*.nbi"))
+def compile_shared_functions(dimension: int, basis: str, signatures: Sequence[Signature]) -> None:
+    """Compile these functions, or load them from the cache."""
+    for function, types in zip(shared_functions(dimension, basis), signatures, strict=True):
+        compile_for(function, types)
 
 
-def compile_sort() -> None:
-    """Compile the sort, or load it from the cache, and sort one point."""
-    rows, grid = np.zeros(RECORD_SIZE[2]), allocate_grid((0.0, 0.0), 1.0, (8, 8))
-    sort_points(rows, RECORD_SIZE[2], grid, *sort_buffers(grid), 0, 1)
+def compile_stress_update(
+    state: State, dimension: int, column_law: ConstitutiveLaw, base_law: ConstitutiveLaw, scheme: Scheme
+) -> None:
+    """Compile the phase that contains the stress update, or load it from the cache."""
+    is_last = scheme.stress_order == "usl"
+    make = make_update_points if is_last else make_update_stresses
+    pending = () if is_last else (np.zeros(0),)
+    dt, side_rate = 0.0, 0.0
+    types = argument_types(
+        state.rows, state.grid, state.tiles, state.settings, *state.bodies, dt, side_rate, *pending, state.tile_report
+    )
+    compile_for(make(dimension, column_law, base_law, scheme), types)
 
 
 if __name__ == "__main__":
-    compile_sort()
+    compile_shared_functions(*pickle.load(sys.stdin.buffer))

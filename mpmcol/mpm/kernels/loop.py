@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from mpmcol.mpm.constitutive import ConstitutiveLaw
-from mpmcol.mpm.jit import device, driver, variant
+from mpmcol.mpm.jit import device, driver, subroutine, variant
 from mpmcol.mpm.kernels.grid_update import DAMPING, KINETIC_AFTER, KINETIC_BEFORE, UNBALANCED, WALLS, WEIGHT
 from mpmcol.mpm.kernels.particle_update import FAULT, FILTER, NODE_WORK, SIDE_WORK, SPEED, TRAVEL, WORK
 from mpmcol.mpm.kernels.side_walls import sum_side_work
@@ -32,9 +32,12 @@ def is_sorted(clock, travel_limit):
     return clock[TRAVELLED] < travel_limit
 
 
-@device
+@subroutine
 def sum_nodes(report, ledger):
-    """Add the reports of the grid update to the ledger, in a fixed order."""
+    """Add the reports of the grid update to the ledger, in a fixed order.
+
+    Reads: report. Writes: ledger. Eq. (21)-(24).
+    """
     before, after, damping, walls, unbalanced, weight = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(len(report)):
         before += report[k, KINETIC_BEFORE]
@@ -50,11 +53,11 @@ def sum_nodes(report, ledger):
     ledger[L_UNBALANCED] = unbalanced / weight if weight > 0.0 else 0.0
 
 
-@device
+@subroutine
 def sum_points(report, ledger, clock, courant):
-    """Add the reports of the points to ledger and clock, with the time step of Eq. 35; returns the first invalid point.
+    """Add the reports of the points to ledger and clock, with the new time step; returns the first invalid point.
 
-    courant: time.cfl times h.
+    courant: time.cfl times h. Reads: report. Writes: ledger, clock. Eq. (35).
     """
     speed, travel, work, node_work, lost, fault = 0.0, 0.0, 0.0, 0.0, 0.0, NO_FAULT
     for t in range(len(report)):

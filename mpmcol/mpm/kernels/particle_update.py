@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from mpmcol.mpm.boundary import Box, column_box, particle_limits
 from mpmcol.mpm.constitutive import ConstitutiveLaw
-from mpmcol.mpm.jit import device, make_unpack, phase, prange, variant
+from mpmcol.mpm.jit import device, make_unpack, phase, prange, subroutine, variant
 from mpmcol.mpm.kernels.interpolation import make_interpolate, restore_columns, save_columns
 from mpmcol.mpm.kernels.stress import NO_FAULT, make_update_stress
 from mpmcol.mpm.kernels.transfer import make_transfer
@@ -32,14 +33,14 @@ class Bodies(NamedTuple):
     c2_base: float
 
 
+@cache
 def make_update_points(
     dimension: int, column_law: ConstitutiveLaw, base_law: ConstitutiveLaw, scheme: Scheme = PAPER
 ) -> Callable[..., None]:
     """G2P and stress update, with the dimension, the laws of column and base and the scheme frozen in."""
-    gather, size = make_transfer(dimension, scheme.basis).gather, RECORD_SIZE[dimension]
+    move_points, size = make_move_points(dimension, scheme.basis, scheme.affine), RECORD_SIZE[dimension]
     update_tile_stress = make_update_tile_stress(dimension, column_law, base_law, scheme)
     affine, matrix_size = scheme.affine, dimension * LANES
-    interpolate = make_interpolate(dimension, SHAPE_FUNCTIONS[scheme.basis], affine)
 
     @phase
     @variant(dimension, column_law, base_law, *scheme)
@@ -48,23 +49,14 @@ def make_update_points(
 
         Reads: nodes (v~, a). Writes: rows, report (n_tiles, 6). Eq. (26)-(34), and c_p + |v_p| of Eq. (35)-(36).
         """
-        nodes, start, layers, cells = grid.nodes, tiles.start, tiles.layers, tiles.cells
+        start, layers, cells = tiles.start, tiles.layers, tiles.cells
         box, everywhere = column_box(grid, settings), Box(-np.inf, np.inf, np.inf, -np.inf, np.inf)
-        limits, inv_h = particle_limits(grid, settings), 1.0 / grid.h
         for t in prange(len(layers)):
             first, stop = start[t], start[t + 1]
-            travel, node_work = splat(0.0), splat(0.0)
             averages = np.empty(stop - first + LANES)
-            if affine:  # the stress update first needs the velocity gradient in its lanes
-                matrices = np.empty(matrix_size * (stop - first))
-            for p in range(first, stop):
-                prefetch_record(rows, size, p + PREFETCH_DISTANCE)
-                if affine:
-                    _, x, y, z = interpolate(load(rows, p * size), nodes, grid, settings)
-                    save_columns(matrices, matrix_size * (p - first), dimension, x, y, z)
-                displacement, work, averages[p - first] = gather(rows, p * size, nodes, grid, settings, limits, dt)
-                travel, node_work = maximum(travel, abs(displacement)), node_work + work
-            report[t, TRAVEL], report[t, NODE_WORK] = inv_h * largest_axis(travel), sum_axes(node_work)
+            matrices = np.empty(matrix_size * (stop - first)) if affine else averages
+            travel, node_work = move_points(rows, first, stop, grid, settings, dt, averages, matrices)
+            report[t, TRAVEL], report[t, NODE_WORK] = travel, node_work
             update_tile_stress(
                 rows, cells, layers[t], stop, column, base, c2_column, c2_base, settings, box, everywhere, dt, averages,
                 side_rate, report[t],
@@ -74,6 +66,34 @@ def make_update_points(
                     restore_columns(rows, p * size, dimension, matrices, matrix_size * (p - first))
 
     return update_points
+
+
+@cache
+def make_move_points(dimension: int, basis: str, affine: bool) -> Callable[..., tuple[float, float]]:
+    """G2P over a range of points, with the dimension, the shape functions and APIC (`affine`) frozen in."""
+    gather, size, matrix_size = make_transfer(dimension, basis).gather, RECORD_SIZE[dimension], dimension * LANES
+    interpolate = make_interpolate(dimension, SHAPE_FUNCTIONS[basis], affine)
+
+    @subroutine
+    @variant(dimension, basis, affine)
+    def move_points(rows, first, stop, grid, settings, dt, averages, matrices):
+        """Move these points; returns the largest travel (in cells) and the work of the nodes (J).
+
+        Reads: nodes (v~, a). Writes: rows, averages of the filtered stress (Pa), and with APIC its matrices, which the
+        stress update would overwrite. Eq. (26)-(28).
+        """
+        nodes, limits, inv_h = grid.nodes, particle_limits(grid, settings), 1.0 / grid.h
+        travel, node_work = splat(0.0), splat(0.0)
+        for p in range(first, stop):
+            prefetch_record(rows, size, p + PREFETCH_DISTANCE)
+            if affine:  # the stress update first needs the velocity gradient in its lanes
+                _, x, y, z = interpolate(load(rows, p * size), nodes, grid, settings)
+                save_columns(matrices, matrix_size * (p - first), dimension, x, y, z)
+            displacement, work, averages[p - first] = gather(rows, p * size, nodes, grid, settings, limits, dt)
+            travel, node_work = maximum(travel, abs(displacement)), node_work + work
+        return inv_h * largest_axis(travel), sum_axes(node_work)
+
+    return move_points
 
 
 def make_update_tile_stress(

@@ -7,6 +7,7 @@ latter occupies the lanes of L while the stress of a tile is updated; the former
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 
 import numpy as np
 
@@ -29,6 +30,7 @@ from mpmcol.mpm.shape_functions import SHAPE_FUNCTIONS
 from mpmcol.mpm.simd import extract, load, maximum, splat, store, where_positive
 
 
+@cache
 def make_g2p(dimension: int, scheme: Scheme) -> Callable[..., None]:
     """G2P over all points, without the stress update."""
     gather, size = make_transfer(dimension, scheme.basis).gather, RECORD_SIZE[dimension]
@@ -63,6 +65,7 @@ def make_g2p(dimension: int, scheme: Scheme) -> Callable[..., None]:
     return g2p
 
 
+@cache
 def make_update_stresses(
     dimension: int, column_law: ConstitutiveLaw, base_law: ConstitutiveLaw, scheme: Scheme
 ) -> Callable[..., None]:

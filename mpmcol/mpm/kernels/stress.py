@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from types import ModuleType
 from typing import Any
 
 import numpy as np
 
 from mpmcol.mpm.constitutive import ConstitutiveLaw
-from mpmcol.mpm.jit import device, variant
+from mpmcol.mpm.jit import device, subroutine, variant
 from mpmcol.mpm.kernels import stress_2d, stress_3d
 from mpmcol.mpm.kernels.side_walls import slow_points
 from mpmcol.mpm.kernels.stress_common import (
@@ -70,13 +71,14 @@ def make_stress_update(dimension: int, law: ConstitutiveLaw) -> Callable[..., An
     return stress_update
 
 
+@cache
 def make_update_stress(dimension: int, law: ConstitutiveLaw, volumetric_strain: str) -> Callable[..., Any]:
     """The stress update of a range of points; volumetric_strain: see `Scheme`."""
     update_eight, size = _make_update_eight(dimension, law), RECORD_SIZE[dimension]
     volumetric_excess, averaged = make_volumetric_excess(dimension), volumetric_strain == "cell"
     plane = dimension == 2
 
-    @device
+    @subroutine
     @variant(dimension, law, volumetric_strain)
     def update_stress(rows, cells, first, stop, params, settings, box, c2, dt, averages, side_rate):
         """Returns the stress work (J), the largest c_p + |v_p| (m/s), the row of the first invalid point, and the

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mpmcol.mpm.grid import Grid, Tiles
-from mpmcol.mpm.jit import phase, prange, variant
+from mpmcol.mpm.jit import phase, prange, subroutine, variant
 from mpmcol.mpm.kernels import transfer_quadratic_2d, transfer_quadratic_3d
 from mpmcol.mpm.kernels.transfer_common import PREFETCH_DISTANCE, prefetch_record
 from mpmcol.mpm.kernels.transfer_generic import make_gather, make_scatter
@@ -46,9 +46,10 @@ def make_transfer(dimension: int, basis: str) -> Transfer:
     return Transfer(make_scatter(dimension, shape_functions), make_gather(dimension, shape_functions))
 
 
+@cache
 def make_p2g(dimension: int, basis: str) -> Callable[..., None]:
     """P2G over all points, with the transfer of a point frozen in."""
-    scatter, size = make_transfer(dimension, basis).scatter, RECORD_SIZE[dimension]
+    scatter_points = make_scatter_points(dimension, basis)
 
     @phase
     @variant(dimension, basis)
@@ -57,15 +58,31 @@ def make_p2g(dimension: int, basis: str) -> Callable[..., None]:
 
         Reads: rows. Writes: nodes (m, mv, f, m q). Eq. (13), (14), (19), (20).
         """
-        nodes, start, grouped, group_start = grid.nodes, tiles.start, tiles.grouped, tiles.group_start
+        start, grouped, group_start = tiles.start, tiles.grouped, tiles.group_start
         for group in range(len(group_start) - 1):
             for k in prange(group_start[group], group_start[group + 1]):
                 tile, following = grouped[k], grouped[min(k + 1, len(grouped) - 1)]
-                stop = start[tile + 1]
-                jump = start[following] - stop
-                for p in range(start[tile], stop):
-                    ahead = p + PREFETCH_DISTANCE
-                    prefetch_record(rows, size, ahead if ahead < stop else ahead + jump)
-                    scatter(rows, p * size, nodes, grid, settings)
+                scatter_points(rows, start[tile], start[tile + 1], start[following], grid, settings)
 
     return p2g
+
+
+@cache
+def make_scatter_points(dimension: int, basis: str) -> Callable[..., None]:
+    """P2G over a range of points, with the transfer of a point frozen in."""
+    scatter, size = make_transfer(dimension, basis).scatter, RECORD_SIZE[dimension]
+
+    @subroutine
+    @variant(dimension, basis)
+    def scatter_points(rows: np.ndarray, first: int, stop: int, following: int, grid: Grid, settings: Settings) -> None:
+        """Scatter mass, momentum and force of these points; `following` is the point after them, to be prefetched.
+
+        Reads: rows. Writes: nodes (m, mv, f, m q). Eq. (13), (14), (19), (20).
+        """
+        nodes, jump = grid.nodes, following - stop
+        for p in range(first, stop):
+            ahead = p + PREFETCH_DISTANCE
+            prefetch_record(rows, size, ahead if ahead < stop else ahead + jump)
+            scatter(rows, p * size, nodes, grid, settings)
+
+    return scatter_points

@@ -1,13 +1,19 @@
-"""The sort is compiled by a second process while the time loop is compiled."""
+"""What all laws share is compiled by a second process while the stress update is compiled."""
 
 from __future__ import annotations
 
 import subprocess
+from collections.abc import Callable
 from typing import Any
 
 import pytest
 
+from mpmcol.mpm.jit import is_compiled
 from mpmcol.mpm.kernels import compilation, loop
+from mpmcol.mpm.kernels.particle_update import make_update_points
+from mpmcol.mpm.kernels.particle_update_split import make_update_stresses
+from mpmcol.mpm.settings import Scheme
+from mpmcol.mpm.solver import Solver
 from tests.support.sand_column import DAMPED, collapse
 
 
@@ -25,39 +31,73 @@ def started(monkeypatch: pytest.MonkeyPatch) -> list[subprocess.Popen[bytes]]:
     return processes
 
 
-def test_a_cached_sort_is_not_compiled_again(started: list[subprocess.Popen[bytes]]) -> None:
-    compilation.compile_sort()
-    assert compilation.is_sort_cached()
-    with compilation.sort_compiled_meanwhile():
+@pytest.fixture
+def solver() -> Solver:
+    prepared = collapse(DAMPED)
+    prepared.prepare()
+    return prepared
+
+
+def shared(solver: Solver) -> tuple[int, str, tuple[Any, ...]]:
+    signatures = compilation.shared_signatures(solver.state(), solver.sort_arguments())
+    return solver.points.dimension, solver.scheme.basis, signatures
+
+
+def test_the_types_are_those_with_which_the_functions_are_called(solver: Solver) -> None:
+    """Otherwise the second process would compile what nobody calls."""
+    solver.advance(1.0, max_steps=2)
+    dimension, basis, signatures = shared(solver)
+    for function, types in zip(compilation.shared_functions(dimension, basis), signatures, strict=True):
+        called: Any = function
+        assert types in called.overloads
+
+
+@pytest.mark.parametrize(("order", "make"), [("usl", make_update_points), ("musl", make_update_stresses)])
+def test_the_stress_update_is_compiled_once(order: str, make: Callable[..., Any]) -> None:
+    solver = collapse(DAMPED, scheme=Scheme(stress_order=order))
+    solver.prepare()
+    laws = solver.bodies[0].law, solver.bodies[1].law
+    compiled = make(2, *laws, solver.scheme)
+    types = len(compiled.overloads)
+    compilation.compile_stress_update(solver.state(), 2, *laws, solver.scheme)
+    solver.advance(1.0, max_steps=2)
+    assert len(compiled.overloads) == types > 0
+
+
+def test_cached_functions_are_not_compiled_again(solver: Solver, started: list[subprocess.Popen[bytes]]) -> None:
+    dimension, basis, signatures = shared(solver)
+    compilation.compile_shared_functions(dimension, basis, signatures)
+    for function, types in zip(compilation.shared_functions(dimension, basis), signatures, strict=True):
+        assert is_compiled(function, types)
+        assert not is_compiled(function, types[:1])
+    with compilation.shared_functions_compiled_meanwhile(dimension, basis, signatures):
         pass
     assert started == []
 
 
-def test_the_second_process_ends_successfully_before_the_sort_is_called(
-    started: list[subprocess.Popen[bytes]], monkeypatch: pytest.MonkeyPatch
+def test_the_second_process_ends_successfully_before_the_loop_is_called(
+    solver: Solver, started: list[subprocess.Popen[bytes]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(compilation, "is_sort_cached", lambda: False)
+    monkeypatch.setattr(compilation, "is_compiled", lambda function, types: False)
     monkeypatch.setattr("os.cpu_count", lambda: 2)
-    with compilation.sort_compiled_meanwhile():
+    with compilation.shared_functions_compiled_meanwhile(*shared(solver)):
         assert [process.returncode for process in started] == [None]
     assert [process.returncode for process in started] == [0]
 
 
-def test_without_processes_the_block_runs_all_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_processes_the_block_runs_all_the_same(solver: Solver, monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(*_: Any, **__: Any) -> None:
         raise PermissionError
 
-    monkeypatch.setattr(compilation, "is_sort_cached", lambda: False)
+    monkeypatch.setattr(compilation, "is_compiled", lambda function, types: False)
     monkeypatch.setattr(subprocess, "Popen", refuse)
-    with compilation.sort_compiled_meanwhile():
+    with compilation.shared_functions_compiled_meanwhile(*shared(solver)):
         has_run = True
     assert has_run
 
 
-def test_the_loop_compiled_before_the_sort_is_the_one_that_steps() -> None:
-    solver = collapse(DAMPED)
+def test_the_loop_that_was_prepared_is_the_one_that_steps(solver: Solver) -> None:
     time_loop: Any = loop.make_time_loop(2, solver.bodies[0].law, solver.bodies[1].law, solver.scheme)
-    solver.prepare()
     prepared = len(time_loop.signatures)  # with those of other tests, such as of models with walls
     solver.advance(1.0, max_steps=2)
     assert solver.steps == 2

@@ -118,7 +118,7 @@ def test_machine_code_of_a_process_that_read_source_serves_one_that_reads_byteco
     factory("1")
     assert compileall.compile_file(tmp_path / "factory.py", quiet=1)
     factory("1")
-    assert len(list(tmp_path.rglob("*.nbc"))) == 1
+    assert len(list(tmp_path.rglob("*.nbc"))) == 2  # the phase and the driver
 
 
 HELPED = """
