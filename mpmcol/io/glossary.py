@@ -121,7 +121,7 @@ _WALL_FORCES: Names = {
 }
 _PRESSURE: Names = {
     "wall": ("", "name of the wall"),
-    "face": ("", "low_x, high_x, low_z, high_z or top: the side of the wall that the face is on"),
+    "face": ("", "low_x, high_x, low_z, high_z or top: the side of the wall; side: the gate in 3D, all around"),
     "state": ("", "release (before the opening of the gate) or end"),
     "position": ("m", "of a row of nodes: height above the base, of the faces top the distance along x"),
     "force": (FORCE, "mean force of the row normal to the face, into the wall"),
