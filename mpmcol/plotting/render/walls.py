@@ -14,6 +14,7 @@ from mpmcol.plotting.captions import tables_of_snapshot
 from mpmcol.plotting.render.projection import MIRRORS
 
 COLOR = 0.55  # grey level
+VERTICAL = 1  # axis
 SHADES = (0.8, 1.0, 0.65)  # brightness of faces with the normal x, y or z
 
 Box = tuple[tuple[float, float, float], tuple[float, float, float]]  # lowest and highest corner, m
@@ -41,12 +42,13 @@ def wall_boxes(meta: Meta, reach: float) -> list[Box]:
 def wall_surface(boxes: list[Box], spacing: float, reach: float) -> tuple[np.ndarray, np.ndarray]:
     """Points (n, 3), m, on the walls without their part in the quarter x > 0, z > 0, and their colours (n, 3).
 
-    spacing: at most that between points, m. reach: distance from the axis beyond which there are none, m.
+    spacing: about that between points, m. reach: distance from the axis at which walls are cut, m.
     """
-    faces = [face for box in boxes for part in _behind_cut(box) for face in _faces(part, spacing)]
+    parts = [part for box in boxes for part in _behind_cut(box)]
+    faces = [face for part in parts for face in (*_faces(part, spacing), (_rim(part, spacing, reach), 0))]
     x = np.concatenate([np.zeros((0, 3)), *(points for points, _ in faces)])
     shades = np.concatenate([np.zeros(0), *(np.full(len(points), SHADES[axis]) for points, axis in faces)])
-    near = np.hypot(x[:, 0], x[:, 2]) <= reach
+    near = np.hypot(x[:, 0], x[:, 2]) <= (1.0 + 1e-9) * reach
     return x[near], np.repeat(COLOR * shades[near, None], 3, axis=1)
 
 
@@ -63,10 +65,22 @@ def _behind_cut(box: Box) -> Iterator[Box]:
 
 
 def _faces(box: Box, spacing: float) -> Iterator[tuple[np.ndarray, int]]:
-    """Points on the faces of a box, and the axis of the normal of each."""
+    """Points on the faces of a box, without the lower one, and the axis of the normal of each."""
     low, high = np.array(box)
-    for axis in range(3):
-        for end in (low[axis], high[axis]):
-            lines = [np.linspace(a, b, max(round((b - a) / spacing), 1) + 1) for a, b in zip(low, high, strict=True)]
+    for axis, ends in enumerate(zip(low, high, strict=True)):
+        for end in ends[axis == VERTICAL :]:
+            lines = [_line(a, b, spacing) for a, b in zip(low, high, strict=True)]
             lines[axis] = np.array([end])
             yield np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 3), axis
+
+
+def _rim(box: Box, spacing: float, reach: float) -> np.ndarray:
+    """Points (n, 3) where the cylinder of radius `reach` (m) cuts a box."""
+    (x0, y0, z0), (x1, y1, z1) = box
+    angle, y = np.meshgrid(_line(0.0, 2.0 * np.pi, spacing / reach), _line(y0, y1, spacing))
+    x, z = reach * np.cos(angle), reach * np.sin(angle)
+    return np.column_stack([x.ravel(), y.ravel(), z.ravel()])[((x0 <= x) & (x <= x1) & (z0 <= z) & (z <= z1)).ravel()]
+
+
+def _line(start: float, end: float, spacing: float) -> np.ndarray:
+    return np.linspace(start, end, max(round((end - start) / spacing), 1) + 1)

@@ -381,8 +381,15 @@ def test_surfaces_of_walls_are_cut_like_the_material_and_closed() -> None:
         (0.01, 0.02, -0.01),
     ):
         assert np.linalg.norm(x - place, axis=1).min() < 0.002
-    near, _ = wall_surface([(tuple(low), tuple(high))], 0.002, 0.015)
-    assert 0 < len(near) < len(x) and (np.hypot(near[:, 0], near[:, 2]) <= 0.015).all()
+
+
+def test_walls_are_closed_where_they_are_cut_at_the_edge_of_the_base() -> None:
+    box = (-0.02, 0.0, -0.01), (0.03, 0.02, 0.04)
+    x, _ = wall_surface([box], 0.001, 0.015)
+    assert np.hypot(x[:, 0], x[:, 2]).max() == pytest.approx(0.015)
+    for angle in np.radians((100.0, 170.0, 330.0)):  # within the box, outside the removed quarter
+        place = 0.015 * np.cos(angle), 0.01, 0.015 * np.sin(angle)
+        assert np.linalg.norm(x - place, axis=1).min() < 0.001
 
 
 def test_the_cutaway_view_shows_walls_that_hide_and_are_hidden(tmp_path: Path) -> None:
