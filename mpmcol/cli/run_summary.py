@@ -61,10 +61,11 @@ def _impacts(summary: dict[str, Any], model: str) -> Iterator[str]:
     force_unit, moment_unit = FORCE_UNITS[model], MOMENT_UNITS[model]
     for wall, force in (summary.get("wall_forces") or {}).items():
         if wall != "floor" and force["peak"] > 0.0:
+            sustained = "" if force["sustained"] is None else f", {force['sustained']:.3g} over 0.2 sqrt(h_i/g)"
             moment = f", moment at most {force['moment']:.3g} {moment_unit}" if "moment" in force else ""
             yield (
                 f"force on {wall}: at most {force['peak']:.3g} {force_unit} at {force['time']:.3g} s (mean over "
-                f"{1e3 * force['window']:.2g} ms), {force['at_end']:.3g} at the end{moment}"
+                f"{1e3 * force['window']:.2g} ms){sustained}, {force['at_end']:.3g} at the end{moment}"
             )
 
 

@@ -113,7 +113,8 @@ _WALL_FORCES: Names = {
     "at_release": (FORCE, "magnitude of the force before the opening of the gate"),
     "peak": (FORCE, "largest magnitude of the mean force over `window` since the release"),
     "time": ("s", "time since release at the end of that window"),
-    "window": ("s", "time over which the peak force is averaged, at least 5 h/c"),
+    "window": ("s", "time over which the peak force is averaged: at least 5 h/c and a row of the history"),
+    "sustained": (FORCE, "as the peak, of the mean over 0.2 sqrt(h_i/g); null if the collapse is shorter"),
     "at_end": (FORCE, "magnitude of the mean force of the last row of the history"),
     "moment_at_release": (MOMENT, "moment about the foot of the wall before the opening of the gate"),
     "moment": (MOMENT, "largest mean moment over `window` that overturns the wall about its foot"),
@@ -121,7 +122,7 @@ _WALL_FORCES: Names = {
 }
 _PRESSURE: Names = {
     "wall": ("", "name of the wall"),
-    "face": ("", "low_x, high_x, low_z, high_z or top: the side of the wall that the face is on"),
+    "face": ("", "low_x, high_x, low_z, high_z or top: the side of the wall; side: the gate in 3D, all around"),
     "state": ("", "release (before the opening of the gate) or end"),
     "position": ("m", "of a row of nodes: height above the base, of the faces top the distance along x"),
     "force": (FORCE, "mean force of the row normal to the face, into the wall"),

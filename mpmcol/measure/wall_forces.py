@@ -10,6 +10,8 @@ import numpy as np
 AXES = ("x", "y", "z")
 LEAST_TRANSITS = 5.0  # h / c, shortest time over which a force is averaged: shorter peaks are elastic waves of a cell
 
+SUSTAINED_WINDOW = 0.2  # sqrt(h_i / g), over which the mean of an impact hardly depends on the spacing
+
 
 def column(wall: str, axis: str) -> str:
     """Column of the history with the component of the force on a wall along an axis."""
@@ -57,6 +59,19 @@ def peak_forces(history: Mapping[str, np.ndarray], window: float) -> dict[str, A
             **_moments(history, wall, rows, last, first, duration),
         }
     return peaks
+
+
+def wall_force_summary(history: Mapping[str, np.ndarray], window: float, fall_time: float) -> dict[str, Any] | None:
+    """`peak_forces`, and as "sustained" the largest mean force over SUSTAINED_WINDOW; None if the flow is shorter.
+
+    fall_time: sqrt(h_i / g), s.
+    """
+    peaks = peak_forces(history, window)
+    sustained = peak_forces(history, SUSTAINED_WINDOW * fall_time) or {}
+    return peaks and {
+        wall: peak | {"sustained": sustained[wall]["peak"] if wall in sustained else None}
+        for wall, peak in peaks.items()
+    }
 
 
 def _moments(

@@ -5,6 +5,9 @@ nodes inside the wall are distributed as beside the faces of the domain, where t
 value of the node inside the wall is extrapolated, twice that on the wall minus that of the next node, so that a
 quadratic spline becomes the linear shape functions of the half cell. Cells that touch a wall in an edge only keep their
 splines. Forces and friction of such walls are those of their nodes (`mpmcol.mpm.contact`).
+
+A node from which the stencil of a point in such a cell may start is marked, so that points away from walls look up one
+mask, that of their first node.
 """
 
 from __future__ import annotations
@@ -21,17 +24,21 @@ from mpmcol.mpm.lanes import X, Y, Z
 from mpmcol.mpm.simd import extract, splat, vector, where_positive
 
 # bits of a cell: 2 axis + side for a face on a wall, which is below the cell along the axis (side 0) or above it; a
-# wall around the corner; a cell of the wall
+# cell of the wall. Bit of its lowest node: a stencil from this node on may be that of a point beside a wall or an edge
 NEAR_WALL, IN_WALL = 0b01000000, 0b10000000
+# cells from a cell of a wall to such a node: a point is at most one cell from it, and the first node of its stencil at
+# most one cell before its cell (two for cubic shape functions in the last cell of the grid, beyond which is no wall)
+NEAR = range(-2, 2)
 
 
 def with_walls(grid: Grid, inside: np.ndarray) -> Grid:
     """The grid with walls in some of its cells, boolean (n_x - 1, n_y - 1[, n_z - 1])."""
-    around, core = np.pad(inside, 1), (slice(1, -1),) * inside.ndim
-    near = np.logical_or.reduce(
-        [np.roll(around, shift, range(inside.ndim))[core] for shift in product((-1, 0, 1), repeat=inside.ndim)]
-    )
-    cells = np.where(inside, IN_WALL, np.where(near, NEAR_WALL, 0))
+    margin = max(abs(cells) for cells in NEAR)
+    around, core = np.pad(inside, margin), (slice(margin, -margin),) * inside.ndim
+    near = around
+    for axis in range(inside.ndim):
+        near = np.logical_or.reduce([np.roll(near, cells, axis) for cells in NEAR])
+    cells = np.where(inside, IN_WALL, 0) | np.where(near[core], NEAR_WALL, 0)
     for axis, side in product(range(inside.ndim), (0, 1)):
         neighbour = np.roll(around, 1 - 2 * side, axis)[core]
         cells |= np.where(neighbour & ~inside, 1 << (2 * axis + side), 0)
@@ -44,8 +51,8 @@ def with_walls(grid: Grid, inside: np.ndarray) -> Grid:
 
 
 @device
-def cell_mask(wall_cells: np.ndarray, s: Any, grid: Grid) -> int:
-    """Mask of the cell at grid coordinates `s`."""
+def mask_at(wall_cells: np.ndarray, s: Any, grid: Grid) -> int:
+    """Mask of the cell at grid coordinates `s`, or of a node."""
     k = int(extract(s, Z)) if grid.n_z > 1 else 0
     return wall_cells[(grid.ax[int(extract(s, X))] + grid.ay[int(extract(s, Y))] + grid.az[k]) // NODE]
 
@@ -61,19 +68,21 @@ def _faces(mask: int, side: int) -> Any:
 def beside_walls(
     wall_cells: np.ndarray | None, s: Any, base: Any, width: int, correction: bool, grid: Grid
 ) -> tuple[bool, Any, Any]:
-    """Whether the stencil of a point has nodes inside a wall, and one in the lanes of the axes along which it has.
+    """Whether a point may be beside a wall, and one in the lanes of the axes along which its stencil has nodes inside.
 
     s: grid coordinates. base, width: first node of the stencil (as a real number), number of nodes. Returns the axes
     along which the first node is inside, and those along which the last one is. Without `correction` all are used.
     """
     if wall_cells is None:
         return False, base, base
-    mask = cell_mask(wall_cells, s, grid)
-    if mask == 0 or not correction:
+    if not mask_at(wall_cells, base, grid) & NEAR_WALL:
         return False, base, base
-    first, zero = s - base, splat(0.0)  # distance from the first node, in cells: the last is width - 1 from it
+    zero = splat(0.0)
+    if not correction:
+        return True, zero, zero
+    mask, first = mask_at(wall_cells, s, grid), s - base  # distance from the first node, in cells
     low = where_positive(first - 1.0, _faces(mask, 0), zero)
-    high = where_positive((width - 2) - first, _faces(mask, 1), zero)
+    high = where_positive((width - 2) - first, _faces(mask, 1), zero)  # the last node is width - 1 from the first
     return True, low, high
 
 
@@ -92,23 +101,26 @@ def fold_four(low: Any, high: Any, a: Any, b: Any, c: Any, d: Any) -> tuple[Any,
 
 
 @device
-def keep_out_of_walls(wall_cells: np.ndarray | None, old: Any, new: Any, gap: float, grid: Grid) -> Any:
+def keep_out_of_walls(wall_cells: np.ndarray | None, near: bool, old: Any, new: Any, gap: float, grid: Grid) -> Any:
     """A vector with position lanes, moved out of walls and `gap` (m) away from those beside the old position.
 
-    A point that would enter a wall over an edge stays in its vertical row of cells.
+    near: whether the old position may be beside a wall. A point that would enter a wall over an edge stays in its
+    vertical row of cells.
     """
     if wall_cells is None:
         return new
+    if not near:
+        return new
     origin, inv_h = _coordinates(grid.origin_x, grid.origin_y, grid.origin_z), 1.0 / grid.h
     s = (old - origin) * inv_h
-    mask = cell_mask(wall_cells, s, grid)
+    mask = mask_at(wall_cells, s, grid)
     if mask == 0:
         return new
     flat, inf = grid.n_z == 1, splat(np.inf)
     cell = _coordinates(int(extract(s, X)), int(extract(s, Y)), 0 if flat else int(extract(s, Z)))
     low, high = origin + grid.h * cell + gap, origin + grid.h * (cell + 1.0) - gap
     new = keep_within(new, (where_positive(_faces(mask, 0), low, -inf), where_positive(_faces(mask, 1), high, inf)))
-    if cell_mask(wall_cells, (new - origin) * inv_h, grid) & IN_WALL:
+    if mask_at(wall_cells, (new - origin) * inv_h, grid) & IN_WALL:
         horizontal = _coordinates(1.0, 0.0, 0.0 if flat else 1.0)
         new = keep_within(new, (where_positive(horizontal, low, -inf), where_positive(horizontal, high, inf)))
     return new

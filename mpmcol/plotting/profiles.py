@@ -38,7 +38,8 @@ def set_up_axes(
 ) -> float:
     """Fit the axes to column, deposits and `reach` (m), draw column, gate and floor; returns height over length."""
     axes, unit, factor = target.axes, target.unit, target.factor
-    length = factor * _with_walls(max([reach] + [deposit.max_distance for deposit in deposits]), shape)
+    walls = [(one.low_x, one.high_x) for one in shape.obstacles]
+    length = factor * with_walls(max([reach] + [deposit.max_distance for deposit in deposits]), walls)
     top = factor * max([shape.h_i] + [deposit.profile_y.max() for deposit in deposits])
     height = "mean height around the axis" if shape.has_sectors else "height"
     axes.set(
@@ -56,10 +57,13 @@ def set_up_axes(
     return float(top / length)
 
 
-def _with_walls(reach: float, shape: ColumnShape) -> float:
-    """Distance (m) up to which a chart shows the walls that the deposit reaches; of an end wall only the face."""
-    near = [one for one in shape.obstacles if one.low_x <= 1.1 * reach]
-    return max([reach] + [min(one.high_x, 1.1 * max(reach, one.low_x)) for one in near])
+def with_walls(reach: float, walls: Sequence[tuple[float, float]]) -> float:
+    """Distance (m) up to which an image shows walls, given by their faces, that the deposit reaches.
+
+    Of an end wall it shows the face only.
+    """
+    near = [(low, high) for low, high in walls if low <= 1.1 * reach]
+    return max([reach] + [min(high, 1.1 * max(reach, low)) for low, high in near])
 
 
 def draw_walls(axes: Axes, walls: Sequence[tuple[float, float, float]], factor: float = 1.0) -> None:
@@ -70,11 +74,9 @@ def draw_walls(axes: Axes, walls: Sequence[tuple[float, float, float]], factor: 
 
 def draw_gate(axes: Axes, position: float, lean: float = 0.0) -> None:
     """A thin line from r_i on the base over the height of the axes, with its name; lean: as of the column."""
-    top = position - lean * axes.get_ylim()[1]
-    if lean:
-        axes.axline((position, 0.0), (position - lean, 1.0), label="gate", **GATE_STYLE)
-    else:
-        axes.axvline(position, label="gate", **GATE_STYLE)
+    height = axes.get_ylim()[1]
+    top = position - lean * height
+    axes.plot([position, top], [0.0, height], label="gate", **GATE_STYLE)
     axes.annotate(
         "gate", (top, 1.0), (3.0, -3.0), xycoords=axes.get_xaxis_transform(), textcoords="offset points",
         ha="left", va="top", fontsize="small", color=GATE_STYLE["color"],

@@ -113,6 +113,19 @@ class Discretization:
         x, y, *z = position
         return self.geometry.beyond((x + self.lean * y, *z), self.r_i - tolerance, self.depth - tolerance)
 
+    def outward(self, x: np.ndarray) -> np.ndarray:
+        """Outward normals (n, 3) of the gate at positions x (n, d) at or beyond it."""
+        normals = np.zeros((len(x), 3))
+        normals[:, ::2][:, : self.dimension - 1] = np.column_stack(
+            self.geometry.outward((x[:, 0] + self.lean * x[:, 1], *x[:, 2:].T))
+        )
+        return normals
+
+    @property
+    def gate_length(self) -> float:
+        """Length of the gate along the base, m; 1 in plane strain, per radian in axisymmetry."""
+        return (4 if self.dimension == 3 and self.is_full else 1) * self.geometry.perimeter(self.r_i, self.depth)
+
     def in_walls(self, x: np.ndarray) -> np.ndarray:
         """Whether points at x (n, d) are in one of the walls."""
         cells = tuple(np.floor((x - np.array(self.origin)) / self.h).astype(np.intp).T)

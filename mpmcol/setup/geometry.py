@@ -21,14 +21,18 @@ class Geometry:
 
     dimension: 2, or 3 with the axis of the column at x = z = 0. symmetry: boundary at x = 0 (and z = 0 in three
     dimensions) of a model that is not full. beyond: (horizontal coordinates, r_i, half-depth) -> for each horizontal
-    axis, where the gate holds that velocity component: at and beyond the surface of the column. volumes: (areas or
-    volumes of the points' cells, positions x) -> their volumes, m3 (per metre in plane strain, per radian in
-    axisymmetry).
+    axis, where the gate holds that velocity component: at and beyond the surface of the column. outward: horizontal
+    coordinates -> the component along each horizontal axis of the normal of the gate there. perimeter: (r_i,
+    half-depth) -> length of the gate along the base, m (per metre, per radian; in three dimensions that of a quarter).
+    volumes: (areas or volumes of the points' cells, positions x) -> their volumes, m3 (per metre in plane strain, per
+    radian in axisymmetry).
     """
 
     dimension: int
     symmetry: BoundaryType
     beyond: Callable[[Coordinates, float, float], Coordinates]
+    outward: Callable[[Coordinates], Coordinates]
+    perimeter: Callable[[float, float], float]
     volumes: Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
@@ -47,6 +51,22 @@ def _beyond_radius(horizontal: Coordinates, r_i: float, depth: float) -> Coordin
     return outside, outside
 
 
+def _along_x(horizontal: Coordinates) -> Coordinates:
+    return (np.ones_like(horizontal[0]),)
+
+
+def _radial(horizontal: Coordinates) -> Coordinates:
+    x, z = horizontal
+    r = np.maximum(np.hypot(x, z), np.finfo(float).tiny)
+    return x / r, z / r
+
+
+def _away_from_sides(horizontal: Coordinates) -> Coordinates:
+    """Components for each axis, along which a side acts on that velocity component alone."""
+    x, z = horizontal
+    return np.sign(x), np.sign(z)
+
+
 def _unchanged(sizes: np.ndarray, x: np.ndarray) -> np.ndarray:
     return sizes
 
@@ -56,10 +76,13 @@ def _per_radian(sizes: np.ndarray, x: np.ndarray) -> np.ndarray:
 
 
 GEOMETRIES = {
-    "plane": Geometry(2, ROLLER, _beyond_width, _unchanged),  # Figure 3
-    "axisymmetric": Geometry(2, AXIS, _beyond_width, _per_radian),  # Figure 4 in two dimensions: x is r, y the axis
-    "cylinder": Geometry(3, ROLLER, _beyond_radius, _unchanged),  # Figure 4
-    "box": Geometry(3, ROLLER, _beyond_sides, _unchanged),
+    "plane": Geometry(2, ROLLER, _beyond_width, _along_x, lambda r_i, depth: 1.0, _unchanged),  # Figure 3
+    # Figure 4; in two dimensions x is r, y the axis
+    "axisymmetric": Geometry(2, AXIS, _beyond_width, _along_x, lambda r_i, depth: r_i, _per_radian),
+    "cylinder": Geometry(
+        3, ROLLER, _beyond_radius, _radial, lambda r_i, depth: 0.5 * np.pi * r_i, _unchanged
+    ),  # Figure 4
+    "box": Geometry(3, ROLLER, _beyond_sides, _away_from_sides, lambda r_i, depth: r_i + depth, _unchanged),
 }
 
 

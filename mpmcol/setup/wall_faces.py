@@ -8,12 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpmcol.case.walls import BACK_WALL, FLOOR, GATE_WALL
+from mpmcol.mpm.boundary import AXIS
 from mpmcol.mpm.grid import grid_shape, node_coordinates
 from mpmcol.mpm.shape_functions import SHAPE_FUNCTIONS
 from mpmcol.mpm.simd import splat
 from mpmcol.setup.discretization import Discretization
 from mpmcol.setup.geometry import VERTICAL
 from mpmcol.setup.model import Model, make_boundaries
+from mpmcol.setup.wall_boxes import WallBox
 
 SAMPLES = 64  # per cell, of shape functions along a face
 AXES = ("x", "y", "z")
@@ -24,10 +26,9 @@ class WallFace:
     """A face of a wall: its nodes, and their rows, along y of a vertical face and along x of a horizontal one."""
 
     wall: int  # number of the wall
-    name: str  # "low_x", "high_x", "top", "low_z", "high_z": the side of the wall that it is on
-    axis: int  # of its normal
-    sign: float  # of the direction into the wall
-    nodes: np.ndarray  # rows of its nodes in the table of contacts
+    name: str  # "low_x", "high_x", "top", "low_z", "high_z": the side of the wall that it is on; "side": all around
+    normals: np.ndarray  # (n, 3) into the wall at each node
+    nodes: np.ndarray  # (n,) rows of its nodes in the table of contacts
     row: np.ndarray  # (n,) number of the row of each node
     position: np.ndarray  # (rows,) of each row, y or x, m
     area: np.ndarray  # (rows,) m2 (m per metre of width, m2 per radian)
@@ -35,11 +36,14 @@ class WallFace:
 
 @dataclass(frozen=True)
 class WallFoot:
-    """Where the moment on a wall is about: a line through its foot on the column's side, at the level of the base."""
+    """Where the moment on a wall is about: its foot on the column's side, at the level of the base.
+
+    The foot of a gate in three dimensions is the line around the column; each part of the gate overturns about its own.
+    """
 
     wall: int
-    x: float  # m
-    direction: float  # 1 or -1: from the column to the wall along x, in which a positive moment overturns it
+    normals: np.ndarray  # (n, 3) horizontal, from the column to the wall, at each node of the table of contacts
+    distance: np.ndarray  # (n,) of the nodes from the foot along them, m
 
 
 def contact_positions(model: Model) -> np.ndarray:
@@ -53,15 +57,20 @@ def contact_positions(model: Model) -> np.ndarray:
     return np.asarray(x[marked])
 
 
-def wall_feet(discretization: Discretization) -> tuple[WallFoot, ...]:
-    """The feet of gate and back wall, in two dimensions, and of all walls of [[walls]]."""
+def wall_feet(discretization: Discretization, positions: np.ndarray) -> tuple[WallFoot, ...]:
+    """The feet of gate, back wall and all walls of [[walls]], with the positions (n, d) of the nodes of the table."""
     spans = {box.name: _ends(discretization, box.low[0], box.high[0]) for box in discretization.wall_boxes}
     feet = {name: (low, 1.0) if low + high > 0.0 else (high, -1.0) for name, (low, high) in spans.items()}
-    if discretization.dimension == 2:
-        feet |= {BACK_WALL: (0.0, -1.0), GATE_WALL: (discretization.r_i, 1.0)}
-    return tuple(
-        WallFoot(number, *feet[wall.name]) for number, wall in enumerate(discretization.walls) if wall.name in feet
-    )
+    feet[BACK_WALL] = 0.0, -1.0
+    found = []
+    for number, wall in enumerate(discretization.walls):
+        if wall.name == GATE_WALL:  # it holds horizontal components only, so that the distance has no effect
+            found.append(WallFoot(number, discretization.outward(positions), np.zeros(len(positions))))
+        elif wall.name in feet:
+            x, direction = feet[wall.name]
+            normals = np.broadcast_to(direction * np.eye(3)[0], (len(positions), 3))
+            found.append(WallFoot(number, normals, direction * (positions[:, 0] - x)))
+    return tuple(found)
 
 
 def _ends(discretization: Discretization, low: int, high: int, axis: int = 0) -> tuple[float, float]:
@@ -69,55 +78,77 @@ def _ends(discretization: Discretization, low: int, high: int, axis: int = 0) ->
     return first + h * low, first + h * high
 
 
+@dataclass(frozen=True)
+class _Side:
+    """A side of a wall: its name, direction and length, and which nodes of the table of contacts belong to it."""
+
+    name: str
+    axes: tuple[int, ...]  # of its normals
+    normals: np.ndarray  # (3,) or (n, 3) into the wall
+    length: float  # of each row of its nodes, m; per metre 1, per radian the radius
+    limits: tuple[float, float] = (-np.inf, np.inf)  # of its nodes along the axis, m
+
+    @property
+    def along(self) -> int:
+        """Axis along which its rows are one behind the other."""
+        return 0 if self.axes == (VERTICAL,) else VERTICAL
+
+
 def wall_faces(model: Model) -> tuple[WallFace, ...]:
-    """The faces of all recorded walls; of floor, back wall and gate in two dimensions only."""
+    """The faces of all recorded walls; of the floor in two dimensions only."""
     discretization, positions = model.discretization, contact_positions(model)
-    boxes = {box.name: box for box in discretization.wall_boxes}
-    faces: list[WallFace] = []
-    for number, wall in enumerate(discretization.walls):
-        if wall.name not in boxes and discretization.dimension == 3:
-            continue
-        sides = _box_sides(discretization, wall.name) if wall.name in boxes else iter([SIDES[wall.name]])
-        for name, axis, sign, low, high in sides:
-            own = (model.contacts.wall[:, axis] == number) & (positions[:, axis] > low) & (positions[:, axis] <= high)
-            if own.any():
-                faces.append(_face(model, number, name, axis, sign, np.flatnonzero(own), positions))
-    return tuple(faces)
+    return tuple(
+        _face(model, number, side, nodes, positions)
+        for number, wall in enumerate(discretization.walls)
+        for side in _sides(discretization, wall.name, positions)
+        if len(nodes := _nodes_of(side, model.contacts.wall == number, positions))
+    )
 
 
-# name, axis and sign of the face of a wall, and limits of its nodes along the axis
-SIDES = {
-    FLOOR: ("top", VERTICAL, -1.0, -np.inf, np.inf),
-    BACK_WALL: ("high_x", 0, -1.0, -np.inf, np.inf),
-    GATE_WALL: ("low_x", 0, 1.0, -np.inf, np.inf),
-}
+def _nodes_of(side: _Side, on_wall: np.ndarray, positions: np.ndarray) -> np.ndarray:
+    """Rows in the table of contacts of the nodes of a side; on_wall: (n, 3) by axis."""
+    low, high = side.limits
+    x = positions[:, side.axes[0]]
+    return np.flatnonzero(on_wall[:, side.axes].any(axis=1) & (x > low) & (x <= high))
 
 
-def _box_sides(discretization: Discretization, name: str) -> Iterator[tuple[str, int, float, float, float]]:
+def _sides(discretization: Discretization, name: str, positions: np.ndarray) -> Iterator[_Side]:
+    into = np.eye(3)
+    if name == FLOOR and discretization.dimension == 2:
+        yield _Side("top", (VERTICAL,), -into[VERTICAL], 1.0)
+    elif name == BACK_WALL:
+        yield _Side("high_x", (0,), -into[0], 1.0)
+    elif name == GATE_WALL:
+        side, axes = ("low_x", (0,)) if discretization.dimension == 2 else ("side", (0, 2))
+        yield _Side(side, axes, discretization.outward(positions), discretization.gate_length)
+    for box in discretization.wall_boxes:
+        if box.name == name:
+            yield from _box_sides(discretization, box)
+
+
+def _box_sides(discretization: Discretization, box: WallBox) -> Iterator[_Side]:
     """The faces of a box. Nodes inside it, which only points at its edges reach, count to the nearer face."""
-    (box,) = (box for box in discretization.wall_boxes if box.name == name)
+    spans = [_ends(discretization, box.low[axis], box.high[axis], axis) for axis in range(discretization.dimension)]
+    is_ring = discretization.faces[0][0] == AXIS
     for axis in (axis for axis in range(discretization.dimension) if axis != VERTICAL):
-        low, high = _ends(discretization, box.low[axis], box.high[axis], axis)
+        low, high = spans[axis]
         last = discretization.cells[axis]
         middle = np.inf if box.high[axis] == last else -np.inf if box.low[axis] == 0 else 0.5 * (low + high)
-        yield f"low_{AXES[axis]}", axis, 1.0, -np.inf, middle
-        yield f"high_{AXES[axis]}", axis, -1.0, middle, np.inf
-    yield "top", VERTICAL, -1.0, -np.inf, np.inf
+        across = [spans[k][1] - spans[k][0] for k in (0, 2)[: discretization.dimension - 1] if k != axis]
+        length, into = float(np.prod(across)), np.eye(3)[axis]
+        yield _Side(f"low_{AXES[axis]}", (axis,), into, low if is_ring else length, (-np.inf, middle))
+        yield _Side(f"high_{AXES[axis]}", (axis,), -into, high if is_ring else length, (middle, np.inf))
+    width = 1.0 if discretization.dimension == 2 else spans[2][1] - spans[2][0]
+    yield _Side("top", (VERTICAL,), -np.eye(3)[VERTICAL], width)
 
 
-def _face(
-    model: Model, wall: int, name: str, axis: int, sign: float, nodes: np.ndarray, positions: np.ndarray
-) -> WallFace:
-    discretization, grid = model.discretization, model.grid
-    along = 0 if axis == VERTICAL else VERTICAL
-    across = [k for k in range(discretization.dimension) if k not in (axis, along)]
+def _face(model: Model, wall: int, side: _Side, nodes: np.ndarray, positions: np.ndarray) -> WallFace:
+    discretization, along = model.discretization, side.along
     position, row = np.unique(positions[nodes, along].round(12), return_inverse=True)
-    area = _row_areas(model, along)[np.rint((position - discretization.origin[along]) / grid.h).astype(np.intp)]
-    for k in across:
-        area = area * np.ptp(positions[nodes, k])
-    if model.collapse.settings.axisymmetric and along == VERTICAL:
-        area = area * positions[nodes, 0].max()
-    return WallFace(wall, name, axis, sign, nodes, row.reshape(-1), position, area)
+    rows = np.rint((position - discretization.origin[along]) / discretization.h).astype(np.intp)
+    normals = np.broadcast_to(side.normals, (len(positions), 3))[nodes]
+    area = side.length * _row_areas(model, along)[rows]
+    return WallFace(wall, side.name, normals, nodes, row.reshape(-1), position, area)
 
 
 def _row_areas(model: Model, axis: int) -> np.ndarray:

@@ -14,7 +14,7 @@ from mpmcol.experiments import profile_scores, score
 from mpmcol.io.glossary import ENERGY_UNITS
 from mpmcol.io.results import RESULT_SCHEMA, erosion_of, measure_snapshot, measure_stop_time
 from mpmcol.io.snapshot import Snapshot
-from mpmcol.measure.wall_forces import LEAST_TRANSITS, peak_forces
+from mpmcol.measure.wall_forces import LEAST_TRANSITS, wall_force_summary
 from mpmcol.mpm.contact import friction_sums
 from mpmcol.mpm.solver import Solver
 from mpmcol.provenance import versions
@@ -102,4 +102,4 @@ def _stop_time(simulation: Simulation) -> float | None:
 
 def _peak_forces(simulation: Simulation) -> dict[str, Any] | None:
     transit = simulation.model.discretization.h / simulation.case.material.wave_speed
-    return peak_forces(columns_of(simulation.recorder.rows), LEAST_TRANSITS * transit)
+    return wall_force_summary(columns_of(simulation.recorder.rows), LEAST_TRANSITS * transit, simulation.fall_time)

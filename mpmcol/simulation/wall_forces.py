@@ -10,10 +10,13 @@ import numpy as np
 
 from mpmcol.measure.wall_forces import AXES, column, moment_column
 from mpmcol.mpm.contact import FRICTION_WORK, Contacts, wall_impulses
+from mpmcol.setup.geometry import VERTICAL
 from mpmcol.setup.model import Model
 from mpmcol.setup.wall_faces import WallFace, WallFoot, contact_positions, wall_faces, wall_feet
 
 PRESSURE_ROWS = 10  # rows of the history over which the pressure on the walls is averaged
+
+NORMAL_IMPULSES = (0, 4, 8)  # of the sums of a node: that on the wall with normal axis k, along the normal
 
 Pressures = tuple[float, list[float]]  # duration of the mean, s, and normal pressure at each row of nodes, Pa
 
@@ -25,8 +28,9 @@ class WallForces:
         self._contacts: Contacts = model.contacts
         self._walls, self._axes = walls, AXES[: model.discretization.dimension]
         self.faces: tuple[WallFace, ...] = wall_faces(model) if walls else ()
-        self._feet: tuple[WallFoot, ...] = wall_feet(model.discretization) if walls else ()
-        self._positions = contact_positions(model) if walls else np.zeros((0, 2))
+        positions = contact_positions(model) if walls else np.zeros((0, 2))
+        self._feet: tuple[WallFoot, ...] = wall_feet(model.discretization, positions) if walls else ()
+        self._height = positions[:, VERTICAL]  # of the nodes in the table of contacts above the base, m
         self._time, self._impulses = 0.0, self._no_impulses()
         self._means = self._no_impulses()
         self._recent: deque[tuple[float, list[float]]] = deque(maxlen=PRESSURE_ROWS + 1)
@@ -92,18 +96,19 @@ class WallForces:
     def _moment_impulses(self) -> np.ndarray:
         """Angular impulse about the foot of each wall that has one, positive if it overturns the wall, N m s."""
         impulses = self._contacts.sums[:-1, :FRICTION_WORK].reshape(-1, 3, 3)
-        x, y = self._positions[:, 0], self._positions[:, 1]
         moments = []
         for foot in self._feet:
             own = np.where((self._contacts.wall == foot.wall)[:, :, None], impulses, 0.0).sum(axis=1)
-            moments.append(foot.direction * float(y @ own[:, 0] - (x - foot.x) @ own[:, 1]))
+            outward = (own * foot.normals).sum(axis=1)
+            moments.append(float(self._height @ outward - foot.distance @ own[:, VERTICAL]))
         return np.array(moments)
 
     def _normal_impulses(self) -> list[float]:
         """Impulse into the wall of each row of nodes of each face, N s."""
         rows: list[float] = []
         for face in self.faces:
-            impulse = face.sign * self._contacts.sums[face.nodes, 4 * face.axis]
+            by_axis = self._contacts.sums[face.nodes][:, NORMAL_IMPULSES]
+            impulse = (face.normals * by_axis).sum(axis=1)
             rows += np.bincount(face.row, impulse, len(face.position)).tolist()
         return rows
 

@@ -11,7 +11,7 @@ import pytest
 
 import mpmcol
 from mpmcol.io.results import Results
-from mpmcol.measure.wall_forces import peak_forces
+from mpmcol.measure.wall_forces import peak_forces, wall_force_summary
 
 G, RHO, H_I, PHI = 9.81, 2650.0, 0.09, radians(33.0)
 K_ACTIVE = (1.0 - sin(PHI)) / (1.0 + sin(PHI))
@@ -94,3 +94,16 @@ def test_the_peak_is_that_of_the_mean_over_the_window() -> None:
     assert wide is not None and wide["gate"]["peak"] == pytest.approx(4.0) and wide["gate"]["window"] == 3.0
     assert peak_forces(history, 20.0) is None
     assert peak_forces({name: history[name] for name in ("stage", "time")}, 0.5) is None
+
+
+def test_the_sustained_force_is_that_over_a_time_that_does_not_depend_on_the_grid() -> None:
+    time = np.arange(11.0)
+    force = np.where(time == 4.0, 10.0, 1.0)
+    history = {"stage": np.array(["release", *10 * ["collapse"]]), "time": time, "force.gate.x": -force}
+    for window in (0.5, 1.0):
+        summary = wall_force_summary(history, window, fall_time=12.5)
+        assert summary is not None and summary["gate"]["peak"] == 10.0
+        assert summary["gate"]["sustained"] == pytest.approx(4.0)
+    short = wall_force_summary(history, 0.5, fall_time=100.0)
+    assert short is not None and short["gate"]["sustained"] is None
+    assert wall_force_summary({name: history[name] for name in ("stage", "time")}, 0.5, 12.5) is None

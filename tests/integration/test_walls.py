@@ -136,3 +136,51 @@ def test_walls_in_axisymmetry_and_three_dimensions(case: str, overrides: tuple[s
     assert summary["wall_forces"]["wall-1"]["peak"] > 0.0 and summary["wall_forces"]["wall-1"]["moment"] > 0.0
     inside = (x[:, 0] > 0.1358) & (x[:, 0] < 0.194) & (x[:, 1] < 0.0582)
     assert not (inside & (x[:, 2] < 0.0776) if case == "quarter" else inside).any()
+
+
+AT_REST = (  # before the release in the active state, on a smooth floor
+    "geometry.base=rigid", "method.wall_impulse=true", "stages.initial_stress=k0", "friction.floor=0",
+    "stages.equilibrate.law=mohr-coulomb", "output.wall_forces=true", "output.snapshots=1",
+    "stages.collapse.max_time_factor=0.2", "geometry.aspect=0.8",
+)  # fmt: skip
+R_I_ROUND, H_I_ROUND = 0.097, 0.0776
+
+
+def gate_at_rest(case: str, folder: Path, *overrides: str) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+    """Positions (m), forces (N) and pressures (Pa) of the rows of the gate, and the moment on it (N m)."""
+    results = mpmcol.run(mpmcol.load_case(case, [*AT_REST, *overrides]), folder, threads=1)
+    face = "side" if results.shape.dimension == 3 else "low_x"
+    moment = results.summary["wall_forces"]["gate"]["moment_at_release"]
+    return *pressures(results, "gate", face, "release"), moment
+
+
+@pytest.mark.parametrize(
+    ("case", "overrides", "length"),
+    [
+        ("quickstart", ("grid.points_per_cell=4",), R_I_ROUND),
+        ("quarter", ("geometry.section=box", "geometry.depth=0.0582"), R_I_ROUND + 0.0582),
+    ],
+    ids=["axisymmetric", "box"],
+)
+def test_the_gate_around_a_column_has_the_active_pressure(
+    case: str, overrides: tuple[str, ...], length: float, tmp_path: Path
+) -> None:
+    """Thrust 1/2 K_a rho g H^2 per length within 3 %, arm H / 3, pressures K_a rho g (H - y)."""
+    y, force, pressure, moment = gate_at_rest(case, tmp_path / "run", "grid.spacing=0.0097", *overrides)
+    thrust = 0.5 * K_ACTIVE * RHO * G * H_I_ROUND**2 * length
+    assert force.sum() == pytest.approx(thrust, rel=0.03)
+    assert moment == pytest.approx(force.sum() * H_I_ROUND / 3.0, rel=0.02)
+    inside = (y > 0.005) & (y < 0.9 * H_I_ROUND)
+    exact = K_ACTIVE * RHO * G * (H_I_ROUND - y)
+    np.testing.assert_allclose(pressure[inside], exact[inside], atol=0.02 * exact.max())
+
+
+def test_the_gate_of_a_full_cylinder_has_four_times_the_force_of_a_quarter(tmp_path: Path) -> None:
+    """Moment and forces are outward: they do not cancel around the column. The moment is that of the rows."""
+    y, quarter, pressure, moment = gate_at_rest("quarter", tmp_path / "quarter", "grid.spacing=0.0194")
+    _, full, same, whole = gate_at_rest("quarter", tmp_path / "full", "grid.spacing=0.0194", "geometry.model=full")
+    np.testing.assert_allclose(full, 4.0 * quarter, atol=2e-3 * full.max())
+    np.testing.assert_allclose(same, pressure, atol=2e-3 * same.max())
+    assert whole == pytest.approx(4.0 * moment, rel=5e-3)
+    assert moment == pytest.approx(y @ quarter, rel=0.01)
+    assert moment / quarter.sum() == pytest.approx(H_I_ROUND / 3.0, rel=0.06)

@@ -33,11 +33,11 @@ def make_axis_stencils(dimension: int, basis: ShapeFunctions, affine: bool) -> C
         """
         s, bottom, top = grid_coordinates(record, grid)
         base, w0, w1, w2, w3, g0, g1, g2, g3 = evaluate(s, bottom, top, settings.kernel_correction)
-        beside, low, high = beside_walls(grid.wall_cells, s, base, width, settings.kernel_correction, grid)
-        if beside and width == 4:
+        near, low, high = beside_walls(grid.wall_cells, s, base, width, settings.kernel_correction, grid)
+        if near and width == 4:
             w0, w1, w2, w3 = fold_four(low, high, w0, w1, w2, w3)
             g0, g1, g2, g3 = fold_four(low, high, g0, g1, g2, g3)
-        elif beside and width == 3:
+        elif near and width == 3:
             w0, w1, w2 = fold_three(low, high, w0, w1, w2)
             g0, g1, g2 = fold_three(low, high, g0, g1, g2)
         d = base - s

@@ -41,18 +41,21 @@ def grid_coordinates(record: Any, grid: Grid) -> tuple[Any, Any, Any]:
 
 
 @device
-def quadratic_stencil(record: Any, grid: Grid, settings: Settings) -> tuple[Any, Any, Any, Any, Any, Any, Any, Any]:
+def quadratic_stencil(
+    record: Any, grid: Grid, settings: Settings
+) -> tuple[bool, Any, Any, Any, Any, Any, Any, Any, Any]:
     """Stencil of a point from vector 0 of its record, in the lanes of its coordinates, Eq. (17)-(18).
 
-    Returns grid coordinates, first nodes as real numbers, three weights and three gradients (times h).
+    Returns whether the point may be beside a wall of `wall_cells`, grid coordinates, first nodes as real numbers, three
+    weights and three gradients (times h).
     """
     s, bottom, top = grid_coordinates(record, grid)
     base, w0, w1, w2, g0, g1, g2 = spline_lanes(s, bottom, top, settings.kernel_correction)
-    beside, low, high = beside_walls(grid.wall_cells, s, base, WIDTH, settings.kernel_correction, grid)
-    if beside:
+    near, low, high = beside_walls(grid.wall_cells, s, base, WIDTH, settings.kernel_correction, grid)
+    if near:
         w0, w1, w2 = fold_three(low, high, w0, w1, w2)
         g0, g1, g2 = fold_three(low, high, g0, g1, g2)
-    return s, base, w0, w1, w2, g0, g1, g2
+    return near, s, base, w0, w1, w2, g0, g1, g2
 
 
 @device
@@ -77,6 +80,7 @@ def force_mask(d: int) -> Any:
 def update_point(
     rows: np.ndarray,
     o: int,
+    near: bool,
     old: Any,
     mean: Any,
     gradient: Any,
@@ -88,10 +92,11 @@ def update_point(
 ) -> tuple[Any, Any, float]:
     """Write new velocity, position and velocity gradient of the point whose record starts at `o`, Eq. (26)-(28).
 
-    old: vector 0 of its record. mean: weighted sums of v~ and a over its nodes. gradient: columns of the velocity
-    gradient along x, y, z; in two dimensions the third is ignored. limits: see `update_motion`. Returns two vectors
-    with an axis per lane from X on: the displacement (m), and the work (J) of the old stress on the motion of the
-    nodes, plus that of gravity where the limits stop the point; and the average of the filtered stress (Pa).
+    near: whether it may be beside a wall. old: vector 0 of its record. mean: weighted sums of v~ and a over its nodes.
+    gradient: columns of the velocity gradient along x, y, z; in two dimensions the third is ignored. limits: see
+    `update_motion`. Returns two vectors with an axis per lane from X on: the displacement (m), and the work (J) of the
+    old stress on the motion of the nodes, plus that of gravity where the limits stop the point; and the average of the
+    filtered stress (Pa).
     """
     grad_x, grad_y, grad_z = gradient
     work = incremental_work(load(rows, o + X_VECTOR), grad_x, dt) + incremental_work(
@@ -105,7 +110,7 @@ def update_point(
         hoop_work = (l_zz - 0.5 * dt * extract(mean, AX) / rows[o + X]) * rows[o + S_ZZ]
         work = work + vector(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, hoop_work, 0.0)
     work = (dt * rows[o + J] * rows[o + V0]) * work
-    new, displacement, limit_work = update_motion(old, mean, d, limits, grid, settings, dt)
+    new, displacement, limit_work = update_motion(near, old, mean, d, limits, grid, settings, dt)
     store(rows, o, new)
     store_gradient(rows, o, d, grad_x, grad_y, grad_z)
     if d == 2:
@@ -115,13 +120,13 @@ def update_point(
 
 @device
 def update_motion(
-    old: Any, mean: Any, d: int, limits: Any, grid: Grid, settings: Settings, dt: float
+    near: bool, old: Any, mean: Any, d: int, limits: Any, grid: Grid, settings: Settings, dt: float
 ) -> tuple[Any, Any, Any]:
     """New velocity and position of a point, Eq. (26)-(27).
 
-    old: vector 0 of its record. mean: weighted sums of v~ and a over the nodes. limits: smallest and largest position.
-    Returns the new vector 0; the displacement (m) and, where limits or walls stop the point, the work of gravity (J),
-    which is not part of the nodal balance, with an axis per lane from X on.
+    near, old, mean: see `update_point`. limits: smallest and largest position. Returns the new vector 0; the
+    displacement (m) and, where limits or walls stop the point, the work of gravity (J), which is not part of the nodal
+    balance, with an axis per lane from X on.
     """
     share, swapped = settings.flip_fraction, swap_halves(mean)
     # Eq. 26 and its PIC counterpart
@@ -130,7 +135,7 @@ def update_motion(
     # Eq. 27
     displacement = fma(force_mask(d) * (-settings.position_factor * dt * dt), mean, force_mask(d) * dt * swapped)
     free = fma(old, kept, increment + displacement)
-    new = keep_out_of_walls(grid.wall_cells, old, keep_within(free, limits), WALL_GAP * grid.h, grid)
+    new = keep_out_of_walls(grid.wall_cells, near, old, keep_within(free, limits), WALL_GAP * grid.h, grid)
     gravity = vector(0.0, 0.0, 0.0, 0.0, settings.gravity_x, settings.gravity_y, settings.gravity_z, 0.0)
     return new, displacement, extract(old, M) * (gravity * (new - free))
 

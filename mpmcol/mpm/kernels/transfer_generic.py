@@ -73,6 +73,6 @@ def make_gather(dimension: int, basis: ShapeFunctions) -> Callable[..., Any]:
         """Update velocity, position and velocity gradient of one point from its nodes; returns as `update_point`."""
         old = load(rows, o)
         mean, x, y, z = interpolate(old, nodes, grid, settings)
-        return update_point(rows, o, old, mean, (x, y, z), dimension, limits, grid, settings, dt)
+        return update_point(rows, o, True, old, mean, (x, y, z), dimension, limits, grid, settings, dt)
 
     return gather

@@ -28,7 +28,7 @@ def scatter(rows: np.ndarray, o: int, nodes: np.ndarray, grid: Grid, settings: S
     """Add one point, whose record starts at `o`, to its nine nodes."""
     h, inv_h = grid.h, 1.0 / grid.h
     record = load(rows, o)
-    s, base, w0, w1, w2, g0, g1, g2 = quadratic_stencil(record, grid, settings)
+    _, s, base, w0, w1, w2, g0, g1, g2 = quadratic_stencil(record, grid, settings)
     i, j = int(extract(base, X)), int(extract(base, Y))
     d = (base - s) * h
     wx0, wx1, wx2 = broadcast(w0, X), broadcast(w1, X), broadcast(w2, X)
@@ -78,7 +78,7 @@ def gather(
     """
     inv_h = 1.0 / grid.h
     old = load(rows, o)
-    _, base, w0, w1, w2, g0, g1, g2 = quadratic_stencil(old, grid, settings)
+    near, _, base, w0, w1, w2, g0, g1, g2 = quadratic_stencil(old, grid, settings)
     i, j = int(extract(base, X)), int(extract(base, Y))
     wx0, wx1, wx2 = broadcast(w0, X), broadcast(w1, X), broadcast(w2, X)
     wy0, wy1, wy2 = broadcast(w0, Y), broadcast(w1, Y), broadcast(w2, Y)
@@ -92,7 +92,7 @@ def gather(
     grad_x = inv_h * fma(broadcast(g2, X), sum2, fma(broadcast(g1, X), sum1, broadcast(g0, X) * sum0))
     grad_y = inv_h * fma(wx2, slope2, fma(wx1, slope1, wx0 * slope0))
 
-    return update_point(rows, o, old, mean, (grad_x, grad_y, grad_y), 2, limits, grid, settings, dt)
+    return update_point(rows, o, near, old, mean, (grad_x, grad_y, grad_y), 2, limits, grid, settings, dt)
 
 
 @device

@@ -27,7 +27,7 @@ filtered_stress = make_filtered_stress(3)
 def scatter(rows: np.ndarray, o: int, nodes: np.ndarray, grid: Grid, settings: Settings) -> None:
     """Add one point, whose record starts at `o`, to its twenty-seven nodes."""
     h, inv_h, record = grid.h, 1.0 / grid.h, load(rows, o)
-    s, base, w0, w1, w2, g0, g1, g2 = quadratic_stencil(record, grid, settings)
+    _, s, base, w0, w1, w2, g0, g1, g2 = quadratic_stencil(record, grid, settings)
     i, j, k = int(extract(base, X)), int(extract(base, Y)), int(extract(base, Z))
     d0 = (base - s) * h
     d1, d2 = d0 + h, d0 + 2.0 * h
@@ -89,7 +89,7 @@ def gather(
     Eq. (26)-(28); returns as `update_point`.
     """
     inv_h, old = 1.0 / grid.h, load(rows, o)
-    _, base, w0, w1, w2, g0, g1, g2 = quadratic_stencil(old, grid, settings)
+    near, _, base, w0, w1, w2, g0, g1, g2 = quadratic_stencil(old, grid, settings)
     i, j, k = int(extract(base, X)), int(extract(base, Y)), int(extract(base, Z))
     y_lines, z_lines = (grid.ay[j], grid.ay[j + 1], grid.ay[j + 2]), (grid.az[k], grid.az[k + 1], grid.az[k + 2])
     wy, wz = _broadcast_each(w0, w1, w2, Y), _broadcast_each(w0, w1, w2, Z)
@@ -103,7 +103,7 @@ def gather(
     grad_x = inv_h * _along(gx, sum0, sum1, sum2)
     grad_y, grad_z = inv_h * _along(wx, y0, y1, y2), inv_h * _along(wx, z0, z1, z2)
 
-    return update_point(rows, o, old, mean, (grad_x, grad_y, grad_z), 3, limits, grid, settings, dt)
+    return update_point(rows, o, near, old, mean, (grad_x, grad_y, grad_z), 3, limits, grid, settings, dt)
 
 
 @device

@@ -30,6 +30,7 @@ from mpmcol.plotting.render.frame import (
     released_outline,
 )
 from mpmcol.plotting.render.projection import circle, complete_by_symmetry, view_projection, visible
+from mpmcol.plotting.render.walls import wall_boxes, wall_surface
 from mpmcol.units import length_scale
 
 VIEWER = view_projection(azimuth=35.0, elevation=28.0)
@@ -37,6 +38,7 @@ CUT_SHADES = (0.8, 0.65)  # brightness of the cut faces x = 0 and z = 0, relativ
 TICK = {"arrowstyle": "-", "linewidth": 0.8, "shrinkA": 0, "shrinkB": 0}
 SIDE_SHADE = 0.9  # of the rim of the base
 AXES = {"x": np.array([1.0, 0.0, 0.0]), "z": np.array([0.0, 0.0, 1.0])}  # along the cut edges of the base
+WALL_SPACING = 0.5  # of the points on walls, over that of the material points
 BASE_MARGIN = 1.12  # radius of the base shown over the radius of the heap
 
 
@@ -58,15 +60,18 @@ class CutawayView(View):
         return " (quarter mirrored, cut open)" if self.meta["model"] == "quarter" else " (cut open)"
 
     def points(self, snapshot: Snapshot) -> tuple[np.ndarray, np.ndarray]:
-        """The visible points of the column, projected."""
+        """The visible points of the column and of the surfaces of walls, projected."""
         size = float(self.meta["point_size"])
+        walls, wall_colors = wall_surface(
+            wall_boxes(self.meta, self.base_radius), WALL_SPACING * size, self.base_radius
+        )
         x, index = complete_by_symmetry(snapshot.arrays["position"][snapshot.column], str(self.meta["model"]))
         colors = self.colors(snapshot)[snapshot.column][index]
         behind = _behind_cut(x)
-        x, colors = x[behind], colors[behind]
-        projected = x @ VIEWER.T
+        shaded = colors[behind] * _shade(x[behind], size)[:, None]
+        projected, colors = np.concatenate([x[behind], walls]) @ VIEWER.T, np.concatenate([shaded, wall_colors])
         seen = visible(projected, size)
-        return projected[seen], colors[seen] * _shade(x[seen], size)[:, None]
+        return projected[seen], colors[seen]
 
     def draw_behind(self, axes: Axes) -> None:
         """Draw the base."""
@@ -101,7 +106,8 @@ def fit_view(paths: Sequence[Path], size: tuple[int, int], coloring: Coloring) -
         limit = max(limit, coloring.limit(snapshot, meta))
     released = released_outline(snapshot, meta, VIEWER)
     rims = np.concatenate([circle(radius, 0.0), circle(radius, -depth)])
-    corners += [*released, *(rims[_behind_cut(rims)] @ VIEWER[:2].T)]
+    walls, _ = wall_surface(wall_boxes(meta, radius), float(meta["point_size"]), radius)
+    corners += [*released, *(walls @ VIEWER[:2].T), *(rims[_behind_cut(rims)] @ VIEWER[:2].T)]
     (left, bottom), (right, top) = np.min(corners, axis=0), np.max(corners, axis=0)
     extent = fit((left, right, bottom, top), canvas_size(size))
     return CutawayView(extent, coloring, limit, size, meta, radius, depth, released)
@@ -125,7 +131,7 @@ def _draw_axis(axes: Axes, name: str, direction: np.ndarray, radius: float, dept
     origin, along = VIEWER[:2] @ np.array([0.0, -depth, 0.0]), VIEWER[:2] @ direction
     below: dict[str, Any] = {"textcoords": "offset points", "ha": "center", "va": "top", "size": SMALL_SIZE}
     for tick in MaxNLocator(4).tick_values(0.0, factor * radius)[1:]:
-        if tick < 0.96 * factor * radius:
+        if tick < 0.85 * factor * radius:
             place = origin + tick / factor * along
             axes.annotate("", place, (0, -9), textcoords="offset points", arrowprops=TICK)
             axes.annotate(f"{tick:g}", place, (0, -11), **below)

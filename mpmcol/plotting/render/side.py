@@ -17,7 +17,7 @@ from mpmcol.case.geometry import GeometryTable
 from mpmcol.experiments import OUTLINE
 from mpmcol.io.snapshot import Snapshot
 from mpmcol.plotting.captions import geometry_of_snapshot, tables_of_snapshot
-from mpmcol.plotting.profiles import draw_gravity, draw_walls
+from mpmcol.plotting.profiles import draw_gravity, draw_walls, with_walls
 from mpmcol.plotting.render.coloring import Coloring
 from mpmcol.plotting.render.frame import (
     BASE_COLOR,
@@ -140,6 +140,8 @@ def fit_view(paths: Iterable[Path], size: tuple[int, int], coloring: Coloring) -
         limit = max(limit, coloring.limit(snapshot, meta))
         boxes.append([float(meta["r_i"]), float(meta["h_i"]), 0.0])
     right, top, depth = np.max(boxes, axis=0).astype(float)
+    walls = tables_of_snapshot(meta).get("walls", [])
+    right = with_walls(right, [(wall["from"], wall.get("to", np.inf)) for wall in walls])
     return SideView(_fit(right, top, depth, canvas_size(size)), coloring, limit, size, meta, depth)
 
 

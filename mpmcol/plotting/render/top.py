@@ -14,7 +14,6 @@ from scipy.spatial import KDTree
 
 from mpmcol.io.snapshot import Meta, Snapshot
 from mpmcol.measure import UNDISTURBED
-from mpmcol.plotting.captions import tables_of_snapshot
 from mpmcol.plotting.render.frame import (
     BASE_COLOR,
     SMALL_SIZE,
@@ -26,6 +25,7 @@ from mpmcol.plotting.render.frame import (
     released_outline,
 )
 from mpmcol.plotting.render.projection import TOP, circle, complete_by_symmetry, visible
+from mpmcol.plotting.render.walls import wall_boxes
 from mpmcol.units import length_scale, length_text
 
 PAGE = (1280, 720)  # pixels; the layout has this aspect ratio, other sizes get a white border
@@ -73,17 +73,10 @@ def draw_top_view(snapshot: Snapshot, meta: Meta, size: tuple[int, int], undistu
 
 
 def _draw_walls(axes: Axes, meta: Meta, factor: float, reach: float) -> None:
-    """The outlines of walls in 3D, those of a quarter with their mirror images, up to `reach` (m)."""
-    label = "wall"
-    mirrored = ((1, 1), (1, -1), (-1, 1), (-1, -1)) if meta["model"] == "quarter" else ((1, 1),)
-    walls = tables_of_snapshot(meta).get("walls", []) if meta["model"] in ("quarter", "full") else []
-    for wall in walls:
-        half = wall.get("half_width", reach)
-        x, z = (wall["from"], wall.get("to", reach)), (wall.get("side_from", -half), wall.get("side_to", half))
-        for side_x, side_z in mirrored:
-            corners = np.array([(z[0], x[0]), (z[1], x[0]), (z[1], x[1]), (z[0], x[1]), (z[0], x[0])])
-            axes.plot(*(factor * corners * (side_z, side_x)).T, color="0.25", linewidth=1.2, label=label)
-            label = "_"
+    """The outlines of walls in 3D up to `reach` (m)."""
+    for number, ((x0, _, z0), (x1, _, z1)) in enumerate(wall_boxes(meta, reach)):
+        corners = factor * np.array([(z0, x0), (z1, x0), (z1, x1), (z0, x1), (z0, x0)])
+        axes.plot(*corners.T, color="0.25", linewidth=1.2, label="_" if number else "wall")
 
 
 def _surface(snapshot: Snapshot, meta: Meta) -> tuple[np.ndarray, np.ndarray]:

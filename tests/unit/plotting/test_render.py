@@ -210,6 +210,18 @@ def test_the_view_contains_the_column_at_release(folder: Path):
     assert right > META["r_i"] and bottom < -0.0175 and view.meta["h_i"] == META["h_i"]
 
 
+def test_the_view_contains_a_wall_that_the_flow_reaches(folder: Path, tmp_path: Path):
+    snapshot, tall = read_snapshot(list_snapshots(folder)[-1]), (200, 720)
+    front = float(snapshot.x[snapshot.column, 0].max())
+    plain = fit_view(list_snapshots(folder)[-1:], tall, DISPLACEMENT).extent[1]
+    ends = []
+    for step, face in enumerate((1.05 * front, 9.0)):
+        case = f"walls = [{{ from = {face}, to = {1.04 * face} }}]"
+        write_snapshot(tmp_path, step, snapshot, {**META, "case": case})
+        ends.append(fit_view(list_snapshots(tmp_path)[-1:], tall, DISPLACEMENT).extent[1])
+    assert ends[0] > 1.05 * 1.04 * front > plain == ends[1]
+
+
 def test_a_half_model_has_an_axis_of_symmetry_and_a_note(folder: Path):
     styles = {}
     for release in ("one-sided", "two-sided"):

@@ -29,6 +29,7 @@ from mpmcol.plotting.render.coloring import COLORINGS
 from mpmcol.plotting.render.frame import canvas_box, read_for_rendering
 from mpmcol.plotting.render.projection import TOP
 from mpmcol.plotting.render.top import MOVED_COLOR, UNDISTURBED_COLOR, draw_top_view
+from mpmcol.plotting.render.walls import wall_boxes, wall_surface
 from tests.support.cli import invoke
 
 DISPLACEMENT = COLORINGS["displacement"]
@@ -340,3 +341,68 @@ def test_command(axisymmetric: Path, quarter: Path, tmp_path: Path):
 def test_the_top_view_has_no_other_colours(quarter: Path) -> None:
     with pytest.raises(UsageError, match="omit --color"):
         render(quarter, gif=False, view="top", color="pressure")
+
+
+CASE = """
+walls = [
+    { from = 0.06, to = 0.07, height = 0.02, half_width = 0.03 },
+    { from = 0.055, side_from = 0.05, side_to = 0.06 },
+]
+"""
+
+
+def test_walls_of_a_quarter_are_mirrored_and_those_without_ends_reach_the_edge() -> None:
+    dams = {((s * 0.07 - (s > 0) * 0.01, 0.0, -0.03), (s * 0.07 + (s < 0) * 0.01, 0.02, 0.03)) for s in (1, -1)}
+    boxes = wall_boxes({**META, "case": CASE}, 0.09)
+    assert len(boxes) == 6
+    np.testing.assert_allclose(sorted(boxes[:2]), sorted(dams), atol=1e-15)
+    expected = {
+        (min(0.055 * i, 0.09 * i), 0.0, min(0.05 * k, 0.06 * k), max(0.055 * i, 0.09 * i), H, max(0.05 * k, 0.06 * k))
+        for i in (1, -1)
+        for k in (1, -1)
+    }
+    assert {(*low, *high) for low, high in boxes[2:]} == expected
+    assert len(wall_boxes({**META, "model": "full", "case": CASE}, 0.09)) == 2
+    assert wall_boxes(META, 0.09) == wall_boxes({**META, "model": "plane", "case": CASE}, 0.09) == []
+
+
+def test_surfaces_of_walls_are_cut_like_the_material_and_closed() -> None:
+    """Points on faces of the box, none in the removed quarter, all around what remains of it."""
+    low, high = np.array([-0.02, 0.0, -0.01]), np.array([0.03, 0.02, 0.04])
+    x, colors = wall_surface([(tuple(low), tuple(high))], 0.002, 1.0)
+    assert not ((x[:, 0] > 0.0) & (x[:, 2] > 0.0)).any()
+    on_face = np.isclose(x, low) | np.isclose(x, high) | np.isclose(x * [1, 0, 1] + [0, 1, 0], 0.0)
+    assert on_face.any(axis=1).all() and (colors < 0.6).all()
+    for place in (
+        (0.03, 0.01, -0.005),
+        (0.015, 0.01, 0.0),
+        (0.0, 0.01, 0.02),
+        (-0.01, 0.02, 0.02),
+        (0.01, 0.02, -0.01),
+    ):
+        assert np.linalg.norm(x - place, axis=1).min() < 0.002
+
+
+def test_walls_are_closed_where_they_are_cut_at_the_edge_of_the_base() -> None:
+    box = (-0.02, 0.0, -0.01), (0.03, 0.02, 0.04)
+    x, _ = wall_surface([box], 0.001, 0.015)
+    assert np.hypot(x[:, 0], x[:, 2]).max() == pytest.approx(0.015)
+    for angle in np.radians((100.0, 170.0, 330.0)):  # within the box, outside the removed quarter
+        place = 0.015 * np.cos(angle), 0.01, 0.015 * np.sin(angle)
+        assert np.linalg.norm(x - place, axis=1).min() < 0.001
+
+
+def test_the_cutaway_view_shows_walls_that_hide_and_are_hidden(tmp_path: Path) -> None:
+    """Of a dam at x < 0 the heap hides a part; one at x > 0 hides what lies behind it."""
+    folder, walls = fabricate(tmp_path / "plain"), tmp_path / "walls"
+    walls.mkdir()
+    snapshot = read_for_rendering(list_snapshots(folder)[-1])[0]
+    write_snapshot(walls, 0, snapshot, {**META, "section": "cylinder", "case": CASE})
+    plain, view = (cutaway.fit_view(list_snapshots(path)[-1:], SIZE, DISPLACEMENT) for path in (folder, walls))
+    (x, colors), (bare, _) = view.points(snapshot), plain.points(snapshot)
+    grey = np.ptp(colors, axis=1) == 0.0
+    surface, _ = wall_surface(wall_boxes(view.meta, view.base_radius), 0.5 * POINT, view.base_radius)
+    assert 0 < grey.sum() < len(surface)
+    assert 0 < (~grey).sum() < len(bare)
+    left, right, bottom, top = view.extent
+    assert ((x[:, 0] > left) & (x[:, 0] < right) & (x[:, 1] > bottom) & (x[:, 1] < top)).all()
