@@ -13,7 +13,7 @@ import numpy as np
 from mpmcol.case import Case, resolved_toml
 from mpmcol.io.atomic import atomic_write, make_folder, remove
 from mpmcol.io.checksums import checksum_of
-from mpmcol.io.names import CASE_FILE, INDEX_FILES
+from mpmcol.io.names import CASE_FILE, INDEX_FILES, RESUMED_AT
 from mpmcol.io.run_folder import write_history
 from mpmcol.io.snapshot import Snapshot, as_stored, describe_snapshot, list_snapshots, write_index, write_snapshot
 from mpmcol.io.vtkhdf import Step
@@ -54,14 +54,15 @@ class Recorder:
         self._written: list[Step] = []
         self._history_written = time.monotonic()
 
-    def open(self) -> None:
-        """Create the folder and write the resolved case to it. Raises OutputError."""
+    def open(self, resumed_at: float = 0.0) -> None:
+        """Create the folder and write the resolved case to it, with the time of a resumption. Raises OutputError."""
         make_folder(self.folder)
         derived: dict[str, Any] = {
             "points": len(self.model.points),
             "threads": self.threads,
             **derived_values(self.model),
             **versions(),
+            **({RESUMED_AT: resumed_at} if resumed_at > 0.0 else {}),
         }
         atomic_write(self.folder / CASE_FILE, resolved_toml(self.case, derived).encode())
 
