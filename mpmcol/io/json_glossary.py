@@ -18,7 +18,7 @@ _RUNS: Names = {
 }
 _MACHINE: Names = {
     "mpmcol": ("", "version of mpmcol, with a digest of its sources"),
-    **{name: ("", "version with which numbers are computed") for name in ("python", *DEPENDENCIES)},
+    **dict.fromkeys(("python", *DEPENDENCIES), ("", "version with which numbers are computed")),
     "machine": ("", "architecture of the processor"),
     "cpu": ("", "name of the processor"),
     "cores": ("", "number of logical cores"),

@@ -39,9 +39,10 @@ class Results:
     def __init__(self, folder: Path | str) -> None:
         self.folder = Path(folder)
         if not (self.folder / CASE_FILE).is_file():
-            raise OutputError(
-                f"{self.folder}: {CASE_FILE} not found; expected the results folder of a run (`mpmcol run`)"
-            )
+            expected = "expected the results folder of a run (`mpmcol run`)"
+            if self.folder.is_file():
+                raise OutputError(f"{self.folder} is a file; {expected}")
+            raise OutputError(f"{self.folder}: {CASE_FILE} not found; {expected}")
 
     def __repr__(self) -> str:
         texts = (f"{name} {text}" for name, text in self._overview() if text and name != "folder")

@@ -10,8 +10,6 @@ from mpmcol.io.names import CASE_FILE
 from mpmcol.report.finished import finished_run
 from mpmcol.report.model import Page
 from mpmcol.report.runs import comparison_page, run_page
-from mpmcol.report.study import is_study, study_page
-from mpmcol.report.sweep import sweep_page
 from mpmcol.sweep.plan import PLAN_FILE
 
 
@@ -24,6 +22,8 @@ def collect(folders: Sequence[Path]) -> Page:
     """
     if len(folders) == 1:
         return _page(folders[0])
+    from mpmcol.report.study import is_study
+
     for folder in folders:
         if not _is_run(folder) and (_is_sweep(folder) or is_study(folder)):
             raise UsageError(f"{folder} is not a single run; only runs are compared with each other: give it alone")
@@ -36,6 +36,9 @@ def collect(folders: Sequence[Path]) -> Page:
 def _page(folder: Path) -> Page:
     if _is_run(folder):
         return run_page(finished_run(folder))
+    from mpmcol.report.study import is_study, study_page  # here: the report of a run does not wait for them
+    from mpmcol.report.sweep import sweep_page
+
     if _is_sweep(folder):
         return sweep_page(folder)
     if is_study(folder):
