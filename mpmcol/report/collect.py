@@ -7,6 +7,7 @@ from pathlib import Path
 
 from mpmcol.errors import OutputError, UsageError
 from mpmcol.io.names import CASE_FILE
+from mpmcol.io.results import kind_of
 from mpmcol.report.finished import finished_run
 from mpmcol.report.model import Page
 from mpmcol.report.runs import comparison_page, run_page
@@ -43,8 +44,9 @@ def _page(folder: Path) -> Page:
         return sweep_page(folder)
     if is_study(folder):
         return study_page(folder)
+    problem = f"{folder}: nothing to report here" if folder.is_dir() else kind_of(folder)
     raise OutputError(
-        f"{folder}: nothing to report here; expected the folder of a finished run (with {CASE_FILE}), of a sweep (with "
+        f"{problem}; expected the folder of a finished run (with {CASE_FILE}), of a sweep (with "
         f"{PLAN_FILE}) or of a study"
     )
 
