@@ -93,6 +93,7 @@ def _annotated(axes: Axes, labels: Sequence[EndLabel]) -> list[Annotation]:
     """Write labels at the height of the ends of their lines; returns those beside the axes."""
     text: dict[str, Any] = {"fontsize": LABEL_SIZE, "va": "center", "annotation_clip": False}
     beside = []
+    axes.autoscale_view()  # otherwise limits are adapted to the lines only when the figure is drawn
     for label in labels:
         x, y = axes.transAxes.inverted().transform(axes.transData.transform((label.x, label.y)))
         place: dict[str, Any] = {"xytext": (6.0, 7.0), "textcoords": "offset points", "path_effects": [_HALO]}
