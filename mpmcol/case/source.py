@@ -31,6 +31,7 @@ _LINE_HINTS = {
     r"[^=]*=\s*[-+]?\d+,\d": "the decimal separator is a point",
     r"[^=]*=\s*[-+]?\.\d": "write a digit before the decimal point",
     r'[^=]*=\s*"[^"]*\\': "write paths with / or in single quotes",
+    r"(?i)[^=]*=\s*(yes|no|on|off|true|false)\b": "write true or false, in small letters",
 }
 _SYNTAX_HINTS = {
     "Invalid value": "put strings in quotes",

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import click
 
 from mpmcol.cli.options import aspect_option, overrides_option, with_aspect
@@ -23,6 +25,7 @@ def check(case: str, aspect: str | None, overrides: tuple[str, ...], resolved: b
     from mpmcol.setup.discretization import discretize, require_thick_outline
     from mpmcol.setup.memory import require_memory_for
     from mpmcol.setup.unfit_settings import require_stiff_column
+    from mpmcol.sweep.runs import PlannedRun
 
     loaded = load_case(case, with_aspect(overrides, aspect))
     discretization = discretize(loaded)
@@ -37,7 +40,13 @@ def check(case: str, aspect: str | None, overrides: tuple[str, ...], resolved: b
     click.echo(
         f"{case}: no problems. {loaded.title or 'Untitled'}: {kind}, {loaded.material.law}, "
         f"r_i = {column.r_i:g} m, h_i = {column.h_i:g} m, a = {column.a:g}, {slope}h = {discretization.h:g} m, "
-        f"{case_hash(loaded)}",
+        f"case_hash {case_hash(loaded)}",
+        err=resolved,
+    )
+    planned = PlannedRun({}, loaded, Path())
+    click.echo(
+        f"about {planned.steps:,} steps of {discretization.most_points:,} material points; the time is estimated by "
+        "mpmcol run --dry-run",
         err=resolved,
     )
     for warning in discretization.warnings:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mpmcol.io.run_log import ProgressLines
+from mpmcol.io.run_log import ProgressLines, TimeLeft
 from mpmcol.units import duration_text
 
 if TYPE_CHECKING:
@@ -34,6 +34,7 @@ class RunDisplay:
         self._stack = ExitStack()
         self._stage, self._done = "", 0
         self._bar: Any = None
+        self._left = TimeLeft(0.0)
         self._lines = None if sys.stderr.isatty() else ProgressLines(self.notify)
 
     def __enter__(self) -> RunDisplay:
@@ -66,11 +67,12 @@ class RunDisplay:
     def _update_bar(self, stage: str, fraction: float) -> None:
         if stage != self._stage:
             self._close_bar()
-            self._stage, self._done = stage, 0
-            bar: Any = click.progressbar(length=self.RESOLUTION, label=stage, file=sys.stderr, show_eta=True)
+            self._stage, self._done, self._left = stage, 0, TimeLeft(fraction)
+            bar: Any = click.progressbar(length=self.RESOLUTION, label=stage, file=sys.stderr, show_eta=False)
             self._bar = self._stack.enter_context(bar)
         done = min(int(fraction * self.RESOLUTION), self.RESOLUTION)
         if done > self._done:
+            self._bar.label = ", ".join(filter(None, (stage, self._left.text(fraction))))
             self._bar.update(done - self._done)
             self._done = done
 

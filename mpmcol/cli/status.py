@@ -99,7 +99,8 @@ def _status_text(run: TrackedRun) -> str:
     from mpmcol.units import duration_text
 
     if run.status.name == "running":
-        return f"running   {run.progress:.0%} in {duration_text(run.seconds)}"
+        since = f", resumed at {run.resumed:.0%}" if run.resumed else ""
+        return f"running   {run.progress:.0%}, for {duration_text(run.seconds)}{since}"
     if run.status.name == "failed":
         return f"failed    {run.status.failure}"
     if run.status.name == "done":

@@ -1,4 +1,4 @@
-"""Names in results: their entries in the glossary, and columns of CSV files with units.
+"""Names in results and in JSON output: their entries in the glossaries, and columns of CSV files with units.
 
 A column is named "name [unit]" if it has a unit with which its name does not end: time [s], front.front_height [m],
 repose_angle_deg. `without_unit` gives the name.
@@ -11,7 +11,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cache
 
-from mpmcol.io.glossary import NAMES, UNITS_BY_MODEL, Names
+from mpmcol.io.glossary import UNITS_BY_MODEL, Names
+from mpmcol.io.json_glossary import ALL_NAMES
 
 _PER_MODEL = "per metre of width in the plane model, per radian in axisymmetry, of the modelled part in 3D"
 
@@ -48,7 +49,7 @@ def explain_word(name: str) -> str:
 
 def explain_names() -> str:
     """All names in results, by the file or the command in which they occur."""
-    return "\n\n".join("\n".join([f"[{where}]", *_listed(names)]) for where, names in NAMES.items())
+    return "\n\n".join("\n".join([f"[{where}]", *_listed(names)]) for where, names in ALL_NAMES.items())
 
 
 def _listed(names: Names) -> list[str]:
@@ -58,7 +59,7 @@ def _listed(names: Names) -> list[str]:
 def find_entries(name: str) -> list[Entry]:
     """Entries of a full name, its first parts or its last one; names with equal unit and meaning are one entry."""
     found: dict[tuple[str, str], Entry] = {}
-    for where, names in NAMES.items():
+    for where, names in ALL_NAMES.items():
         for full, content in names.items():
             is_part = full.startswith(f"{name}.") or full.endswith(f".{name}")
             if is_part or _pattern(full).fullmatch(name):
@@ -70,7 +71,7 @@ def find_entries(name: str) -> list[Entry]:
 
 def unit_of(where: str, name: str, model: str = "") -> str | None:
     """Unit of a name in a file or command, "" if it has none; None if the name is not in the table."""
-    matching = (unit for full, (unit, _) in NAMES[where].items() if _pattern(full).fullmatch(name))
+    matching = (unit for full, (unit, _) in ALL_NAMES[where].items() if _pattern(full).fullmatch(name))
     unit = next(matching, None)
     return UNITS_BY_MODEL[unit][model] if model and unit in UNITS_BY_MODEL else unit
 

@@ -9,6 +9,7 @@ INDEX_FILES = ("run.vtkhdf", "run.vtkhdf.series")
 CHECKSUM_FILE = "SHA256SUMS"  # of all other files; written immediately before the result
 CHECKPOINT_FILES = ("checkpoint-0.npz", "checkpoint-1.npz")  # written alternately
 LOCK_FILE = ".lock"
+RESUMED_AT = "resumed_at"  # comment in CASE_FILE: time since release at which the run was resumed last, s
 # Files that may be in the folder before the run starts: its input case and its log.
 GIVEN_CASE_FILE, LOG_FILE = "case.toml", "run.log"
 ERROR_BARS_FILE, REPEATS_FOLDER = "error_bars.json", "repeats"  # of `mpmcol run --certify`

@@ -30,6 +30,11 @@ HISTORY = (
 )  # fmt: skip
 
 
+def kind_of(path: Path) -> str:
+    """What is at a path at which a folder was expected, as a part of a message."""
+    return f"{path} is a file" if path.is_file() else f"{path}: no such folder"
+
+
 class Results:
     """The results folder of a run, read on demand.
 
@@ -39,9 +44,9 @@ class Results:
     def __init__(self, folder: Path | str) -> None:
         self.folder = Path(folder)
         if not (self.folder / CASE_FILE).is_file():
-            raise OutputError(
-                f"{self.folder}: {CASE_FILE} not found; expected the results folder of a run (`mpmcol run`)"
-            )
+            expected = "expected the results folder of a run (`mpmcol run`)"
+            missing = f"{self.folder}: {CASE_FILE} not found" if self.folder.is_dir() else kind_of(self.folder)
+            raise OutputError(f"{missing}; {expected}")
 
     def __repr__(self) -> str:
         texts = (f"{name} {text}" for name, text in self._overview() if text and name != "folder")

@@ -18,24 +18,41 @@ LINE = logging.Formatter("%(asctime)s %(levelname)-7s %(message)s", "%Y-%m-%d %H
 MOST_EARLY_LINES = 1000  # before the folder is ready
 
 
+class TimeLeft:
+    """Remaining time of a stage, from the speed since it started, or resumed: what was done before took other time.
+
+    fraction: of the stage that is done at the start.
+    """
+
+    def __init__(self, fraction: float) -> None:
+        self._fraction, self._started = fraction, time.monotonic()
+
+    def text(self, fraction: float) -> str:
+        """The remaining time when `fraction` is done, in words; "" if nothing was done since the start."""
+        done = fraction - self._fraction
+        if done <= 0.0:
+            return ""
+        return f"about {duration_text((time.monotonic() - self._started) * (1.0 - fraction) / done)} left"
+
+
 class ProgressLines:
     """Reports progress as text: one line for each stage that starts, and one for each ten per cent of it."""
 
     def __init__(self, write: Callable[[str], object]) -> None:
         self._write = write
-        self._stage, self._tenths, self._started = "", 0, 0.0
+        self._stage, self._tenths = "", 0
+        self._left = TimeLeft(0.0)
 
     def __call__(self, stage: str, fraction: float) -> None:
         """Receive the fraction of a stage that is done."""
+        tenths = int(10.0 * fraction)
         if stage != self._stage:
             if not self._stage.startswith(f"{stage}:"):  # "equilibrate: preparing kernels" has announced "equilibrate"
                 self._write(stage)
-            self._stage, self._tenths, self._started = stage, 0, time.monotonic()
-        tenths = min(int(10.0 * fraction), 9)  # the end of a stage has a message of its own
-        if tenths > self._tenths:
+            self._stage, self._tenths, self._left = stage, tenths, TimeLeft(fraction)
+        elif tenths > self._tenths and fraction < 1.0:  # the end of a stage has a message of its own
             self._tenths = tenths
-            left = (time.monotonic() - self._started) * (1.0 - fraction) / fraction
-            self._write(f"{stage} {10 * tenths} %, about {duration_text(left)} left")
+            self._write(", ".join(filter(None, (f"{stage} {10 * tenths} %", self._left.text(fraction)))))
 
 
 class _FileHandler(logging.FileHandler):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -11,7 +12,7 @@ from typing import Any, Literal
 
 from mpmcol.io.columns import without_unit
 from mpmcol.io.lock import is_locked
-from mpmcol.io.names import CASE_FILE, HISTORY_FILE, RESULT_FILE
+from mpmcol.io.names import CASE_FILE, HISTORY_FILE, RESULT_FILE, RESUMED_AT
 
 BEFORE_RELEASE = "equilibrate"
 ENDINGS = ("done", "failed", "stopped")  # values of `status` in result.json
@@ -89,8 +90,17 @@ def time_reached(folder: Path) -> float | None:
         return None
 
 
+def resumed_at(folder: Path) -> float:
+    """Time since release at which the run in a folder was resumed last, s; 0 if it was not, or before the release."""
+    try:
+        found = re.search(rf"^# {RESUMED_AT} = (.+)$", (folder / CASE_FILE).read_text("utf-8"), re.MULTILINE)
+        return float(found[1]) if found else 0.0
+    except (OSError, ValueError):
+        return 0.0
+
+
 def running_for(folder: Path) -> float:
-    """Wall-clock time since the run in a folder started, s; 0 if it has not."""
+    """Wall-clock time since the run in a folder started or was resumed, s; 0 if it has not."""
     try:
         return max(time.time() - (folder / CASE_FILE).stat().st_mtime, 0.0)
     except OSError:

@@ -124,18 +124,32 @@ def write_snapshot(folder: Path, index: int, snapshot: Snapshot, meta: Meta, com
 def read_snapshot(path: Path) -> Snapshot:
     """Read a snapshot file; real numbers are float32. Raises OutputError if it is damaged or not a snapshot."""
     with _opened(path) as file:
-        arrays = {"position": file["VTKHDF/Points"][()]}
-        arrays |= {name: dataset[()] for name, dataset in file["VTKHDF/PointData"].items()}
-        if len({len(values) for values in arrays.values()}) != 1:
-            raise ValueError("its arrays differ in length")
-        moment = file["mpmcol"]
-        return Snapshot(_plain(moment["time"]), _plain(moment["step"]), _plain(moment["stage"]), arrays)
+        return _snapshot(file)
 
 
 def read_meta(path: Path) -> dict[str, str | int | float]:
     """Data of the run in a snapshot file: the `meta` of `write_snapshot`, and time, step and stage."""
     with _opened(path) as file:
-        return {name: _plain(dataset) for name, dataset in file["mpmcol"].items()}
+        return _meta(file)
+
+
+def read_with_meta(path: Path) -> tuple[Snapshot, dict[str, str | int | float]]:
+    """A snapshot as `read_snapshot` and data of the run as `read_meta`, from one reading of the file."""
+    with _opened(path) as file:
+        return _snapshot(file), _meta(file)
+
+
+def _snapshot(file: h5py.File) -> Snapshot:
+    arrays = {"position": file["VTKHDF/Points"][()]}
+    arrays |= {name: dataset[()] for name, dataset in file["VTKHDF/PointData"].items()}
+    if len({len(values) for values in arrays.values()}) != 1:
+        raise ValueError("its arrays differ in length")
+    moment = file["mpmcol"]
+    return Snapshot(_plain(moment["time"]), _plain(moment["step"]), _plain(moment["stage"]), arrays)
+
+
+def _meta(file: h5py.File) -> dict[str, str | int | float]:
+    return {name: _plain(dataset) for name, dataset in file["mpmcol"].items()}
 
 
 def list_snapshots(folder: Path) -> list[Path]:

@@ -30,6 +30,8 @@ def split(x: Array, mass: Array, shape: ColumnShape) -> list[Section]:
     each modelled side of x = 0, in the strip |z| < depth / 2, where the flow is closest to plane strain.
     """
     distance, number = locate(x, shape)
+    if shape.dimension == 2:
+        return [Section(x, distance, mass)]
     count, width = _sections(shape)
     order = np.argsort(number, kind="stable")
     bounds = np.searchsorted(number[order], np.arange(count + 1))
@@ -50,9 +52,7 @@ def locate(x: Array, shape: ColumnShape) -> tuple[Array, NDArray[np.int8]]:
 
 
 def _sections(shape: ColumnShape) -> tuple[int, float]:
-    """Number of sections and the width of each, by which masses are divided: m or rad; 1 in 2D."""
-    if shape.dimension == 2:
-        return 1, 1.0
+    """Number of sections in 3D and the width of each, by which masses are divided: m or rad."""
     if shape.has_sectors:
         return round(shape.angle / SECTOR), SECTOR
     return shape.sides, shape.sides * shape.half_depth / 2.0  # the strip has z > 0 only if one side is modelled
@@ -76,7 +76,7 @@ def connected_to_base(y: Array, column: NDArray[np.intp], shape: ColumnShape) ->
     may be two cells, since material flowing over the base rests 1.2 to 1.6 h above it: the supports of the shape
     functions of both overlap there.
     """
-    order = np.lexsort((y, column))
+    order = _upward_by_column(y, column)
     first = np.diff(column[order], prepend=-1) != 0
     bottom = y[order] - shape.point_size / 2.0
     below = np.where(first, shape.spacing, np.roll(bottom, 1) + shape.point_size)
@@ -86,3 +86,13 @@ def connected_to_base(y: Array, column: NDArray[np.intp], shape: ColumnShape) ->
     reached = np.empty(len(y), dtype=bool)
     reached[order] = gaps_so_far == gaps_in_columns_before[np.cumsum(first) - 1]
     return reached
+
+
+def _upward_by_column(y: Array, column: NDArray[np.intp]) -> NDArray[np.intp]:
+    """Order of points by column and then by height, as of `numpy.lexsort`, in a quarter of its time.
+
+    Points at the same height of a column may be in any order.
+    """
+    upward = np.argsort(y)
+    key = column.astype(np.int16) if column.max(initial=0) < 2**15 else column  # 16 bits are sorted by radix
+    return upward[np.argsort(key[upward], kind="stable")]

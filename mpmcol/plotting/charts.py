@@ -208,6 +208,6 @@ def energy_chart(
         for line in upper.lines
         if not str(line.get_label()).startswith("_")
     ]
-    label_ends(upper, ends)
-    label_ends(lower, [EndLabel(tau[-1], float(residual[-1]), f"largest residual {largest:.1g} %", "black")])
+    end = EndLabel(tau[-1], float(residual[-1]), f"largest residual {largest:.1g} %", "black")
+    label_ends({upper: ends, lower: [end]})
     return save_figure(figure, path, svg)

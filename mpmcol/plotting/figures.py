@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -14,12 +14,15 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.legend_handler import HandlerTuple
 from matplotlib.patheffects import withStroke
+from matplotlib.text import Annotation
 from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator, StrMethodFormatter
+from PIL import Image
 
 from mpmcol.io.atomic import atomic_write
 
 MOST_ENTRIES = 7  # of a legend; more lines are labelled beside their ends or grouped
 DPI = 150
+MARGIN = 0.1  # inch: around what a chart shows
 LABEL_SIZE = 8.3  # points
 RIGHT_EDGE = 0.7  # of the width of the axes: lines that end farther to the right are labelled beside the axes
 # Steps of the ticks of a logarithmic axis that covers at most so many decades.
@@ -73,30 +76,41 @@ def use_plain_ticks(axis: Axis) -> None:
     axis.set_minor_locator(NullLocator())
 
 
-def label_ends(axes: Axes, labels: Sequence[EndLabel]) -> None:
-    """Write the labels of lines that end at the right edge beside the axes, moved apart where they would overlap, and
-    others next to the end of their line."""
-    if not labels:
-        return
-    figure: Any = axes.figure
-    _lay_out(figure)  # for the size of the axes
-    height = axes.get_window_extent().height * 72.0 / figure.dpi
-    points = axes.transData.transform([(label.x, label.y) for label in labels])
-    x, y = axes.transAxes.inverted().transform(points).T
+def label_ends(labels_of: Mapping[Axes, Sequence[EndLabel]]) -> None:
+    """Write labels of lines that end at the right edge of axes beside these, moved apart where they would overlap, and
+    others next to the end of their line. The layout of the figure is final after it."""
+    beside = {axes: _annotated(axes, labels) for axes, labels in labels_of.items()}
+    for axes, notes in beside.items():
+        figure: Any = axes.figure
+        lay_out(figure)  # for the height of the axes
+        height = axes.get_window_extent().height * 72.0 / figure.dpi
+        levels = _apart(np.array([note.xyann[1] for note in notes]), 1.35 * LABEL_SIZE / height)
+        for note, level in zip(notes, levels, strict=True):
+            note.xyann = (note.xyann[0], float(level))
+
+
+def _annotated(axes: Axes, labels: Sequence[EndLabel]) -> list[Annotation]:
+    """Write labels at the height of the ends of their lines; returns those beside the axes."""
     text: dict[str, Any] = {"fontsize": LABEL_SIZE, "va": "center", "annotation_clip": False}
-    beside = x > RIGHT_EDGE
-    y[beside] = _apart(y[beside], 1.35 * LABEL_SIZE / height)
-    for label, is_beside, level in zip(labels, beside, y, strict=True):
+    beside = []
+    axes.autoscale_view()  # otherwise limits are adapted to the lines only when the figure is drawn
+    for label in labels:
+        x, y = axes.transAxes.inverted().transform(axes.transData.transform((label.x, label.y)))
         place: dict[str, Any] = {"xytext": (6.0, 7.0), "textcoords": "offset points", "path_effects": [_HALO]}
-        if is_beside:
+        if x > RIGHT_EDGE:
             connector = _CONNECTOR | {"color": label.colour}
-            place = {"xytext": (1.025, level), "textcoords": "axes fraction", "arrowprops": connector}
-        axes.annotate(label.text, (label.x, label.y), color=label.colour, **text, **place)
+            place = {"xytext": (1.025, y), "textcoords": "axes fraction", "arrowprops": connector}
+        note = axes.annotate(label.text, (label.x, label.y), color=label.colour, **text, **place)
+        beside += [note] if x > RIGHT_EDGE else []
+    return beside
 
 
-def _lay_out(figure: Any) -> None:
+def lay_out(figure: Figure) -> None:
+    """Lay the figure out, once: this takes as long as drawing it."""
+    figure.dpi = DPI  # of the file: sizes of texts are kept for each resolution
     if engine := figure.get_layout_engine():
         engine.execute(figure)
+    figure.set_layout_engine("none")
 
 
 def _apart(positions: np.ndarray, gap: float) -> np.ndarray:
@@ -124,13 +138,33 @@ def legend_below(figure: Figure, handles: Sequence[Any], labels: Sequence[str], 
 
 def save_figure(figure: Figure, path: Path, svg: bool) -> list[Path]:
     """Write a PNG with DPI pixels per inch and, if `svg`, an SVG beside it; raises OutputError."""
-    FigureCanvasAgg(figure)
-    figure.dpi = DPI
-    _lay_out(figure)
-    figure.set_layout_engine("none")  # it would be executed again in each of several drawings
-    paths = [path, path.with_suffix(".svg")] if svg else [path]
-    for target in paths:
-        data = io.BytesIO()
-        figure.savefig(data, format=target.suffix[1:], dpi=DPI, bbox_inches="tight")
-        atomic_write(target, data.getvalue())
-    return paths
+    canvas = FigureCanvasAgg(figure)
+    lay_out(figure)
+    atomic_write(path, _png(canvas))
+    if not svg:
+        return [path]
+    data = io.BytesIO()
+    figure.savefig(data, format="svg", bbox_inches="tight")
+    atomic_write(path.with_suffix(".svg"), data.getvalue())
+    return [path, path.with_suffix(".svg")]
+
+
+def _png(canvas: FigureCanvasAgg) -> bytes:
+    """The figure with a margin of MARGIN around what it shows.
+
+    `savefig` draws a figure twice to find that; here it is cut out of one drawing, unless it extends beyond the figure.
+    """
+    figure, data = canvas.figure, io.BytesIO()
+    canvas.draw()
+    shown = figure.get_tightbbox(canvas.get_renderer())
+    width, height = figure.get_size_inches()
+    if shown.x0 < 0.0 or shown.y0 < 0.0 or shown.x1 > width or shown.y1 > height:
+        figure.savefig(data, format="png", dpi=DPI, bbox_inches="tight", pad_inches=MARGIN)
+        return data.getvalue()
+    drawn = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
+    left, right = (round(DPI * x) for x in (shown.x0 - MARGIN, shown.x1 + MARGIN))
+    upper, lower = (round(DPI * (height - y)) for y in (shown.y1 + MARGIN, shown.y0 - MARGIN))
+    page = Image.new("RGB", (right - left, lower - upper), "white")
+    page.paste(drawn, (-left, -upper))
+    page.save(data, "PNG", dpi=(DPI, DPI))
+    return data.getvalue()

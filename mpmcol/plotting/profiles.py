@@ -10,11 +10,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
-from scipy.interpolate import PchipInterpolator
 
 from mpmcol.experiments import Experiment, Profile, mark
 from mpmcol.measure import Array, ColumnShape, Measurement
 from mpmcol.plotting.measured_series import MeasuredSeries
+from mpmcol.plotting.monotonic_cubic import monotonic_cubic
 from mpmcol.plotting.styles import FRONT_STYLES, GATE_STYLE, HOLLOW, POINT_MARKERS, POINTS_COLOUR, WALL_STYLE, author_of
 from mpmcol.plotting.styles import experiment_style as style_of
 
@@ -119,7 +119,7 @@ def outline(deposit: Measurement, factor: float) -> tuple[Array, Array]:
     drawn = np.convolve(height > 0.0, np.ones(3), "same") > 0.0
     bins = np.arange(len(x))
     fine = np.linspace(0, bins[-1], bins[-1] * SAMPLES + 1)
-    smooth = PchipInterpolator(bins, height)(fine)
+    smooth = monotonic_cubic(height, fine)
     smooth[~(drawn[np.floor(fine).astype(int)] & drawn[np.ceil(fine).astype(int)])] = np.nan
     return factor * np.interp(fine, bins, x), factor * smooth
 

@@ -7,11 +7,10 @@ from pathlib import Path
 
 from mpmcol.errors import OutputError, UsageError
 from mpmcol.io.names import CASE_FILE
+from mpmcol.io.results import kind_of
 from mpmcol.report.finished import finished_run
 from mpmcol.report.model import Page
 from mpmcol.report.runs import comparison_page, run_page
-from mpmcol.report.study import is_study, study_page
-from mpmcol.report.sweep import sweep_page
 from mpmcol.sweep.plan import PLAN_FILE
 
 
@@ -24,6 +23,8 @@ def collect(folders: Sequence[Path]) -> Page:
     """
     if len(folders) == 1:
         return _page(folders[0])
+    from mpmcol.report.study import is_study
+
     for folder in folders:
         if not _is_run(folder) and (_is_sweep(folder) or is_study(folder)):
             raise UsageError(f"{folder} is not a single run; only runs are compared with each other: give it alone")
@@ -36,12 +37,16 @@ def collect(folders: Sequence[Path]) -> Page:
 def _page(folder: Path) -> Page:
     if _is_run(folder):
         return run_page(finished_run(folder))
+    from mpmcol.report.study import is_study, study_page  # here: the report of a run does not wait for them
+    from mpmcol.report.sweep import sweep_page
+
     if _is_sweep(folder):
         return sweep_page(folder)
     if is_study(folder):
         return study_page(folder)
+    problem = f"{folder}: nothing to report here" if folder.is_dir() else kind_of(folder)
     raise OutputError(
-        f"{folder}: nothing to report here; expected the folder of a finished run (with {CASE_FILE}), of a sweep (with "
+        f"{problem}; expected the folder of a finished run (with {CASE_FILE}), of a sweep (with "
         f"{PLAN_FILE}) or of a study"
     )
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from functools import cached_property
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ import numpy as np
 from mpmcol.case import Case, resolved_toml
 from mpmcol.io.atomic import atomic_write, make_folder, remove
 from mpmcol.io.checksums import checksum_of
-from mpmcol.io.names import CASE_FILE, INDEX_FILES
+from mpmcol.io.names import CASE_FILE, INDEX_FILES, RESUMED_AT
 from mpmcol.io.run_folder import write_history
 from mpmcol.io.snapshot import Snapshot, as_stored, describe_snapshot, list_snapshots, write_index, write_snapshot
 from mpmcol.io.vtkhdf import Step
@@ -31,7 +32,7 @@ from mpmcol.simulation.energy import Energies, energy_ledger, stored_energies
 from mpmcol.simulation.flow_regime import FlowHistogram
 from mpmcol.simulation.wall_forces import WallForces
 
-HISTORY_INTERVAL = 5.0  # s of wall-clock time between two writings of history.csv
+WRITE_INTERVAL = 5.0  # s of wall-clock time between two writings of history.csv, and of the index of snapshots
 
 
 class Recorder:
@@ -52,16 +53,17 @@ class Recorder:
         self.extreme_J = [1.0, 1.0]  # smallest and largest volume ratio so far
         self.checksums: dict[str, str] = {}  # of the snapshots, by file name in the folder
         self._written: list[Step] = []
-        self._history_written = time.monotonic()
+        self._history_written, self._index_written = time.monotonic(), -inf
 
-    def open(self) -> None:
-        """Create the folder and write the resolved case to it. Raises OutputError."""
+    def open(self, resumed_at: float = 0.0) -> None:
+        """Create the folder and write the resolved case to it, with the time of a resumption. Raises OutputError."""
         make_folder(self.folder)
         derived: dict[str, Any] = {
             "points": len(self.model.points),
             "threads": self.threads,
             **derived_values(self.model),
             **versions(),
+            **({RESUMED_AT: resumed_at} if resumed_at > 0.0 else {}),
         }
         atomic_write(self.folder / CASE_FILE, resolved_toml(self.case, derived).encode())
 
@@ -105,7 +107,7 @@ class Recorder:
         self.rows.append(row)
         if stage == "collapse":
             self.flow.add(points)
-        if time.monotonic() - self._history_written > HISTORY_INTERVAL:
+        if time.monotonic() - self._history_written > WRITE_INTERVAL:
             self._write_history()
         self.seconds += time.perf_counter() - started
 
@@ -122,16 +124,22 @@ class Recorder:
         return take_snapshot(self.case, points, self.initial_positions, time, steps, stage, spacing)
 
     def append_snapshot(self, snapshot: Snapshot) -> Snapshot:
-        """Write `snapshot` as the next one, with the index and the history; return it as it is stored."""
+        """Write `snapshot` as the next one, and index and history if they are due; return it as it is stored."""
         started = time.perf_counter()
         stored = as_stored(snapshot)
         path = write_snapshot(self.folder, len(self._written), stored, self._meta, self.case.output.compression)
         self._written.append(describe_snapshot(path))
         self.checksums[self._written[-1].name] = checksum_of(path)
-        write_index(self.folder, self._written)
-        self._write_history()
+        if time.monotonic() - self._index_written > WRITE_INTERVAL:
+            self.flush()
         self.seconds += time.perf_counter() - started
         return stored
+
+    def flush(self) -> None:
+        """Write the index of all snapshots and the history up to now. Raises OutputError."""
+        write_index(self.folder, self._written)
+        self._index_written = time.monotonic()
+        self._write_history()
 
     @property
     def snapshot_times(self) -> list[float]:

@@ -27,6 +27,7 @@ def resume(simulation: Simulation, checkpoint: Checkpoint) -> None:
         own = {name.removeprefix(prefix): array for name, array in arrays.items() if name.startswith(prefix)}
         simulation.valid_states.append(assemble(others, own))
     simulation.set_state(assemble(values, arrays))
+    simulation.recorder.open(simulation.solver.time if simulation.progress.stage == "collapse" else 0.0)
     simulation.recorder.remove_later_snapshots()
     simulation.progress.resumed.append({"step": simulation.solver.steps, "version": code_version()})
 

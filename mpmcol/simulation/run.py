@@ -186,6 +186,7 @@ def _write_result(simulation: Simulation, status: str, snapshot: str, **more: An
     """Write the final snapshot, whose stage is `snapshot`, and result.json."""
     recorder = simulation.recorder
     final = recorder.write_snapshot(snapshot)
+    recorder.flush()
     recorder.remove_later_snapshots()
     write_pressure(recorder.folder, recorder.forces.pressure_rows(), recorder.shape.model)
     write_result(recorder.folder, summarize(status, simulation, final) | more, recorder.checksums)

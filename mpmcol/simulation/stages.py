@@ -65,6 +65,7 @@ class Stages:
         options, solver, progress = self.case.stages.equilibrate, self.solver, self.simulation.progress
         transit = self.model.discretization.wave_time(self.model.equilibrate.column.wave_speed2)
         limit = options.max_time_factor * transit
+        self.simulation.show_progress("equilibrate", self._equilibrated(limit))
         while progress.converged_checks < CONVERGED_CHECKS and solver.time < limit:
             if solver.time >= progress.next_check:
                 progress.next_check = solver.time + transit / CHECKS_PER_TRANSIT
@@ -73,8 +74,7 @@ class Stages:
             progress.converged_checks = progress.converged_checks + 1 if unbalanced < options.tolerance else 0
             self.recorder.record("equilibrate")
             self._check()
-            converged = log(max(unbalanced, options.tolerance)) / log(options.tolerance)  # residuals fall exponentially
-            self.simulation.show_progress("equilibrate", max(converged, solver.time / limit))
+            self.simulation.show_progress("equilibrate", self._equilibrated(limit))
         self.simulation.show_progress("equilibrate", 1.0)
         unbalanced = solver.ledger[loop.L_UNBALANCED]
         self._notify_stage("equilibrate", f"unbalanced force {unbalanced:.1e} of the weight")
@@ -83,6 +83,14 @@ class Stages:
                 f"the column was not at rest after {solver.time:.3g} s (unbalanced force {unbalanced:.1e} of the "
                 f"weight, tolerance {options.tolerance:.1e}); raise stages.equilibrate.max_time_factor or damping"
             )
+
+    def _equilibrated(self, limit: float) -> float:
+        """Fraction of the equilibration that is done: residuals fall exponentially, and time ends at its limit."""
+        solver, tolerance = self.solver, self.case.stages.equilibrate.tolerance
+        if not solver.steps:
+            return 0.0
+        unbalanced = solver.ledger[loop.L_UNBALANCED]
+        return max(log(max(unbalanced, tolerance)) / log(tolerance), solver.time / limit)
 
     def release(self) -> None:
         """Open the gate and switch to the law of the collapse; time, energy and displacement count from here."""
@@ -110,6 +118,7 @@ class Stages:
         slow = slope_factor(self.case.geometry.slope_deg, self.case.material, self.case.friction.floor)
         usual = min(limit, USUAL_DURATION * slow * self.fall_time + lifting_time)
         snapshots = self._snapshot_times(limit, usual)
+        self.simulation.show_progress("collapse", min(solver.time / usual, 1.0))
         while solver.time < limit and not (options.end == "rest" and progress.at_rest):
             next_check = min((progress.checks + 1) * self.fall_time / CHECKS_PER_FALL_TIME, limit)
             self._advance(min([next_check, *snapshots[:1]]))

@@ -84,7 +84,7 @@ def sweep_chart(
         use_plain_ticks(axes.xaxis)
         use_plain_ticks(axes.yaxis)
     _add_legend(figure, axes, series, slopes, ends)
-    label_ends(axes, ends)
+    label_ends({axes: ends})
     return save_figure(figure, path, svg)
 
 

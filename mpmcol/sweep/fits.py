@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.special import stdtrit
 
 from mpmcol.experiments import Experiment
 from mpmcol.io.atomic import atomic_write
@@ -80,6 +79,8 @@ def fit_power(x: ArrayLike, y: ArrayLike) -> PowerFit:
 
 def student_t(freedom: int) -> float:
     """Half the width of the 95 % interval of Student's t distribution, in standard errors."""
+    from scipy.special import stdtrit  # here, since it takes long to import
+
     return float(stdtrit(freedom, (1.0 + CONFIDENCE) / 2.0))
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from mpmcol.errors import OutputError
 from mpmcol.io.names import CASE_FILE, GIVEN_CASE_FILE
-from mpmcol.io.run_status import RunStatus, read_status, running_for, time_reached
+from mpmcol.io.run_status import RunStatus, read_status, resumed_at, running_for, time_reached
 from mpmcol.sweep.plan import PLAN_FILE, Plan, PlanEntry, read_plan
 
 MOST_PROGRESS = 0.95  # of a run that has not ended, also if it takes longer than estimated
@@ -21,7 +21,8 @@ class TrackedRun:
     entry: PlanEntry
     status: RunStatus
     progress: float  # share of its work that is done, 0 to 1
-    seconds: float  # wall-clock time so far
+    seconds: float  # wall-clock time of it; of a run that is executed since it was started or resumed
+    resumed: float = 0.0  # share of its work that was done before these seconds
 
     @property
     def work_left(self) -> float:
@@ -49,8 +50,14 @@ class ProgressTracker:
             return self._ended[entry.folder]
         if status.name != "running":
             return TrackedRun(entry, status, 0.0, 0.0)
-        time = max(time_reached(folder) or 0.0, 0.0)
-        return TrackedRun(entry, status, min(time / entry.end, MOST_PROGRESS), running_for(folder))
+        resumed = _share(resumed_at(folder), entry)
+        progress = max(_share(time_reached(folder) or 0.0, entry), resumed)
+        return TrackedRun(entry, status, progress, running_for(folder), resumed)
+
+
+def _share(time: float, entry: PlanEntry) -> float:
+    """Share of the work of a run that is done at a time since release."""
+    return min(max(time, 0.0) / entry.end, MOST_PROGRESS)
 
 
 def find_plan(folder: Path) -> tuple[Plan, Path]:
@@ -82,8 +89,8 @@ def time_left(runs: list[TrackedRun], jobs: int) -> float | None:
 
     The remaining work is distributed evenly over the jobs, but a single run is never split.
     """
-    timed = [run for run in runs if run.seconds > 0.0 and run.progress > 0.0 and run.status.name != "failed"]
-    done = sum(run.entry.work * run.progress for run in timed)
+    timed = [run for run in runs if run.seconds > 0.0 and run.progress > run.resumed and run.status.name != "failed"]
+    done = sum(run.entry.work * (run.progress - run.resumed) for run in timed)
     if not done:
         return None
     left = [run.work_left for run in runs]

@@ -27,6 +27,7 @@ def test_check_of_a_valid_case() -> None:
     assert result.exit_code == 0
     assert result.stdout.startswith("lube-channel: no problems.")
     assert "a = 5" in result.stdout and result.stderr == ""
+    assert re.search(r"\nabout [\d,]+ steps of [\d,]+ material points; ", result.stdout)
 
 
 def test_check_notes_values_rounded_to_the_grid() -> None:

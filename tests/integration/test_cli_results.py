@@ -180,3 +180,13 @@ def test_plot_writes_into_another_folder(folder: Path, tmp_path_factory: pytest.
     assert invoke("plot", folder, "--out", out).exit_code == 0
     assert {path.name for path in out.iterdir()} == {"profile.png", "front.png", "energy.png"}
     assert set(folder.iterdir()) == before
+
+
+@pytest.mark.parametrize("command", ["measure", "plot"])
+def test_a_case_file_is_not_a_results_folder(tmp_path: Path, command: str) -> None:
+    case = tmp_path / "my.toml"
+    case.write_text(invoke("init", "quickstart").stdout)
+    refused = invoke(command, case)
+    assert refused.exit_code == 5 and "my.toml is a file; expected the results folder of a run" in refused.stderr
+    missing = invoke(command, tmp_path / "run")
+    assert missing.exit_code == 5 and "run: no such folder; expected the results folder of a run" in missing.stderr

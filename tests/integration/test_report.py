@@ -257,7 +257,7 @@ def test_a_sweep_that_cannot_be_reported(
 
 def test_folders_that_cannot_be_reported(run: Path, sweep: Path, study: Path, tmp_path: Path) -> None:
     refused(tmp_path, message="nothing to report here")
-    refused(tmp_path / "none", message="nothing to report here")
+    refused(tmp_path / "none", message="no such folder")
     refused(run, sweep, message="is not a single run")
     refused(run, run, message="is given twice")
     refused(run, tmp_path, message="case.resolved.toml not found")

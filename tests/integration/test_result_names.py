@@ -3,47 +3,37 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
-from dataclasses import fields
+from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
+import click
 import numpy as np
 import pytest
 
 import mpmcol
 from mpmcol.case import key_names, load_case
+from mpmcol.cli import COMMANDS, accuracy, main, paper
 from mpmcol.errors import NumericalFailure
 from mpmcol.io.columns import explain_name, unit_of, with_unit, without_unit
-from mpmcol.io.glossary import HISTORY, MEASURE, NAMES, RESULT, SLOPES, TABLE
+from mpmcol.io.glossary import HISTORY, MEASURE, RESULT, SLOPES, TABLE
+from mpmcol.io.json_glossary import ALL_NAMES, CONTENTS, OUTPUTS
 from mpmcol.io.results import Results, read_history
+from mpmcol.provenance import environment
+from mpmcol.studies.frame import StudyResult
+from mpmcol.studies.paper.report import Comparison, FigureResult
+from mpmcol.studies.pareto.certify import ErrorBar
 from mpmcol.sweep.engine import Outcome
 from mpmcol.sweep.fits import Slope
+from mpmcol.sweep.plan import Plan, PlanEntry
 from mpmcol.sweep.runs import PlannedRun
 from mpmcol.sweep.table import make_rows, read_table, table_text
 from mpmcol.sweep.task import TaskResult
 from tests.support.cli import csv_row, invoke
+from tests.support.json_keys import names_in, unexplained, unexplained_keys
 from tests.support.runs import TINY
 
 ENERGIES = ("potential", "kinetic", "elastic", "plastic", "damping", "residual", "grid_kinetic")
-
-
-def names_in(value: Any, prefix: str = "") -> Iterator[str]:
-    """Names of all values in nested tables and in arrays of tables, and of the tables themselves."""
-    if isinstance(value, dict):
-        for name, entry in value.items():
-            yield prefix + name
-            yield from names_in(entry, f"{prefix}{name}.")
-    elif isinstance(value, list):
-        for entry in value:
-            yield from names_in(entry, prefix)
-
-
-def unexplained(where: str, names: Iterator[str]) -> set[str]:
-    """Names that are not in the glossary; a table whose keys are in it need not be."""
-    known = NAMES[where]
-    tables = {".".join(name.split(".")[:-1]) for name in known}
-    return {name for name in names if unit_of(where, name) is None and name not in tables}
 
 
 @pytest.fixture(scope="module")
@@ -108,6 +98,56 @@ def test_every_column_of_the_slopes_is_explained() -> None:
     assert unexplained(SLOPES, (field.name for field in fields(Slope))) == set()
 
 
+def test_every_command_with_json_output_has_its_keys_in_the_glossary() -> None:
+    """The other tests of a command compare its keys with them: `invoke` does."""
+    with_json = {name for name in COMMANDS if "--json" in options_of(main.get_command(click.Context(main), name))}
+    explained = {name.partition(" ")[0] for name in (*OUTPUTS, *CONTENTS) if name.endswith("--json")}
+    assert with_json == explained
+
+
+def options_of(command: click.Command | None) -> list[str]:
+    assert command is not None
+    return [option for parameter in command.params for option in parameter.opts]
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("status", "RUN"),
+        ("verify", "RUN"),
+        ("measure", "RUN"),
+        ("plan", "quickstart", "--accuracy", "10%"),
+        ("run", "coarse-channel", "--dry-run"),
+        ("sweep", "coarse-channel", "--aspect", "1,2", "--dry-run"),
+    ],
+)
+def test_every_key_of_json_output_is_explained(finished: Path, command: tuple[str, ...]) -> None:
+    done = invoke(*(finished if word == "RUN" else word for word in command), "--json")
+    assert done.exit_code == 0 and {*names_in(json.loads(done.stdout))}, done.output
+
+
+def test_a_key_without_an_entry_is_found() -> None:
+    assert unexplained_keys(["status", "x", "--json"], {"counts": {"done": 1}, "runs": [{"age": 1.0}]}) == {"runs.age"}
+
+
+def test_every_key_of_error_bars_is_explained(finished: Path) -> None:
+    bar = ErrorBar("zeta.front_height", {10.0: 2.5, 20.0: 2.6, 28.0: 2.7}, 0.1, 2.8, 0.1, 0.2)
+    record = accuracy._record(bar, Results(finished))
+    assert record["law"] and unexplained_keys(["run"], {"error_bars": {bar.quantity: record}}) == set()
+
+
+def test_every_key_of_a_comparison_with_the_paper_is_explained() -> None:
+    figure = FigureResult([], [Comparison("zeta", 0.1, 0.2)])
+    record = paper._record(StudyResult([], {"fig6": figure}, [Path("fig6.csv")]))
+    assert unexplained_keys(["paper"], record) == set()
+
+
+def test_every_key_of_json_files_of_sweeps_and_studies_is_explained() -> None:
+    plan = asdict(Plan("", "", 1, 1, (PlanEntry("a", {"geometry.aspect": 1.0}, 1.0, 1.0),)))
+    assert unexplained("sweep.json", names_in({"schema": 1, **plan})) == set()
+    assert unexplained("environment.json", names_in(environment())) == set()
+
+
 @pytest.mark.parametrize(
     ("name", "parts"),
     [
@@ -118,6 +158,10 @@ def test_every_column_of_the_slopes_is_explained() -> None:
         ("state_sha256", ["checksum"]),
         ("kinetic_energy", ["ledger.kinetic, kinetic", "per metre of width", "per radian"]),
         ("error.lube-2004.zeta.front_max", ["relative error"]),
+        ("seconds_left", ["unit s", "status --json"]),
+        ("error_bars", ["zero spacing", "error_bars.json"]),
+        ("from_order", ["lowest and highest order"]),
+        ("findings", ["problems", "verify --json"]),
         ("time", ["[time]", "time.cfl", "time since release", "unit s"]),
     ],
 )
@@ -143,7 +187,7 @@ def test_keys_of_a_case_come_before_words_of_names(name: str, message: str | Non
 
 def test_all_names_are_listed() -> None:
     listed = invoke("explain", "results").stdout
-    assert all(f"\n  {name}\n    " in listed for names in NAMES.values() for name in names)
+    assert all(f"\n  {name}\n    " in listed for names in ALL_NAMES.values() for name in names)
     assert "grid.spacing" in invoke("explain").stdout and "state_sha256" not in invoke("explain").stdout
 
 

@@ -13,6 +13,7 @@ import mpmcol
 from mpmcol.cli import follow
 from mpmcol.io.lock import locked
 from mpmcol.io.run_log import ProgressLines, run_log
+from mpmcol.io.run_status import resumed_at
 from tests.support.cli import invoke, set_options
 from tests.support.runs import TINY
 
@@ -63,6 +64,39 @@ def test_one_line_for_each_stage_and_each_ten_per_cent() -> None:
     assert [line.partition(",")[0] for line in lines] == [
         "load: preparing kernels", "load 10 %", "load 30 %", "load 90 %", "flow", "flow 10 %", "flow 30 %", "flow 90 %"
     ]  # fmt: skip
+
+
+def test_the_time_left_of_a_resumed_stage_follows_from_the_speed_since_then(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Half of the stage was done before: a tenth of it in 4 s leaves 16 s."""
+    clock = iter([0.0, 100.0, 104.0, 108.0])
+    monkeypatch.setattr("mpmcol.io.run_log.time.monotonic", lambda: next(clock))
+    lines: list[str] = []
+    progress = ProgressLines(lines.append)
+    for fraction in (0.5, 0.6, 0.7):
+        progress("flow", fraction)
+    assert lines == ["flow", "flow 60 %, about 16 s left", "flow 70 %, about 12 s left"]
+
+
+def test_the_first_fraction_of_a_resumed_run_is_that_of_its_checkpoint(tmp_path: Path) -> None:
+    case = mpmcol.load_case("coarse-channel", TINY)
+    seen: list[float] = []
+
+    def collapse(stage: str, fraction: float) -> None:
+        if stage == "collapse":
+            seen.append(fraction)
+            if fraction > 0.5:
+                raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        mpmcol.run(case, tmp_path / "run", checkpoint_seconds=0.0, progress=collapse)
+    assert seen[0] == 0.0
+    reached, seen[:] = seen[-1], []
+    with pytest.raises(KeyboardInterrupt):
+        mpmcol.run(case, tmp_path / "run", progress=collapse)
+    assert 0.4 < seen[0] <= reached
+    end = mpmcol.run(case, tmp_path / "run").summary["time"]  # the limit of this collapse
+    assert resumed_at(tmp_path / "run") == pytest.approx(seen[0] * end, rel=0.01)
+    assert mpmcol.load_case(tmp_path / "run" / "case.resolved.toml") == case
 
 
 def test_a_log_that_cannot_be_written_does_not_end_the_run(tmp_path: Path) -> None:

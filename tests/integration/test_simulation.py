@@ -68,7 +68,7 @@ def test_snapshots_start_undisplaced_and_move_outward(finished: Path) -> None:
 
 
 def test_history_can_be_read_between_snapshots(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("mpmcol.simulation.recorder.HISTORY_INTERVAL", 0.0)
+    monkeypatch.setattr("mpmcol.simulation.recorder.WRITE_INTERVAL", 0.0)
     lengths = []
     overrides = ["grid.spacing=0.015", "output.snapshots=1", "stages.collapse.max_time_factor=0.2"]
     folder = tmp_path / "run"

@@ -338,6 +338,24 @@ def test_time_left_follows_from_the_mean_speed(tmp_path: Path, monkeypatch: pyte
     assert time_left(tracked[2:], 2) is None
 
 
+def test_time_left_of_a_resumed_run_follows_from_the_speed_since_then(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """From 0.4 to 0.5 in 4 s: 20 s for the other half."""
+    write_run(tmp_path / "resumed", 0.5)
+    (tmp_path / "resumed" / "case.resolved.toml").write_text("title = 'a'\n\n# derived:\n# resumed_at = 0.4\n")
+    plan = Plan("", code_version(), 1, 1, (PlanEntry("resumed", {}, 100.0, 1.0),))
+    monkeypatch.setattr("mpmcol.sweep.progress.running_for", lambda folder: 4.0)
+    with locked(tmp_path / "resumed"):
+        tracked = ProgressTracker(tmp_path, plan).runs()
+    assert (tracked[0].progress, tracked[0].resumed) == (0.5, 0.4)
+    assert time_left(tracked, 1) == pytest.approx(20.0)
+    (tmp_path / "resumed" / "history.csv").unlink()  # nothing is known of the speed yet
+    with locked(tmp_path / "resumed"):
+        tracked = ProgressTracker(tmp_path, plan).runs()
+    assert tracked[0].progress == 0.4 and time_left(tracked, 1) is None
+
+
 def test_a_folder_without_a_sweep(tmp_path: Path) -> None:
     with pytest.raises(OutputError, match="expected the folder of a sweep"):
         find_plan(tmp_path)

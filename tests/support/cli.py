@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import json
 import subprocess
 import sys
 from collections.abc import Iterable, Iterator
@@ -13,11 +14,17 @@ from click.testing import CliRunner, Result
 
 from mpmcol.cli import main
 from mpmcol.io.columns import without_unit
+from tests.support.json_keys import unexplained_keys
 
 
 def invoke(*arguments: object) -> Result:
-    """Call `mpmcol` with these arguments in this process."""
-    return CliRunner().invoke(main, [str(argument) for argument in arguments])
+    """Call `mpmcol` with these arguments in this process; keys of JSON that it prints must be in the glossary."""
+    words = [str(argument) for argument in arguments]
+    result = CliRunner().invoke(main, words)
+    if "--json" in words and result.stdout.startswith("{"):
+        unexplained = unexplained_keys(words, json.loads(result.stdout))
+        assert not unexplained, f"mpmcol {' '.join(words)}: not in mpmcol/io/json_glossary.py: {unexplained}"
+    return result
 
 
 def csv_row(text: str) -> dict[str, str]:

@@ -19,7 +19,7 @@ from matplotlib.ticker import MaxNLocator
 from PIL import Image, ImageDraw, ImageFont
 
 from mpmcol.errors import OutputError
-from mpmcol.io.snapshot import Meta, Snapshot, read_meta, read_snapshot
+from mpmcol.io.snapshot import Meta, Snapshot, read_with_meta
 from mpmcol.plotting.captions import geometry_of_snapshot, heading_of_snapshot
 from mpmcol.plotting.render.coloring import Coloring
 from mpmcol.plotting.render.projection import circle, complete_by_symmetry, silhouette
@@ -139,7 +139,7 @@ def read_for_rendering(path: Path) -> tuple[Snapshot, Meta]:
 
     Raises OutputError if the file cannot be read or lacks metadata.
     """
-    snapshot, meta = read_snapshot(path), read_meta(path)
+    snapshot, meta = read_with_meta(path)
     missing = sorted({"title", "model", "point_size", "spacing", "r_i", "h_i"} - meta.keys())
     if missing:
         raise OutputError(

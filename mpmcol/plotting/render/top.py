@@ -9,8 +9,6 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba
 from matplotlib.patches import Patch
 from PIL import Image, ImageOps
-from scipy.ndimage import distance_transform_edt
-from scipy.spatial import KDTree
 
 from mpmcol.io.snapshot import Meta, Snapshot
 from mpmcol.measure import UNDISTURBED
@@ -95,6 +93,9 @@ def _picture(x: np.ndarray, moved: np.ndarray, meta: Meta, reach: float) -> np.n
     A pixel shows the topmost of the points that cover it, else the nearest one, so that gaps between points that are
     narrower than two grid cells are closed. Beyond the deposit the picture is transparent.
     """
+    from scipy.ndimage import distance_transform_edt  # here: they take longer to import than all other charts need
+    from scipy.spatial import KDTree
+
     line = reach * (2.0 * (np.arange(PIXELS) + 0.5) / PIXELS - 1.0)
     if meta["model"] == "axisymmetric":
         tree, places = KDTree(np.abs(x[:, :1])), np.hypot(line[:, None], line)[..., None]

@@ -24,8 +24,9 @@ from mpmcol.studies.pareto.shipped import (
     shipped_configurations,
     shipped_study,
     similar_cases,
+    study_case,
 )
-from mpmcol.studies.pareto.study import load_study_case, variant_values
+from mpmcol.studies.pareto.study import variant_values
 from mpmcol.studies.runs import CFL
 from mpmcol.sweep.runs import PlannedRun
 
@@ -147,8 +148,7 @@ def configuration_values(case: Case, variant: str, cells: float) -> dict[str, Va
 
 def differences_from_study(case: Case, variant: str, cases: Sequence[str]) -> list[str]:
     """Describe how a case, configured with `variant`, differs from the neighbouring `cases` of the study."""
-    study = shipped_study()
-    here, there = _compared(case), _compared(load_study_case(study.cases[cases[0]], study.variants[variant]))
+    here, there = _compared(case), _compared(study_case(cases[0], variant))
     keys = [key for key in here if key in there and here[key] != there[key]]
     if here[CFL] <= there[CFL]:  # a smaller time step is no less accurate
         keys = [key for key in keys if key != CFL]

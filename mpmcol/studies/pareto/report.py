@@ -8,7 +8,6 @@ from pathlib import Path
 from mpmcol.experiments import Experiment, find_experiment, mark
 from mpmcol.io.atomic import atomic_write
 from mpmcol.studies.markdown import document, images, table
-from mpmcol.studies.pareto.chart import case_chart
 from mpmcol.studies.pareto.reference import PROFILE, QUANTITIES, ConvergedReference
 from mpmcol.studies.pareto.score import BETA, COSTS, ZETA, ScoredConfiguration
 from mpmcol.studies.pareto.selection import (
@@ -33,6 +32,8 @@ Scored = Sequence[ScoredConfiguration]
 
 def write_report(study: StudyDefinition, references: References, scored: Scored, heading: str, out: Path) -> list[Path]:
     """Write table, text and charts into the folder `out`; return the files."""
+    from mpmcol.studies.pareto.chart import case_chart  # here: a run is judged by the study without charts
+
     experiments = {case: experiment_of(one) for one in scored if one.runs and (case := one.configuration.case)}
     charts = []
     for case, reference in references.items():

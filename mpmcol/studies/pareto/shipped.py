@@ -122,9 +122,10 @@ def similar_cases(column: ColumnParameters) -> dict[str, ColumnParameters]:
 
 
 @cache
-def study_case(name: str) -> Case:
-    """Load a case of the shipped study."""
-    return load_study_case(shipped_study().cases[name])
+def study_case(name: str, variant: str | None = None) -> Case:
+    """Load a case of the shipped study, with a scheme variant if one is given."""
+    study = shipped_study()
+    return load_study_case(study.cases[name], study.variants[variant] if variant else None)
 
 
 def _bracket(values: Iterable[float], x: float, near: float, ratio: float) -> list[float]:

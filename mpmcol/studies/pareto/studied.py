@@ -10,8 +10,7 @@ from mpmcol.case.values import leaf_values
 from mpmcol.errors import UsageError
 from mpmcol.studies.pareto.recommend import differences_from_study, largest_errors, studied_configurations
 from mpmcol.studies.pareto.score import BETA, ZETA
-from mpmcol.studies.pareto.shipped import neighbouring_cases, parameters_of, shipped_study
-from mpmcol.studies.pareto.study import load_study_case
+from mpmcol.studies.pareto.shipped import neighbouring_cases, parameters_of, study_case
 
 SAME_SPACING = 1.02  # ratio within which spacings count as equal
 SAME_SOFTNESS = 1.25  # of rho g h_i / E: a column that is softer by more has not been studied
@@ -49,8 +48,7 @@ def studied_error(case: Case) -> StudiedError | None:
 
 
 def _is_like(case: Case, variant: str, cases: list[str]) -> bool:
-    study = shipped_study()
-    there = load_study_case(study.cases[cases[0]], study.variants[variant])
+    there = study_case(cases[0], variant)
     values, others = leaf_values(case), leaf_values(there)
     return (
         not differences_from_study(case, variant, cases)

@@ -141,6 +141,8 @@ def test_windows_line_ends_and_a_byte_order_mark_are_accepted(write: Write) -> N
 @pytest.mark.parametrize(
     ("line", "hint"),
     [
+        ("friction_deg = yes", "write true or false, in small letters"),
+        ("friction_deg = True # x", "write true or false, in small letters"),
         ("friction_deg = 33,5", "the decimal separator is a point"),
         ("friction_deg = -0,5 # x", "the decimal separator is a point"),
         ("friction_deg = .5", "write a digit before the decimal point"),

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from mpmcol.measure import ColumnShape, Measurement, deposit_profile, measure, stop_time, undisturbed_radius
+from mpmcol.measure.sections import connected_to_base
 
 H = 0.002
 PLANE = ColumnShape("plane", "one-sided", r_i=0.09, h_i=0.09, spacing=H, density=2650.0, point_size=H / 2)
@@ -210,3 +211,18 @@ def test_the_height_of_an_outline_away_from_the_wall_is_that_of_its_crest(model:
     assert result.front["front_height"] == pytest.approx(0.297, abs=H)  # where the height is r_i / 100
     volume = 0.01 if model == "plane" else 0.01 * 0.2 / (0.3 / 2.0)
     assert result.area_factor == pytest.approx(volume / (0.3 * 0.1), rel=0.03)
+
+
+@pytest.mark.parametrize("columns", [3, 10**6])
+def test_the_connected_pile_is_that_of_each_column_taken_alone(columns: int) -> None:
+    """Points on a coarse lattice, many at the same place; columns with small and with large numbers."""
+    generator = np.random.default_rng(3)
+    for _ in range(50):
+        y = 0.37 * PLANE.point_size * generator.integers(0, 80, 40)
+        column = generator.integers(0, columns, 40)
+        together = connected_to_base(y, column, PLANE)
+        for own in (column == number for number in np.unique(column)):
+            order = np.argsort(y[own])
+            gaps = np.diff(y[own][order], prepend=PLANE.spacing - 0.5 * PLANE.point_size) - PLANE.point_size
+            reached = np.logical_and.accumulate(gaps <= PLANE.spacing)
+            np.testing.assert_array_equal(together[own][order], reached)

@@ -142,5 +142,5 @@ def test_a_figure_from_the_command_line(tmp_path: Path) -> None:
     assert 30.0 < float(rows[0.55]["undisturbed_mm"]) < 45.0 and float(rows[0.9]["undisturbed_mm"]) == 0.0
     assert (out / "fig9-top-a0.55.png").stat().st_size > 10_000
     assert "Figure 9" in (out / "fig9.md").read_text() and (out / "environment.json").exists()
-    again = invoke("paper", "fig9", "--quick", "--out", out)
+    again = invoke("paper", "fig9", "--quick", "--out", out, "--json")
     assert again.exit_code == 0 and "nothing to run" in again.output

@@ -172,6 +172,7 @@ def test_a_small_study_from_end_to_end(tmp_path: Path, monkeypatch: pytest.Monke
     before = {file: file.stat().st_mtime_ns for file in (out / "runs").rglob("*") if file.is_file()}
     again = invoke("pareto", path, "--report-only", "--quiet")
     assert (again.exit_code, again.output) == (0, "")
+    assert len(json.loads(invoke("pareto", path, "--report-only", "--json").stdout)["rows"]) == len(rows)
     assert {file: file.stat().st_mtime_ns for file in (out / "runs").rglob("*") if file.is_file()} == before
     assert (out / "pareto.md").read_text() == text
     write(tmp_path, "cells = [5, 6, 7]", "cells = [3, 4, 5]")

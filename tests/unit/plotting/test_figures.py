@@ -1,0 +1,56 @@
+"""Parts that charts share: labels beside lines, and files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+import pytest
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from PIL import Image
+
+from mpmcol.plotting.figures import DPI, LABEL_SIZE, MARGIN, EndLabel, label_ends, save_figure
+
+
+@pytest.fixture
+def axes() -> Axes:
+    return Figure(figsize=(6.0, 4.0), layout="constrained").subplots()
+
+
+def levels(axes: Axes) -> list[float]:
+    """Heights of the labels beside the axes, as fractions of these."""
+    return [note.xyann[1] for note in axes.texts]
+
+
+def test_a_label_is_at_the_height_of_the_end_of_its_line(axes: Axes) -> None:
+    """Although the limits of the axes follow from the lines."""
+    ends = [0.0, 0.5, 2.0]
+    for end in ends:
+        axes.plot([0.0, 1.0], [0.0, end])
+    label_ends({axes: [EndLabel(1.0, end, f"{end}", "black") for end in ends]})
+    (low, high), found = axes.get_ylim(), levels(axes)
+    np.testing.assert_allclose(found, [(end - low) / (high - low) for end in ends], atol=1e-6)
+
+
+def test_labels_of_lines_that_end_together_are_moved_apart(axes: Axes) -> None:
+    axes.plot([0.0, 1.0], [0.0, 1.0])
+    label_ends({axes: [EndLabel(1.0, 1.0, name, "black") for name in "abc"]})
+    height = axes.get_window_extent().height * 72.0 / DPI
+    np.testing.assert_allclose(np.diff(levels(axes)), 1.35 * LABEL_SIZE / height)
+    assert max(levels(axes)) <= 1.0
+
+
+@pytest.mark.parametrize("layout", ["constrained", None])
+def test_a_picture_shows_everything_with_a_margin(tmp_path: Path, layout: Literal["constrained"] | None) -> None:
+    """Without a layout a text is beyond the figure. The box of a text is up to a few pixels larger than its ink."""
+    figure = Figure(figsize=(6.0, 4.0), layout=layout)
+    figure.subplots().text(1.2, 0.5, "beyond the axes")
+    (path,) = save_figure(figure, tmp_path / "chart.png", svg=False)
+    with Image.open(path) as image:
+        ink = np.asarray(image.convert("L")) < 250
+        assert image.info["dpi"] == pytest.approx((DPI, DPI), rel=1e-3)
+    rows, columns = np.flatnonzero(ink.any(axis=1)), np.flatnonzero(ink.any(axis=0))
+    margins = [rows[0], columns[0], ink.shape[0] - 1 - rows[-1], ink.shape[1] - 1 - columns[-1]]
+    np.testing.assert_allclose(margins, MARGIN * DPI, atol=8.0)
