@@ -14,7 +14,6 @@ from matplotlib.patches import Rectangle
 from mpmcol.experiments import Experiment, Profile, mark
 from mpmcol.measure import Array, ColumnShape, Measurement
 from mpmcol.plotting.measured_series import MeasuredSeries
-from mpmcol.plotting.monotonic_cubic import monotonic_cubic
 from mpmcol.plotting.styles import FRONT_STYLES, GATE_STYLE, HOLLOW, POINT_MARKERS, POINTS_COLOUR, WALL_STYLE, author_of
 from mpmcol.plotting.styles import experiment_style as style_of
 
@@ -114,12 +113,14 @@ def outline(deposit: Measurement, factor: float) -> tuple[Array, Array]:
     Between the bins it is monotonic (PCHIP), so that the line adds no extremum. Of the empty bins only the first and
     last of each gap are drawn, where the line falls to zero.
     """
+    from scipy.interpolate import PchipInterpolator  # here, since it takes long to import
+
     surface = _averaged(deposit.profile_y)
     x, height = np.append(0.0, deposit.profile_x), np.append(surface[:1], surface)
     drawn = np.convolve(height > 0.0, np.ones(3), "same") > 0.0
     bins = np.arange(len(x))
     fine = np.linspace(0, bins[-1], bins[-1] * SAMPLES + 1)
-    smooth = monotonic_cubic(height, fine)
+    smooth = PchipInterpolator(bins, height)(fine)
     smooth[~(drawn[np.floor(fine).astype(int)] & drawn[np.ceil(fine).astype(int)])] = np.nan
     return factor * np.interp(fine, bins, x), factor * smooth
 
