@@ -12,6 +12,7 @@ import pickle
 import subprocess
 import sys
 from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,7 @@ from mpmcol.mpm.kernels.step import State
 from mpmcol.mpm.kernels.transfer import make_p2g
 from mpmcol.mpm.settings import Scheme
 
+PACKAGE_ROOT = str(Path(__file__).parents[3])
 Signature = tuple[Any, ...]  # types of the arguments of a compiled function
 
 
@@ -58,17 +60,24 @@ def shared_functions_compiled_meanwhile(dimension: int, basis: str, signatures: 
     with contextlib.ExitStack() as stack:
         if not cached and (os.cpu_count() or 1) > 1:
             with contextlib.suppress(OSError):
-                process = subprocess.Popen(
-                    [sys.executable, "-m", __name__],
-                    stdin=subprocess.PIPE,
-                    stdout=subprocess.DEVNULL,
-                    stderr=subprocess.DEVNULL,
-                )
-                stack.enter_context(process)
-                if process.stdin:
-                    process.stdin.write(pickle.dumps((dimension, basis, signatures)))
-                    process.stdin.close()
+                stack.enter_context(_second_process(pickle.dumps((dimension, basis, signatures))))
         yield
+
+
+def _second_process(task: bytes) -> subprocess.Popen[bytes]:
+    """Start a process that compiles; it imports this package, not one of that name in the present folder."""
+    packages = [PACKAGE_ROOT, *filter(None, [os.environ.get("PYTHONPATH")])]
+    process = subprocess.Popen(
+        [sys.executable, "-P", "-m", __name__],
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(packages)},
+        stdin=subprocess.PIPE,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    if process.stdin:
+        process.stdin.write(task)
+        process.stdin.close()
+    return process
 
 
 def compile_shared_functions(dimension: int, basis: str, signatures: Sequence[Signature]) -> None:
