@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import contextlib
+import difflib
 import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import click
+from click.shell_completion import CompletionItem
+
+from mpmcol.errors import OutputError
 
 PATH = click.Path(path_type=Path)
 JOBS = THREADS = click.IntRange(1, 1024)  # far more than the cores of a machine; the system could not start them
 CHECK_FAILED = 4  # exit code if a check or a scenario has an unexpected outcome
 ASPECT_KEY = "geometry.aspect"
+DEFAULT_FOLDER = Path("runs")  # of the results, if no other is given
 SECONDS = {"s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
 
 Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
@@ -53,7 +59,42 @@ class Accuracy(click.ParamType):
         return fraction
 
 
-DURATION, ACCURACY = Duration(), Accuracy()
+class ResultsFolder(click.ParamType):
+    """An existing folder of a run, a sweep or a study."""
+
+    name = "folder"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
+        """Convert to a path.
+
+        Raises:
+            OutputError: there is no such folder.
+        """
+        folder = Path(value)
+        if folder.is_dir():
+            return folder
+        problem = f"{folder} is a file" if folder.is_file() else f"{folder}: no such folder"
+        raise OutputError(f"{problem}; expected the results folder of a run, a sweep or a study{_hint(folder)}")
+
+    def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
+        """Let the shell complete names of folders."""
+        return [CompletionItem(incomplete, type="dir")]
+
+
+def _hint(missing: Path) -> str:
+    """Names of folders that may be meant: of the same name in the default folder, or of a similar name."""
+    found = [DEFAULT_FOLDER / missing] if (DEFAULT_FOLDER / missing).is_dir() else _similar(missing)
+    return f". Did you mean {' or '.join(map(str, found))}?" if found else ""
+
+
+def _similar(missing: Path) -> list[Path]:
+    with contextlib.suppress(OSError):
+        beside = {path.name: path for path in missing.parent.iterdir() if path.is_dir()}
+        return [beside[name] for name in difflib.get_close_matches(missing.name, beside, 2)]
+    return []
+
+
+DURATION, ACCURACY, RESULTS_FOLDER = Duration(), Accuracy(), ResultsFolder()
 
 
 def positive_integer(text: str) -> int:

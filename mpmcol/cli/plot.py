@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from mpmcol.cli.options import PATH
+from mpmcol.cli.options import PATH, RESULTS_FOLDER
 
 
 def parse_times(context: click.Context, parameter: click.Parameter, text: str | None) -> tuple[float, ...] | None:
@@ -20,7 +20,7 @@ def parse_times(context: click.Context, parameter: click.Parameter, text: str | 
 
 
 @click.command()
-@click.argument("folders", metavar="DIR...", type=PATH, nargs=-1, required=True)
+@click.argument("folders", metavar="DIR...", type=RESULTS_FOLDER, nargs=-1, required=True)
 @click.option(
     "--times",
     metavar="T,...",

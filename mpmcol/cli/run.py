@@ -15,6 +15,7 @@ from click.core import ParameterSource
 from mpmcol.cli.accuracy import certify as run_certified
 from mpmcol.cli.accuracy import recommend
 from mpmcol.cli.options import (
+    DEFAULT_FOLDER,
     DURATION,
     accuracy_option,
     aspect_option,
@@ -113,7 +114,7 @@ def run(
 
     given = with_aspect(overrides, aspect)
     loaded = load_case(case, given)
-    folder = out or Path("runs") / f"{run_name(case, loaded, given, accuracy)}{'-certified' * certify}"
+    folder = out or DEFAULT_FOLDER / f"{run_name(case, loaded, given, accuracy)}{'-certified' * certify}"
     if accuracy is not None:
         advice = recommend(case, given, accuracy, silent=quiet)
         if certify:

@@ -182,7 +182,10 @@ def test_plot_writes_into_another_folder(folder: Path, tmp_path_factory: pytest.
     assert set(folder.iterdir()) == before
 
 
-@pytest.mark.parametrize("command", ["measure", "plot"])
+READERS = ["measure", "plot", "render", "report", "status", "verify"]
+
+
+@pytest.mark.parametrize("command", READERS)
 def test_a_case_file_is_not_a_results_folder(tmp_path: Path, command: str) -> None:
     case = tmp_path / "my.toml"
     case.write_text(invoke("init", "quickstart").stdout)
@@ -190,3 +193,13 @@ def test_a_case_file_is_not_a_results_folder(tmp_path: Path, command: str) -> No
     assert refused.exit_code == 5 and "my.toml is a file; expected the results folder of a run" in refused.stderr
     missing = invoke(command, tmp_path / "run")
     assert missing.exit_code == 5 and "run: no such folder; expected the results folder of a run" in missing.stderr
+
+
+@pytest.mark.parametrize("command", READERS)
+def test_the_folder_that_may_be_meant_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: str) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "runs/quickstart").mkdir(parents=True)
+    for given in ("quickstart", "runs/quikstart"):
+        refused = invoke(command, given)
+        assert refused.exit_code == 5 and f"Did you mean {Path('runs/quickstart')}?" in refused.stderr
+    assert "Did you mean" not in invoke(command, "elsewhere/other").stderr

@@ -44,7 +44,7 @@ def shared(solver: Solver) -> tuple[int, str, tuple[Any, ...]]:
 
 
 def test_the_types_are_those_with_which_the_functions_are_called(solver: Solver) -> None:
-    """Otherwise the second process would compile what nobody calls."""
+    """Otherwise the second process would compile what is never called."""
     solver.advance(1.0, max_steps=2)
     dimension, basis, signatures = shared(solver)
     for function, types in zip(compilation.shared_functions(dimension, basis), signatures, strict=True):
