@@ -73,8 +73,10 @@ class ResultsFolder(click.ParamType):
         folder = Path(value)
         if folder.is_dir():
             return folder
-        problem = f"{folder} is a file" if folder.is_file() else f"{folder}: no such folder"
-        raise OutputError(f"{problem}; expected the results folder of a run, a sweep or a study{_hint(folder)}")
+        from mpmcol.io.results import kind_of  # here, since it takes long to import
+
+        expected = "expected the results folder of a run, a sweep or a study"
+        raise OutputError(f"{kind_of(folder)}; {expected}{_hint(folder)}")
 
     def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
         """Let the shell complete names of folders."""

@@ -66,6 +66,31 @@ def test_return_is_the_koiter_return(phi, psi, ratio, nu):
         assert all(np.sum((active == count) & (shear == both)) > 20 for count, both in corners)
 
 
+# Unit tests of GeoMechanicsApplication (Kratos Multiphysics), MohrCoulombWithTensionCutOff: phi = 35 degrees, c = 10,
+# tensile strength 10, Poisson's ratio 0. Without returns to an edge between two shear planes, which it approximates.
+PUBLISHED = [  # psi, trial, stress; principal stresses, tension positive
+    (20.0, (6.0, 0.0, -10.0), (6.0, 0.0, -10.0)),
+    (20.0, (8.0, 6.0, 4.0), (8.0, 6.0, 4.0)),
+    (0.0, (8.0, 0.0, -12.0), (7.338673315592010, 0.0, -11.338673315592010)),
+    (0.0, (12.0, 0.0, -16.0), (7.338673315592010, 0.0, -11.338673315592010)),
+    (20.0, (18.0, 8.0, -2.0), (10.0, 8.0, -1.5179192179966735)),
+    (20.0, (24.0, 8.0, -8.0), (10.0, 8.0, -1.5179192179966735)),
+    (20.0, (24.0, 22.0, -8.0), (10.0, 10.0, -1.5179192179966735)),
+    (20.0, (12.0, 9.0, 8.0), (10.0, 9.0, 8.0)),
+    (20.0, (14.0, 9.0, 6.0), (10.0, 9.0, 6.0)),
+    (20.0, (14.0, 12.0, 6.0), (10.0, 10.0, 6.0)),
+    (20.0, (19.0, 12.0, 11.0), (10.0, 10.0, 10.0)),
+    (20.0, (11.5, 10.5, 10.0), (10.0, 10.0, 10.0)),
+]
+
+
+@pytest.mark.parametrize(("psi", "trial", "expected"), PUBLISHED)
+def test_published_returns(psi, trial, expected):
+    scale = C / 10.0
+    stress, _ = returned(scale * np.array([trial]), params_of(35.0, psi, tension=C, nu=0.0))
+    np.testing.assert_allclose(stress[0], scale * np.array(expected), rtol=0.0, atol=1e-11 * C)
+
+
 @pytest.mark.parametrize(("phi", "ratio"), [(33.0, 0.4), (0.0, 0.4)])
 def test_the_associated_return_is_the_closest_point(phi, ratio):
     """In the norm of the elastic energy, by a general optimiser."""
