@@ -72,13 +72,14 @@ def _of_material(table: str) -> Iterator[Constraint]:
         lambda friction, cohesion: friction != 0.0 or cohesion != 0.0,
         "needs a cohesion, not {1}: material without both has no strength",
     )
-    yield Constraint(
-        (f"{table}.tension", f"{table}.cohesion", f"{table}.friction_deg"),
-        lambda tension, cohesion, friction: (
-            not tension or not friction or tension <= cohesion / math.tan(math.radians(friction)) * (1.0 + 1e-9)
-        ),
-        "must not exceed c cot(phi), with {1} and {2}",
-    )
+    for friction in ("friction_deg", "friction_peak_deg"):
+        yield Constraint(
+            (f"{table}.tension", f"{table}.cohesion", f"{table}.{friction}"),
+            lambda tension, cohesion, phi: (
+                not tension or not phi or tension <= cohesion / math.tan(math.radians(phi)) * (1.0 + 1e-9)
+            ),
+            "must not exceed c cot(phi), with {1} and {2}",
+        )
 
 
 CONSTRAINTS = (

@@ -34,7 +34,8 @@ _ANSWERS = {
         "friction is given as an angle: material.friction_deg, atan(mu) for a coefficient mu"
     ),
     "tensile|cutoff|capillary|cohesive": (
-        "the tensile strength is material.tension, of law mohr-coulomb, at most material.cohesion / tan(friction_deg)"
+        "the tensile strength is material.tension, of the Mohr-Coulomb laws, at most material.cohesion / "
+        "tan(friction_deg)"
     ),
 }
 _PATTERNS = {re.compile(rf"(?:^|_)(?:{parts})(?:_|$)"): answer for parts, answer in _ANSWERS.items()}

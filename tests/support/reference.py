@@ -103,6 +103,14 @@ class ReferenceMaterial:
             else self.c_residual + (self.c - self.c_residual) * np.exp(-self.rate * eps)
         )
 
+    def present_strength(self, history: Array) -> tuple[float, float]:
+        """Cohesion and tensile strength of material with a cut-off, which softening reduces in proportion."""
+        assert self.tension is not None
+        if self.rate > 0.0:
+            c = self.cohesion(history[0])
+            return c, self.tension * c / self.c
+        return (0.0, 0.0) if history[0] > self.failure_strain else (self.c, self.tension)
+
 
 @dataclass(frozen=True)
 class ReferenceScheme:
@@ -396,12 +404,16 @@ def mohr_coulomb(s: Array, phi: float, psi: float, p_apex: float, K: float, G: f
 
 
 def cut_off_return(s: Array, material: ReferenceMaterial, history: Array) -> tuple[Array, bool]:
-    """Return of the trial stress s (3, 3) to pyramid and cut-off, and whether it is the apex; sets history[0]."""
-    c, tension = (0.0, 0.0) if history[0] > material.failure_strain else (material.c, material.tension)
+    """Return of the trial stress s (3, 3) to pyramid and cut-off, and whether it is the apex.
+
+    Without softening sets history[0].
+    """
+    phi, psi = material.angles(history[0] if material.rate > 0.0 else 0.0)
+    c, tension = material.present_strength(history)
     values, axes = np.linalg.eigh(s)
-    new = koiter_return(values[None], material.phi, material.psi, c, material.K, material.G, tension=tension)[0]
+    new = koiter_return(values[None], phi, psi, c, material.K, material.G, tension=tension)[0]
     slack = 1e-9 * (np.abs(values).max() + tension)
-    if new.max() > tension - slack:
+    if new.max() > tension - slack and material.rate == 0.0:
         history[0] += max(0.0, np.sum(values - new) / (3.0 * material.K))
     return axes @ np.diag(new) @ axes.T, bool(new.min() > tension - slack)
 
@@ -518,7 +530,7 @@ def _apex(material: ReferenceMaterial, history: Array) -> float:
     if material.phi is None:
         return np.inf
     if material.tension is not None:
-        return 0.0 if history[0] > material.failure_strain else material.tension
+        return material.present_strength(history)[1]
     eps = history[0] if material.rate > 0.0 else 0.0
     phi, _ = material.angles(eps)
     return material.cohesion(eps) / np.tan(phi) if material.c > 0.0 else 0.0

@@ -176,6 +176,7 @@ def _material(draw: random.Random) -> str:
         values |= {"friction_peak_deg": friction, "friction_residual_deg": draw.uniform(15.0, friction)}
         values |= {"softening_rate": draw.uniform(1.0, 20.0), "cohesion": cohesion}
         values |= {"cohesion_residual": draw.uniform(0.0, cohesion)}
+        values |= {"tension": draw.uniform(0.0, cohesion)} if cohesion and draw.random() < 0.4 else {}
     if law == "drucker-prager":
         match = draw.choice(("plane-strain", "compression", "tangent"))
         values |= {"friction_deg": friction, "match": f'"{match}"', "cohesion": cohesion}

@@ -38,6 +38,10 @@ PLASTIC = {
         "friction_peak_deg": 45.0, "friction_residual_deg": 30.0, "softening_rate": 5.0, "cohesion": 100.0,
         "cohesion_residual": 10.0,
     },
+    "mohr-coulomb-softening, tension": {
+        "friction_peak_deg": 45.0, "friction_residual_deg": 30.0, "softening_rate": 5.0, "cohesion": 100.0,
+        "cohesion_residual": 10.0, "tension": 40.0,
+    },
     "drucker-prager": {"friction_deg": 33.0, "match": "tangent", "cohesion": 20.0},
     "mu-i": {
         "mu_s": 0.4, "mu_2": 0.7, "I_0": 0.3, "grain_diameter": 0.05, "grain_density": 2500.0, "cohesion": 20.0,
@@ -66,9 +70,9 @@ def reference_material(law: str) -> reference.ReferenceMaterial:
         )
     if law == "mohr-coulomb, clay":
         return reference.ReferenceMaterial(1e6, 0.25, 0.0, 0.0, 150.0, tension=100.0)
-    if law == "mohr-coulomb-softening, cohesion":
+    if law in ("mohr-coulomb-softening, cohesion", "mohr-coulomb-softening, tension"):
         return reference.ReferenceMaterial(
-            1e6, 0.25, radians(45.0), 0.0, 100.0, radians(30.0), rate=5.0, c_residual=10.0
+            1e6, 0.25, radians(45.0), 0.0, 100.0, radians(30.0), rate=5.0, c_residual=10.0, tension=keys.get("tension")
         )
     if law == "drucker-prager":
         return reference.ReferenceMaterial(1e6, 0.25, c=20.0, mu=tan(radians(33.0)))

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from itertools import permutations
-from math import radians, sqrt, tan
+from math import exp, radians, sqrt, tan
 
 import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from mpmcol.mpm.constitutive import mohr_coulomb
+from mpmcol.mpm.constitutive import mohr_coulomb, mohr_coulomb_softening
 from tests.support.reference import koiter_return
 
 E, C, SCALE, DT = 10e6, 5e3, 1e4, 1e-5
@@ -164,6 +164,31 @@ def test_strength_is_lost_where_the_volume_has_doubled_by_default(keys, limit):
     params = params_of(20.0, **{"tension": 0.5 * C} | keys)
     assert params.failure_strain == limit and params.cut_off == float(limit < np.inf)
     assert params.strength == pytest.approx(2.0 * C * sqrt(params.n_phi))
+
+
+@pytest.mark.parametrize("eps", [0.0, 0.3])
+def test_softening_material_returns_to_its_present_cut_off(eps):
+    """Strength and tensile strength are those of Mohr-Coulomb with the cohesion and friction that remain."""
+    trial, tension = random_trials(10_000), 0.4 * C / tan(radians(40.0))
+    params = mohr_coulomb_softening.make_params(
+        mohr_coulomb_softening.Material(
+            density=2000.0, youngs_modulus=E, poissons_ratio=0.2, friction_peak_deg=40.0, friction_residual_deg=30.0,
+            dilatancy_peak_deg=10.0, softening_rate=5.0, cohesion=C, cohesion_residual=0.2 * C, tension=tension,
+        )
+    )  # fmt: skip
+    history, remaining = (np.full(len(trial), eps), 0.0), exp(-5.0 * eps)
+    *principal, (strain, _), released, yields = mohr_coulomb_softening.return_map(*trial.T, history, params, DT)
+    stress = np.where((yields > 0.0)[:, None], np.array(principal).T, trial)
+    share = 0.2 + 0.8 * remaining
+    expected = koiter_return(
+        trial, radians(30.0 + 10.0 * remaining), radians(10.0 * remaining), share * C, params.bulk_modulus,
+        params.shear_modulus, tension=share * tension,
+    )  # fmt: skip
+    np.testing.assert_allclose(stress, expected, atol=1e-9 * SCALE, rtol=0.0)
+    assert np.all(strain[yields > 0.0] >= eps) and released.max() > 0.0
+    np.testing.assert_allclose(mohr_coulomb_softening.apex(history, params), share * tension, rtol=1e-12)
+    may = mohr_coulomb_softening.may_yield(trial[:, 0], trial[:, 2], history, params) > 0.0
+    assert not np.any((yields > 0.0) & ~may)
 
 
 def test_dry_material_has_no_cut_off():
