@@ -7,6 +7,7 @@ sources of compiled code. It is set here, before any kernel is declared.
 from __future__ import annotations
 
 import contextlib
+import functools
 import hashlib
 import os
 import platform
@@ -25,8 +26,9 @@ os.environ.setdefault("GOMP_SPINCOUNT", "1000")
 
 import numba
 from numba import prange as prange
+from numba.core import types
 from numba.core.caching import FunctionCache
-from numba.extending import overload, register_jitable
+from numba.extending import overload, register_jitable, typeof_impl
 from numba.np.unsafe.ndarray import to_fixed_tuple
 
 from mpmcol.errors import UsageError
@@ -39,7 +41,6 @@ _STALE_AFTER_S = 7 * 24 * 3600.0
 _FLAGS: dict[str, Any] = {"error_model": "numpy", "nogil": True}
 # Functions that only kernels call have no interface to C, which would take a seventh of the time of compilation.
 CALLED_BY_KERNELS: Any = {"no_cfunc_wrapper": True}
-_SUBROUTINE: Any = {"no_cpython_wrapper": True, **CALLED_BY_KERNELS}
 
 
 def source_digest() -> str:
@@ -157,16 +158,36 @@ def make_unpack(size: int) -> Callable[[Any], tuple[float, ...]]:
     return unpack
 
 
+class LinkedFunction:
+    """A function that compiled code calls, compiled once and cached on disk. From Python it runs as Python code."""
+
+    def __init__(self, function: Any, **flags: bool) -> None:
+        functools.update_wrapper(self, function)
+        self.function = function
+        options: Any = {"no_cpython_wrapper": True, **flags, **CALLED_BY_KERNELS, **_FLAGS}
+        self.compiled = _cached(numba.njit(**options)(function))
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Run the Python code."""
+        return self.function(*arguments)
+
+
+@typeof_impl.register(LinkedFunction)
+def _typeof_linked(function: LinkedFunction, context: Any) -> Any:
+    """In compiled code it is its compiled function."""
+    return types.Dispatcher(function.compiled)
+
+
 def subroutine(function: F) -> F:
-    """A loop that kernels call, not Python: compiled once, cached on disk, and inlined into all of them."""
-    compiled: F = _cached(numba.njit(forceinline=True, **_SUBROUTINE, **_FLAGS)(function))
-    return compiled
+    """A loop that kernels call: compiled once, cached on disk, and inlined into all of them."""
+    linked: Any = function if JIT_DISABLED else LinkedFunction(function, forceinline=True)
+    return linked
 
 
 def phase(function: F) -> F:
-    """A parallel loop that kernels call, not Python: compiled once, cached on disk, and linked into all of them."""
-    compiled: F = _cached(numba.njit(parallel=True, **_SUBROUTINE, **_FLAGS)(function))
-    return compiled
+    """A parallel loop that kernels call: compiled once, cached on disk, and linked into all of them."""
+    linked: Any = function if JIT_DISABLED else LinkedFunction(function, parallel=True)
+    return linked
 
 
 def kernel(function: F) -> F:
@@ -186,15 +207,16 @@ def argument_types(*arguments: Any) -> tuple[Any, ...]:
     return tuple(numba.typeof(each) for each in arguments)
 
 
-def is_compiled(function: Any, types: Any) -> bool:
+def is_compiled(function: Any, signature: Any) -> bool:
     """Whether machine code of a subroutine, phase, kernel or driver for arguments of these types is on disk."""
-    return JIT_DISABLED or function._cache.holds(types, function.targetctx.codegen())
+    compiled = getattr(function, "compiled", function)
+    return JIT_DISABLED or compiled._cache.holds(signature, compiled.targetctx.codegen())
 
 
-def compile_for(function: Any, types: Any) -> None:
+def compile_for(function: Any, signature: Any) -> None:
     """Compile a subroutine, phase, kernel or driver for arguments of these types, or load it from the disk cache."""
     if not JIT_DISABLED:
-        function.compile(types)
+        getattr(function, "compiled", function).compile(signature)
 
 
 _forked_with_threads = False  # whether this process is a child forked from one that had started threads

@@ -1,4 +1,4 @@
-"""Runout, height and stop time of channels and cylinders with each law: a table (Markdown) and a sweep for each.
+"""Runout, height and stop time of channels and cylinders with each law: table (Markdown), chart, a sweep for each law.
 
     python scripts/laws/which_law.py OUT [--model channel|cylinder] [--law NAME] [--aspect A,...] [--spacing H]
 
@@ -11,7 +11,13 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+import matplotlib as mpl
+
+mpl.use("Agg")
+import matplotlib.pyplot as plt
+
 import mpmcol
+from mpmcol.plotting.styles import RUN_COLOURS, RUN_LINES
 
 ASPECTS = "0.5,0.75,1,1.5,2,3,5,7,10"
 CHEAP = (
@@ -51,8 +57,34 @@ def row(name: str, model: str, one: dict[str, Any]) -> str:
     return f"| {name} | {model} | " + " | ".join("" if value is None else f"{value:.3g}" for value in values) + " |"
 
 
+def draw(results: dict[tuple[str, str], list[dict[str, Any]]], file: Path) -> None:
+    """Chart of zeta and beta over their values in the experiments, by the aspect ratio."""
+    models = list(dict.fromkeys(model for model, _ in results))
+    figure, panels = plt.subplots(
+        2, len(models), figsize=(4.8 * len(models), 6.4), sharex=True, sharey="row", squeeze=False, layout="constrained"
+    )
+    for column, model in enumerate(models):
+        for axes, quantity, name in zip(
+            panels[:, column], ("zeta.front_height", "beta"), ("runout", "height"), strict=True
+        ):
+            for k, law in enumerate(law for of_model, law in results if of_model == model):
+                found = [one for one in results[model, law] if one[f"law.{quantity.partition('.')[0]}"]]
+                ratios = [one[quantity] / one[f"law.{quantity.partition('.')[0]}"] for one in found]
+                axes.plot(
+                    [one["a"] for one in found], ratios, marker="o", markersize=4.0, color=RUN_COLOURS[k],
+                    linestyle=RUN_LINES[k], label=law.replace("-", " ") if axes is panels[0, 0] else None,
+                )  # fmt: skip
+            axes.axhspan(0.9, 1.1, color="0.92")  # scatter of the experiments
+            axes.set(xscale="log", ylabel=f"{name} over that of the experiment" if column == 0 else "")
+        panels[0, column].set_title(model)
+        panels[1, column].set(xlabel="aspect ratio $a$", xticks=(0.5, 1, 2, 5, 10), xticklabels=(0.5, 1, 2, 5, 10))
+        panels[1, column].minorticks_off()
+    figure.legend(loc="outside lower center", ncols=3)
+    figure.savefig(file, dpi=150)
+
+
 def main() -> None:
-    """Run the sweeps and print the table."""
+    """Run the sweeps, print the table and draw the chart."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("out", type=Path)
     parser.add_argument("--model", choices=("channel", "cylinder"))
@@ -61,13 +93,16 @@ def main() -> None:
     parser.add_argument("--spacing", default="0.0045")
     options = parser.parse_args()
     rows = ["| law | model | a | zeta | zeta, experiment | beta | beta, experiment | stop time |", "|---" * 8 + "|"]
+    found = {}
     for model in [options.model] if options.model else ["channel", "cylinder"]:
         for name, overrides in laws().items():
             if options.law in (None, name):
                 case = mpmcol.load_case(model, [*CHEAP, f"grid.spacing={options.spacing}", *overrides])
                 results = mpmcol.sweep(case, aspect=options.aspect, out=options.out / f"{model}-{name}")
-                rows += [row(name, model, one) for one in results.rows if one["status"] == "done"]
+                found[model, name] = [one for one in results.rows if one["status"] == "done"]
+                rows += [row(name, model, one) for one in found[model, name]]
     print("\n".join(rows))
+    draw(found, options.out / "laws.png")
 
 
 if __name__ == "__main__":

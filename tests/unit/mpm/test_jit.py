@@ -121,6 +121,37 @@ def test_machine_code_of_a_process_that_read_source_serves_one_that_reads_byteco
     assert len(list(tmp_path.rglob("*.nbc"))) == 2  # the phase and the driver
 
 
+LINKED = """
+from mpmcol.mpm.jit import driver, phase, prange, subroutine
+
+@subroutine
+def twice(x):
+    return 2.0 * x
+
+@phase
+def fill(out):
+    for k in prange(len(out)):
+        out[k] = twice(k)
+
+@driver
+def run(out):
+    fill(out)
+
+import numpy as np
+by_python, compiled = np.zeros(4), np.zeros(4)
+fill(by_python)
+run(compiled)
+print(by_python.sum(), compiled.sum(), twice.__name__, twice(1.5))
+"""
+
+
+def test_functions_that_kernels_call_run_as_python_code_if_called_from_python(tmp_path: Path) -> None:
+    (tmp_path / "linked.py").write_text(LINKED)
+    environment = os.environ | {"MPMCOL_CACHE_DIR": str(tmp_path), "PYTHONPATH": str(PACKAGE.parent)}
+    child = subprocess.run([sys.executable, tmp_path / "linked.py"], env=environment, capture_output=True, text=True)
+    assert child.stdout.split() == ["12.0", "12.0", "twice", "3.0"], child.stderr
+
+
 HELPED = """
 import sys
 from mpmcol.mpm.jit import CACHE_FOLDER, driver
