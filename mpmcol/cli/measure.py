@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mpmcol.cli.options import RESULTS_FOLDER, json_option
+from mpmcol.cli.options import json_option, results_argument
 
 if TYPE_CHECKING:
     from mpmcol.api.measured import Measured
 
 
 @click.command()
-@click.argument("folder", metavar="DIR", type=RESULTS_FOLDER)
+@results_argument()
 @click.option("--snapshot", metavar="N", default=-1, show_default=True, help="Snapshot index (-1: last).")
 @json_option("measurements, profile and all errors")
 @click.option("--csv", "to_csv", is_flag=True, help="Print CSV: a header and one row.")

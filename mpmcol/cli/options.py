@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import contextlib
 import difflib
+import functools
 import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import click
-from click.shell_completion import CompletionItem
 
 from mpmcol.errors import OutputError
 
@@ -59,28 +59,37 @@ class Accuracy(click.ParamType):
         return fraction
 
 
-class ResultsFolder(click.ParamType):
-    """An existing folder of a run, a sweep or a study."""
+DURATION, ACCURACY = Duration(), Accuracy()
 
-    name = "folder"
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
-        """Convert to a path.
+def results_argument(several: bool = False) -> Decorator:
+    """The folder of a run, a sweep or a study as an argument of a command, or several of them.
 
-        Raises:
-            OutputError: there is no such folder.
-        """
-        folder = Path(value)
-        if folder.is_dir():
-            return folder
-        from mpmcol.io.results import kind_of  # here, since it takes long to import
+    The command raises OutputError if there is no such folder.
+    """
 
+    def decorate(command: Callable[..., Any]) -> Callable[..., Any]:
+        name = "folders" if several else "folder"
+
+        @functools.wraps(command)
+        def checked(*arguments: Any, **options: Any) -> Any:
+            for folder in options[name] if several else [options[name]]:
+                _require_folder(folder)
+            return command(*arguments, **options)
+
+        if several:
+            return click.argument(name, metavar="DIR...", type=PATH, nargs=-1, required=True)(checked)
+        return click.argument(name, metavar="DIR", type=PATH)(checked)
+
+    return decorate
+
+
+def _require_folder(folder: Path) -> None:
+    from mpmcol.io.results import kind_of  # here, since it takes long to import
+
+    if not folder.is_dir():
         expected = "expected the results folder of a run, a sweep or a study"
         raise OutputError(f"{kind_of(folder)}; {expected}{_hint(folder)}")
-
-    def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
-        """Let the shell complete names of folders."""
-        return [CompletionItem(incomplete, type="dir")]
 
 
 def _hint(missing: Path) -> str:
@@ -94,9 +103,6 @@ def _similar(missing: Path) -> list[Path]:
         beside = {path.name: path for path in missing.parent.iterdir() if path.is_dir()}
         return [beside[name] for name in difflib.get_close_matches(missing.name, beside, 2)]
     return []
-
-
-DURATION, ACCURACY, RESULTS_FOLDER = Duration(), Accuracy(), ResultsFolder()
 
 
 def positive_integer(text: str) -> int:

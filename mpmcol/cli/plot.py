@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from mpmcol.cli.options import PATH, RESULTS_FOLDER
+from mpmcol.cli.options import PATH, results_argument
 
 
 def parse_times(context: click.Context, parameter: click.Parameter, text: str | None) -> tuple[float, ...] | None:
@@ -20,7 +20,7 @@ def parse_times(context: click.Context, parameter: click.Parameter, text: str | 
 
 
 @click.command()
-@click.argument("folders", metavar="DIR...", type=RESULTS_FOLDER, nargs=-1, required=True)
+@results_argument(several=True)
 @click.option(
     "--times",
     metavar="T,...",

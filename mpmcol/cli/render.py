@@ -9,7 +9,7 @@ from typing import Any
 
 import click
 
-from mpmcol.cli.options import PATH, RESULTS_FOLDER, positive_integer
+from mpmcol.cli.options import PATH, positive_integer, results_argument
 
 LEAST_PIXELS, MOST_PIXELS = 200, 8000
 COLORS = ("displacement", "velocity", "pressure", "shear", "inertial")
@@ -26,7 +26,7 @@ def parse_size(context: click.Context, parameter: click.Parameter, text: str) ->
 
 
 @click.command()
-@click.argument("folder", metavar="DIR", type=RESULTS_FOLDER)
+@results_argument()
 @click.option("--gif", is_flag=True, help="Also write an animation of all snapshots.")
 @click.option("--mp4", is_flag=True, help="Also write an animation as MP4 (needs imageio-ffmpeg).")
 @click.option("--view", type=click.Choice(["side", "3d", "top"]), help="Camera view  [default: side, in 3D 3d]")

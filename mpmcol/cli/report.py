@@ -6,11 +6,11 @@ from pathlib import Path
 
 import click
 
-from mpmcol.cli.options import PATH, RESULTS_FOLDER
+from mpmcol.cli.options import PATH, results_argument
 
 
 @click.command()
-@click.argument("folders", metavar="DIR...", type=RESULTS_FOLDER, nargs=-1, required=True)
+@results_argument(several=True)
 @click.option(
     "--out", metavar="FILE", type=PATH,
     help="HTML file to write  [default: report.html in DIR; for several, in the current folder]",

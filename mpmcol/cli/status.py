@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mpmcol.cli.options import RESULTS_FOLDER, json_option
+from mpmcol.cli.options import json_option, results_argument
 
 if TYPE_CHECKING:
     from mpmcol.sweep.plan import Plan
@@ -25,7 +25,7 @@ STATUS_TEXTS = {
 
 
 @click.command()
-@click.argument("folder", metavar="DIR", type=RESULTS_FOLDER)
+@results_argument()
 @click.option(
     "--follow", is_flag=True, help="Show progress until all runs have ended; exit with the code of their state."
 )

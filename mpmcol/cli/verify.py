@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mpmcol.cli.options import RESULTS_FOLDER, json_option
+from mpmcol.cli.options import json_option, results_argument
 from mpmcol.errors import OutputError
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ STATUS_TEXTS = {
 
 
 @click.command()
-@click.argument("folders", metavar="DIR...", nargs=-1, required=True, type=RESULTS_FOLDER)
+@results_argument(several=True)
 @json_option("the report")
 @click.pass_context
 def verify(context: click.Context, folders: tuple[Path, ...], to_json: bool) -> None:
