@@ -6,9 +6,10 @@ import subprocess
 from collections.abc import Callable
 from typing import Any
 
+import numba
 import pytest
 
-from mpmcol.mpm.jit import is_compiled
+from mpmcol.mpm.jit import argument_types, is_compiled
 from mpmcol.mpm.kernels import compilation, loop
 from mpmcol.mpm.kernels.particle_update import make_update_points
 from mpmcol.mpm.kernels.particle_update_split import make_update_stresses
@@ -50,9 +51,20 @@ def shared(solver: Solver) -> tuple[int, str, tuple[Any, ...]]:
 
 def test_the_types_are_those_with_which_the_functions_are_called(solver: Solver) -> None:
     """Otherwise the second process would compile what is never called."""
-    solver.advance(1.0, max_steps=2)
     dimension, basis, signatures = shared(solver)
-    for function, types in zip(compilation.shared_functions(dimension, basis), signatures, strict=True):
+    sort, *phases = compilation.shared_functions(dimension, basis)
+    clear, p2g, update_grid = phases
+
+    @numba.njit  # type: ignore[untyped-decorator]
+    def grid_step(state: Any, dt: float) -> None:
+        rows, grid, contacts, tiles, settings, _, smallest_mass, node_report, _, _, _ = state
+        clear(grid, tiles)
+        p2g(rows, grid, tiles, settings)
+        update_grid(grid, contacts, tiles, settings, smallest_mass, dt, node_report)
+
+    grid_step.compile(argument_types(solver.state(), solver.dt))
+    solver.sort()
+    for function, types in zip((sort, *phases), signatures, strict=True):
         assert types in overloads(function)
 
 
