@@ -208,9 +208,13 @@ def argument_types(*arguments: Any) -> tuple[Any, ...]:
 
 
 def is_compiled(function: Any, signature: Any) -> bool:
-    """Whether machine code of a subroutine, phase, kernel or driver for arguments of these types is on disk."""
+    """Whether there is machine code of a subroutine, phase, kernel or driver for these types, in memory or on disk."""
     compiled = getattr(function, "compiled", function)
-    return JIT_DISABLED or compiled._cache.holds(signature, compiled.targetctx.codegen())
+    return (
+        JIT_DISABLED
+        or signature in compiled.overloads
+        or compiled._cache.holds(signature, compiled.targetctx.codegen())
+    )
 
 
 def compile_for(function: Any, signature: Any) -> None:

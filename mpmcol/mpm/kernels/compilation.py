@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from mpmcol.mpm.constitutive import ConstitutiveLaw
-from mpmcol.mpm.jit import argument_types, compile_for, is_compiled
+from mpmcol.mpm.jit import CACHE_FOLDER, argument_types, compile_for, is_compiled
 from mpmcol.mpm.kernels.grid_update import clear, update_grid
 from mpmcol.mpm.kernels.particle_update import make_update_points
 from mpmcol.mpm.kernels.particle_update_split import make_update_stresses
@@ -53,12 +53,13 @@ def shared_signatures(state: State, sort_arguments: Sequence[Any]) -> tuple[Sign
 def shared_functions_compiled_meanwhile(dimension: int, basis: str, signatures: Sequence[Signature]) -> Iterator[None]:
     """Compile these functions in a second process during the block, unless they are cached; wait for it at the end.
 
-    Where no process can be started, or with one core, nothing is done, and they are compiled when they are called.
+    Where no process can be started, with one core or without a disk cache nothing is done, and they are compiled when
+    they are called.
     """
     functions = shared_functions(dimension, basis)
-    cached = all(is_compiled(function, types) for function, types in zip(functions, signatures, strict=True))
+    are_compiled = all(is_compiled(function, types) for function, types in zip(functions, signatures, strict=True))
     with contextlib.ExitStack() as stack:
-        if not cached and (os.cpu_count() or 1) > 1:
+        if not are_compiled and (os.cpu_count() or 1) > 1 and os.access(CACHE_FOLDER, os.W_OK):
             with contextlib.suppress(OSError):
                 stack.enter_context(_second_process(pickle.dumps((dimension, basis, signatures))))
         yield

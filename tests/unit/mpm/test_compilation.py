@@ -101,6 +101,18 @@ def test_the_second_process_ends_successfully_before_the_loop_is_called(
     assert [process.returncode for process in started] == [0]
 
 
+def test_no_process_is_started_without_a_disk_cache(
+    solver: Solver, started: list[subprocess.Popen[bytes]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What it compiles would be lost."""
+    monkeypatch.setattr(compilation, "is_compiled", lambda function, types: False)
+    monkeypatch.setattr("os.cpu_count", lambda: 2)
+    monkeypatch.setattr("os.access", lambda path, mode: False)
+    with compilation.shared_functions_compiled_meanwhile(*shared(solver)):
+        pass
+    assert started == []
+
+
 def test_without_processes_the_block_runs_all_the_same(solver: Solver, monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(*_: Any, **__: Any) -> None:
         raise PermissionError
