@@ -72,7 +72,7 @@ def draw(results: dict[tuple[str, str], list[dict[str, Any]]], file: Path) -> No
                 ratios = [one[quantity] / one[f"law.{quantity.partition('.')[0]}"] for one in found]
                 axes.plot(
                     [one["a"] for one in found], ratios, marker="o", markersize=4.0, color=RUN_COLOURS[k],
-                    linestyle=RUN_LINES[k], label=law.replace("-", " ") if axes is panels[0, 0] else None,
+                    linestyle=RUN_LINES[k], label=law if found and axes is panels[0, 0] else None,
                 )  # fmt: skip
             axes.axhspan(0.9, 1.1, color="0.92")  # scatter of the experiments
             axes.set(xscale="log", ylabel=f"{name} over that of the experiment" if column == 0 else "")
