@@ -85,9 +85,9 @@ def results_argument(several: bool = False) -> Decorator:
 
 
 def _require_folder(folder: Path) -> None:
-    from mpmcol.io.results import kind_of  # here, since it takes long to import
-
     if not folder.is_dir():
+        from mpmcol.io.results import kind_of  # here, since it takes long to import
+
         expected = "expected the results folder of a run, a sweep or a study"
         raise OutputError(f"{kind_of(folder)}; {expected}{_hint(folder)}")
 

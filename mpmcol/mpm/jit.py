@@ -87,7 +87,10 @@ class _TolerantCache(FunctionCache):
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         try:
-            return super().load_overload(sig, target_context)
+            loaded = super().load_overload(sig, target_context)
+            if loaded is not None:  # what is linked with it must start threads as well when it is loaded itself
+                loaded.library._reload_init.update(loaded.reload_init)
+            return loaded
         except Exception:  # damaged pickles raise many kinds
             with contextlib.suppress(OSError):
                 self.flush()

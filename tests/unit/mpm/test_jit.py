@@ -152,6 +152,38 @@ def test_functions_that_kernels_call_run_as_python_code_if_called_from_python(tm
     assert child.stdout.split() == ["12.0", "12.0", "twice", "3.0"], child.stderr
 
 
+APART = """
+import sys
+import numpy as np
+from mpmcol.mpm.jit import argument_types, compile_for, driver, phase, prange
+
+@phase
+def fill(out):
+    for k in prange(len(out)):
+        out[k] = 1.0
+
+@driver
+def run(out):
+    fill(out)
+
+out = np.zeros(4)
+compile_for({"fill": fill, "run": run}[sys.argv[1]], argument_types(out))
+if sys.argv[2:]:
+    run(out)
+    print(out.sum())
+"""
+
+
+def test_a_loop_linked_with_a_phase_from_the_cache_starts_threads_when_it_is_loaded(tmp_path: Path) -> None:
+    """Each step in a process of its own; without threads the last one would end without a message."""
+    (tmp_path / "apart.py").write_text(APART)
+    environment = os.environ | {"MPMCOL_CACHE_DIR": str(tmp_path), "PYTHONPATH": str(PACKAGE.parent)}
+    for arguments, printed in ((("fill",), ""), (("run",), ""), (("run", "call"), "4.0")):
+        command = [sys.executable, str(tmp_path / "apart.py"), *arguments]
+        child = subprocess.run(command, env=environment, capture_output=True, text=True)
+        assert (child.returncode, child.stdout.strip()) == (0, printed), child.stderr
+
+
 HELPED = """
 import sys
 from mpmcol.mpm.jit import CACHE_FOLDER, driver
