@@ -48,6 +48,10 @@ def laws() -> dict[str, tuple[str, ...]]:
         "softening-dense": (softening("channel-dense"), UNDAMPED),
         "mu-i-beads": (f"material={{{BEADS}}}", UNDAMPED),
         "mu-i-sand": (f"material={{{SAND}}}", UNDAMPED),
+        "drucker-prager": (
+            sand.replace("mohr-coulomb", "drucker-prager").replace("}", ", match='plane-strain'}"),
+            UNDAMPED,
+        ),
     }
 
 
