@@ -10,17 +10,16 @@ from collections.abc import Callable
 from functools import cache
 from typing import Any
 
+import numpy as np
+
 from mpmcol.bench.clock import seconds
 from mpmcol.bench.plain_loops import common, transfer_2d, transfer_3d
-from mpmcol.mpm.boundary import particle_limits
 from mpmcol.mpm.constitutive import ConstitutiveLaw
 from mpmcol.mpm.jit import driver, make_unpack, phase, prange, variant
 from mpmcol.mpm.kernels.grid_update import clear, update_grid
 from mpmcol.mpm.kernels.loop import DT, sum_nodes, sum_points
 from mpmcol.mpm.kernels.particle_update import make_update_points
-from mpmcol.mpm.kernels.transfer import make_p2g, make_transfer
-from mpmcol.mpm.lanes import RECORD_SIZE, X
-from mpmcol.mpm.simd import extract
+from mpmcol.mpm.kernels.transfer import make_move_points, make_p2g
 
 VECTOR_PHASES = ("clear", "p2g", "update_grid", "update_points", "sums")
 PLAIN_PHASES = ("clear", "p2g", "update_grid", "g2p", "stress")
@@ -100,20 +99,18 @@ def make_plain_steps(dimension: int, column_law: ConstitutiveLaw, base_law: Cons
 @cache
 def make_g2p_steps(dimension: int) -> Callable[..., Any]:
     """G2P of all points without the stress update."""
-    transfer, size = make_transfer(dimension, "quadratic"), RECORD_SIZE[dimension]
-    gather = transfer.gather
+    move_points = make_move_points(dimension, "quadratic", affine=False)
 
     @phase
     @variant(dimension)
     def g2p(rows, grid, tiles, settings, dt, report):
         """Reads: nodes. Writes: rows, report. Eq. (26)-(28)."""
-        nodes, start, limits = grid.nodes, tiles.start, particle_limits(grid, settings)
+        start = tiles.start
         for t in prange(len(start) - 1):
-            total = 0.0
-            for p in range(start[t], start[t + 1]):
-                displacement, work, _ = gather(rows, p * size, nodes, grid, settings, limits, dt)
-                total += extract(displacement, X) + extract(work, X)
-            report[t, 0] = total
+            averages = np.empty(start[t + 1] - start[t])
+            report[t, 0], report[t, 1] = move_points(
+                rows, start[t], start[t + 1], grid, settings, dt, averages, averages
+            )
 
     @driver
     @variant(dimension)

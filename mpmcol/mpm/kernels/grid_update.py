@@ -13,7 +13,7 @@ from mpmcol.mpm.settings import Settings
 from mpmcol.mpm.simd import fma, load, reduce_sum, splat, store, swap_halves, vector, where_positive
 
 # sums over a tile of nodes, added later in a fixed order
-KINETIC_BEFORE, KINETIC_AFTER, DAMPING, WALLS, UNBALANCED, WEIGHT, NODE_REPORT = range(7)
+KINETIC_BEFORE, KINETIC_AFTER, DAMPING, WALLS, STRESS_WORK, UNBALANCED, WEIGHT, NODE_REPORT = range(8)
 # Nodes of less than this share of the smallest point mass are skipped, only to prevent 0 / 0: force and mass of a
 # B-spline vanish together, and a larger threshold would cause spurious forces on points at the edge of a support.
 MASS_FLOOR = 1e-20
@@ -43,7 +43,7 @@ def update_grid(
 ) -> None:
     """Velocity and acceleration from momentum and force, with damping and boundary conditions.
 
-    Reads: nodes (m, mv, f, m q), fixed, contacts. Writes: nodes (v~, a, q), sums of contacts, report (n_active, 6).
+    Reads: nodes (m, mv, f, m q), fixed, contacts. Writes: nodes (v~, a, q), sums of contacts, report (n_active, 7).
     Eq. (21)-(24).
     """
     active, floor = tiles.active, MASS_FLOOR * smallest_mass
@@ -57,14 +57,15 @@ def update_tile(
 ) -> None:
     """The same for the tile of nodes whose first is at address `first`; nodes of mass up to `floor` (kg) are skipped.
 
-    Reads: nodes (m, mv, f, m q), fixed, contacts. Writes: nodes (v~, a, q), sums of contacts, report (6,).
+    Reads: nodes (m, mv, f, m q), fixed, contacts. Writes: nodes (v~, a, q), sums of contacts, report (7,).
     Eq. (21)-(24).
     """
     nodes, fixed, slot = grid.nodes, grid.fixed, contacts.slot
     weight = abs(settings.gravity_x) + abs(settings.gravity_y) + abs(settings.gravity_z)
     vectors, zero = vector(0.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0), splat(0.0)
     factors, mass = reaction_factors(settings, dt), 0.0
-    before, after, damping, walls, unbalanced = zero, zero, zero, zero, zero
+    gravity = vector(0.0, settings.gravity_x, settings.gravity_y, settings.gravity_z, 0.0, 0.0, 0.0, 0.0)
+    before, after, damping, walls, stress_work, unbalanced = zero, zero, zero, zero, zero, zero
     for o in range(first, first + grid.tile_doubles, NODE):
         m = nodes[o]
         if m <= floor:  # false for NaN, which the check of the points then finds
@@ -82,9 +83,11 @@ def update_tile(
         before, after = fma(m_i * raw, raw, before), fma(m_i * v, v, after)
         damping = fma(m_i, where_positive(held, 0.0, drag * (raw + v)), damping)
         walls = fma(m_i, wall_work, walls)
+        stress_work = fma(m_i * (gravity - f), v - (0.5 * dt) * a, stress_work)  # of the stress of the points, Eq. 13
         unbalanced = fma(m_i, where_positive(held, 0.0, abs(f)), unbalanced)
     report[KINETIC_BEFORE], report[KINETIC_AFTER] = 0.5 * reduce_sum(before), 0.5 * reduce_sum(after)
     report[DAMPING], report[WALLS] = 0.5 * dt * reduce_sum(damping), 0.5 * reduce_sum(walls)
+    report[STRESS_WORK] = dt * reduce_sum(stress_work)
     report[UNBALANCED], report[WEIGHT] = reduce_sum(unbalanced), mass * weight
 
 

@@ -10,8 +10,16 @@ import numpy as np
 
 from mpmcol.mpm.constitutive import ConstitutiveLaw
 from mpmcol.mpm.jit import device, driver, subroutine, variant
-from mpmcol.mpm.kernels.grid_update import DAMPING, KINETIC_AFTER, KINETIC_BEFORE, UNBALANCED, WALLS, WEIGHT
-from mpmcol.mpm.kernels.particle_update import FAULT, FILTER, NODE_WORK, SIDE_WORK, SPEED, TRAVEL, WORK
+from mpmcol.mpm.kernels.grid_update import (
+    DAMPING,
+    KINETIC_AFTER,
+    KINETIC_BEFORE,
+    STRESS_WORK,
+    UNBALANCED,
+    WALLS,
+    WEIGHT,
+)
+from mpmcol.mpm.kernels.particle_update import FAULT, FILTER, LIMIT_WORK, SIDE_WORK, SPEED, TRAVEL, WORK
 from mpmcol.mpm.kernels.side_walls import sum_side_work
 from mpmcol.mpm.kernels.step import make_step
 from mpmcol.mpm.kernels.stress import NO_FAULT
@@ -38,16 +46,18 @@ def sum_nodes(report, ledger):
 
     Reads: report. Writes: ledger. Eq. (21)-(24).
     """
-    before, after, damping, walls, unbalanced, weight = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    before, after, damping, walls, stress_work, unbalanced, weight = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(len(report)):
         before += report[k, KINETIC_BEFORE]
         after += report[k, KINETIC_AFTER]
         damping += report[k, DAMPING]
         walls += report[k, WALLS]
+        stress_work += report[k, STRESS_WORK]
         unbalanced += report[k, UNBALANCED]
         weight += report[k, WEIGHT]
     ledger[L_DAMPING] += damping
     ledger[L_WALLS] += walls
+    ledger[L_NODE_WORK] += stress_work
     ledger[L_GRID] += after - before
     ledger[L_KINETIC] = after
     ledger[L_UNBALANCED] = unbalanced / weight if weight > 0.0 else 0.0
@@ -59,17 +69,17 @@ def sum_points(report, ledger, clock, courant):
 
     courant: time.cfl times h. Reads: report. Writes: ledger, clock. Eq. (35).
     """
-    speed, travel, work, node_work, lost, fault = 0.0, 0.0, 0.0, 0.0, 0.0, NO_FAULT
+    speed, travel, work, limit_work, lost, fault = 0.0, 0.0, 0.0, 0.0, 0.0, NO_FAULT
     for t in range(len(report)):
         speed = max(speed, report[t, SPEED])
         travel = max(travel, report[t, TRAVEL])
         work += report[t, WORK]
-        node_work += report[t, NODE_WORK]
+        limit_work += report[t, LIMIT_WORK]
         lost += report[t, FILTER]
         if fault == NO_FAULT:
             fault = report[t, FAULT]
     ledger[L_WORK] += work
-    ledger[L_NODE_WORK] += node_work
+    ledger[L_NODE_WORK] += limit_work
     ledger[L_FILTER] += lost
     clock[TRAVELLED] += travel
     clock[DT] = courant / speed

@@ -8,20 +8,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mpmcol.mpm.boundary import Box, column_box, particle_limits
+from mpmcol.mpm.boundary import Box, column_box
 from mpmcol.mpm.constitutive import ConstitutiveLaw
-from mpmcol.mpm.jit import device, make_unpack, phase, prange, subroutine, variant
-from mpmcol.mpm.kernels.interpolation import make_interpolate, restore_columns, save_columns
+from mpmcol.mpm.jit import device, make_unpack, phase, prange, variant
+from mpmcol.mpm.kernels.interpolation import restore_columns
 from mpmcol.mpm.kernels.stress import NO_FAULT, make_update_stress
-from mpmcol.mpm.kernels.transfer import make_transfer
-from mpmcol.mpm.kernels.transfer_common import PREFETCH_DISTANCE, prefetch_record
-from mpmcol.mpm.lanes import LANES, RECORD_SIZE, X, Y, Z
+from mpmcol.mpm.kernels.transfer import make_move_points
+from mpmcol.mpm.lanes import LANES, RECORD_SIZE
 from mpmcol.mpm.settings import PAPER, Scheme
-from mpmcol.mpm.shape_functions import SHAPE_FUNCTIONS
-from mpmcol.mpm.simd import extract, load, maximum, splat
 
 # what is reported for each tile of points
-SPEED, TRAVEL, WORK, NODE_WORK, FAULT, FILTER, SIDE_WORK, TILE_REPORT = range(8)
+SPEED, TRAVEL, WORK, LIMIT_WORK, FAULT, FILTER, SIDE_WORK, TILE_REPORT = range(8)
 
 
 class Bodies(NamedTuple):
@@ -55,8 +52,8 @@ def make_update_points(
             first, stop = start[t], start[t + 1]
             averages = np.empty(stop - first + LANES)
             matrices = np.empty(matrix_size * (stop - first)) if affine else averages
-            travel, node_work = move_points(rows, first, stop, grid, settings, dt, averages, matrices)
-            report[t, TRAVEL], report[t, NODE_WORK] = travel, node_work
+            travel, limit_work = move_points(rows, first, stop, grid, settings, dt, averages, matrices)
+            report[t, TRAVEL], report[t, LIMIT_WORK] = travel, limit_work
             update_tile_stress(
                 rows, cells, layers[t], stop, column, base, c2_column, c2_base, settings, box, everywhere, dt, averages,
                 side_rate, report[t],
@@ -66,34 +63,6 @@ def make_update_points(
                     restore_columns(rows, p * size, dimension, matrices, matrix_size * (p - first))
 
     return update_points
-
-
-@cache
-def make_move_points(dimension: int, basis: str, affine: bool) -> Callable[..., tuple[float, float]]:
-    """G2P over a range of points, with the dimension, the shape functions and APIC (`affine`) frozen in."""
-    gather, size, matrix_size = make_transfer(dimension, basis).gather, RECORD_SIZE[dimension], dimension * LANES
-    interpolate = make_interpolate(dimension, SHAPE_FUNCTIONS[basis], affine)
-
-    @subroutine
-    @variant(dimension, basis, affine)
-    def move_points(rows, first, stop, grid, settings, dt, averages, matrices):
-        """Move these points; returns the largest travel (in cells) and the work of the nodes (J).
-
-        Reads: nodes (v~, a). Writes: rows, averages of the filtered stress (Pa), and with APIC its matrices, which the
-        stress update would overwrite. Eq. (26)-(28).
-        """
-        nodes, limits, inv_h = grid.nodes, particle_limits(grid, settings), 1.0 / grid.h
-        travel, node_work = splat(0.0), splat(0.0)
-        for p in range(first, stop):
-            prefetch_record(rows, size, p + PREFETCH_DISTANCE)
-            if affine:  # the stress update first needs the velocity gradient in its lanes
-                _, x, y, z = interpolate(load(rows, p * size), nodes, grid, settings)
-                save_columns(matrices, matrix_size * (p - first), dimension, x, y, z)
-            displacement, work, averages[p - first] = gather(rows, p * size, nodes, grid, settings, limits, dt)
-            travel, node_work = maximum(travel, abs(displacement)), node_work + work
-        return inv_h * largest_axis(travel), sum_axes(node_work)
-
-    return move_points
 
 
 def make_update_tile_stress(
@@ -132,15 +101,3 @@ def make_update_tile_stress(
         report[SIDE_WORK], report[FAULT] = side, fault if fault != NO_FAULT else base_fault
 
     return update_tile_stress
-
-
-@device
-def largest_axis(value: Any) -> float:
-    """Largest of the lanes X, Y, Z."""
-    return max(extract(value, X), extract(value, Y), extract(value, Z))
-
-
-@device
-def sum_axes(value: Any) -> float:
-    """Sum of the lanes X, Y, Z."""
-    return extract(value, X) + extract(value, Y) + extract(value, Z)

@@ -11,31 +11,25 @@ from functools import cache
 
 import numpy as np
 
-from mpmcol.mpm.boundary import Box, column_box, particle_limits
+from mpmcol.mpm.boundary import Box, column_box
 from mpmcol.mpm.constitutive import ConstitutiveLaw
 from mpmcol.mpm.jit import phase, prange, variant
 from mpmcol.mpm.kernels.interpolation import make_interpolate, restore_columns, save_columns
-from mpmcol.mpm.kernels.particle_update import (
-    NODE_WORK,
-    TRAVEL,
-    largest_axis,
-    make_update_tile_stress,
-    sum_axes,
-)
-from mpmcol.mpm.kernels.transfer import make_transfer
+from mpmcol.mpm.kernels.particle_update import LIMIT_WORK, TRAVEL, make_update_tile_stress
+from mpmcol.mpm.kernels.transfer import make_move_points
 from mpmcol.mpm.kernels.transfer_common import PREFETCH_DISTANCE, force_mask, prefetch_record, store_gradient
 from mpmcol.mpm.lanes import L_ZZ, LANES, RECORD_SIZE, VX, X_VECTOR, Y_VECTOR, Z_VECTOR, Q, X
 from mpmcol.mpm.settings import Scheme
 from mpmcol.mpm.shape_functions import SHAPE_FUNCTIONS
-from mpmcol.mpm.simd import extract, load, maximum, splat, store, where_positive
+from mpmcol.mpm.simd import extract, load, store, where_positive
 
 
 @cache
 def make_g2p(dimension: int, scheme: Scheme) -> Callable[..., None]:
     """G2P over all points, without the stress update."""
-    gather, size = make_transfer(dimension, scheme.basis).gather, RECORD_SIZE[dimension]
+    move_points = make_move_points(dimension, scheme.basis, scheme.affine)
     affine, is_musl = scheme.affine, scheme.stress_order == "musl"
-    interpolate = make_interpolate(dimension, SHAPE_FUNCTIONS[scheme.basis], affine)
+    size, matrix_size = RECORD_SIZE[dimension], dimension * LANES
 
     @phase
     @variant(dimension, *scheme)
@@ -44,23 +38,24 @@ def make_g2p(dimension: int, scheme: Scheme) -> Callable[..., None]:
 
         Reads: nodes (v~, a). Writes: rows, pending, report (n_tiles, 6). Eq. (26)-(28).
         """
-        nodes, start, limits, inv_h = grid.nodes, tiles.start, particle_limits(grid, settings), 1.0 / grid.h
+        start = tiles.start
         for t in prange(len(start) - 1):
-            travel, node_work = splat(0.0), splat(0.0)
-            for p in range(start[t], start[t + 1]):
-                prefetch_record(rows, size, p + PREFETCH_DISTANCE)
-                o, old = p * size, load(rows, p * size)
+            first, stop = start[t], start[t + 1]
+            averages = np.empty(stop - first)
+            matrices = np.empty(matrix_size * (stop - first)) if affine else averages
+            if is_musl:
+                for p in range(first, stop):
+                    store(pending, p * LANES, load(rows, p * size))
+            report[t, TRAVEL], report[t, LIMIT_WORK] = move_points(
+                rows, first, stop, grid, settings, dt, averages, matrices
+            )
+            for p in range(first, stop):
                 if affine:
-                    _, x, y, z = interpolate(old, nodes, grid, settings)
-                displacement, work, _ = gather(rows, o, nodes, grid, settings, limits, dt)
-                if affine:
-                    store_gradient(rows, o, dimension, x, y, z)
+                    restore_columns(rows, p * size, dimension, matrices, matrix_size * (p - first))
                 if is_musl:
-                    new = load(rows, o)
+                    old, new = load(pending, p * LANES), load(rows, p * size)
                     store(pending, p * LANES, new)
-                    store(rows, o, where_positive(force_mask(3), old, new))
-                travel, node_work = maximum(travel, abs(displacement)), node_work + work
-            report[t, TRAVEL], report[t, NODE_WORK] = inv_h * largest_axis(travel), sum_axes(node_work)
+                    store(rows, p * size, where_positive(force_mask(3), old, new))
 
     return g2p
 

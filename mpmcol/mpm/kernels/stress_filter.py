@@ -27,7 +27,7 @@ from typing import Any
 from mpmcol.mpm.constitutive import ConstitutiveLaw
 from mpmcol.mpm.jit import device, variant
 from mpmcol.mpm.lanes import OPENING, SIGMA
-from mpmcol.mpm.simd import where_positive
+from mpmcol.mpm.simd import splat, spread, where_positive
 
 
 def make_filtered_stress(dimension: int) -> Callable[..., Any]:
@@ -37,11 +37,10 @@ def make_filtered_stress(dimension: int) -> Callable[..., Any]:
     @device
     @variant(dimension)
     def filtered_stress(rows, o, settings):
-        """q (Pa) of the point whose record starts at `o`; zero without the filter."""
-        if settings.filter_rate == 0.0:
-            return 0.0
-        mean = (rows[o + xx] + rows[o + yy] + rows[o + zz]) * (1.0 / 3.0)
-        return mean + settings.filter_modulus * min(rows[o + OPENING], settings.filter_opening)
+        """q (Pa) of the point whose record starts at `o`, in all lanes."""
+        mean = (spread(rows, o + xx) + spread(rows, o + yy) + spread(rows, o + zz)) * (1.0 / 3.0)
+        opening, furthest = spread(rows, o + OPENING), splat(settings.filter_opening)
+        return mean + settings.filter_modulus * where_positive(opening - furthest, furthest, opening)
 
     return filtered_stress
 

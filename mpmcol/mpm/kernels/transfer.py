@@ -8,47 +8,24 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
-from typing import Any, NamedTuple
 
 import numpy as np
 
 from mpmcol.mpm.grid import Grid, Tiles
-from mpmcol.mpm.jit import phase, prange, subroutine, variant
-from mpmcol.mpm.kernels import transfer_quadratic_2d, transfer_quadratic_3d
-from mpmcol.mpm.kernels.transfer_common import PREFETCH_DISTANCE, prefetch_record
-from mpmcol.mpm.kernels.transfer_generic import make_gather, make_scatter
-from mpmcol.mpm.lanes import RECORD_SIZE
+from mpmcol.mpm.jit import device, phase, prange, subroutine, variant
+from mpmcol.mpm.kernels import transfer_generic, transfer_quadratic_2d, transfer_quadratic_3d
+from mpmcol.mpm.kernels.interpolation import make_interpolate, save_columns
+from mpmcol.mpm.lanes import LANES, RECORD_SIZE, X, Y, Z
 from mpmcol.mpm.settings import Settings
 from mpmcol.mpm.shape_functions import SHAPE_FUNCTIONS
+from mpmcol.mpm.simd import extract, load
 
 QUADRATIC = {2: transfer_quadratic_2d, 3: transfer_quadratic_3d}
 
 
-class Transfer(NamedTuple):
-    """Transfer of one point for a dimension and shape functions.
-
-    scatter(rows, o, nodes, grid, settings) adds the point whose record starts at `o` to its nodes.
-    gather(rows, o, nodes, grid, settings, limits, dt) updates its velocity, position and velocity gradient from its
-    nodes; see `transfer_common.update_point` for what it returns.
-    """
-
-    scatter: Callable[..., Any]
-    gather: Callable[..., Any]
-
-
-@cache
-def make_transfer(dimension: int, basis: str) -> Transfer:
-    """The transfer of a point in `dimension` dimensions with the shape functions named `basis`."""
-    quadratic = QUADRATIC[dimension]
-    if basis == "quadratic":
-        return Transfer(quadratic.scatter, quadratic.gather)
-    shape_functions = SHAPE_FUNCTIONS[basis]
-    return Transfer(make_scatter(dimension, shape_functions), make_gather(dimension, shape_functions))
-
-
 @cache
 def make_p2g(dimension: int, basis: str) -> Callable[..., None]:
-    """P2G over all points, with the transfer of a point frozen in."""
+    """P2G over all points, with the dimension and the shape functions frozen in."""
     scatter_points = make_scatter_points(dimension, basis)
 
     @phase
@@ -69,8 +46,11 @@ def make_p2g(dimension: int, basis: str) -> Callable[..., None]:
 
 @cache
 def make_scatter_points(dimension: int, basis: str) -> Callable[..., None]:
-    """P2G over a range of points, with the transfer of a point frozen in."""
-    scatter, size = make_transfer(dimension, basis).scatter, RECORD_SIZE[dimension]
+    """P2G over a range of points, with the dimension and the shape functions frozen in."""
+    if basis == "quadratic":
+        scatter = QUADRATIC[dimension].scatter_points
+    else:
+        scatter = transfer_generic.make_scatter_points(dimension, SHAPE_FUNCTIONS[basis])
 
     @subroutine
     @variant(dimension, basis)
@@ -79,10 +59,46 @@ def make_scatter_points(dimension: int, basis: str) -> Callable[..., None]:
 
         Reads: rows. Writes: nodes (m, mv, f, m q). Eq. (13), (14), (19), (20).
         """
-        nodes, jump = grid.nodes, following - stop
-        for p in range(first, stop):
-            ahead = p + PREFETCH_DISTANCE
-            prefetch_record(rows, size, ahead if ahead < stop else ahead + jump)
-            scatter(rows, p * size, nodes, grid, settings)
+        scatter(rows, first, stop, following, grid, settings)
 
     return scatter_points
+
+
+@cache
+def make_move_points(dimension: int, basis: str, affine: bool) -> Callable[..., tuple[float, float]]:
+    """G2P over a range of points, with the dimension, the shape functions and APIC (`affine`) frozen in."""
+    if basis == "quadratic":
+        move = QUADRATIC[dimension].move_points
+    else:
+        move = transfer_generic.make_move_points(dimension, SHAPE_FUNCTIONS[basis])
+    size, matrix_size = RECORD_SIZE[dimension], dimension * LANES
+    interpolate = make_interpolate(dimension, SHAPE_FUNCTIONS[basis], affine)
+
+    @subroutine
+    @variant(dimension, basis, affine)
+    def move_points(rows, first, stop, grid, settings, dt, averages, matrices):
+        """Move these points; returns the largest travel (in cells) and the work of gravity where limits stop them (J).
+
+        Reads: nodes (v~, a). Writes: rows, averages of the filtered stress (Pa), and with APIC its matrices, which the
+        velocity gradients would overwrite. Eq. (26)-(28).
+        """
+        if affine:
+            for p in range(first, stop):
+                _, x, y, z = interpolate(load(rows, p * size), grid.nodes, grid, settings)
+                save_columns(matrices, matrix_size * (p - first), dimension, x, y, z)
+        travel, limit_work = move(rows, first, stop, grid, settings, dt, averages)
+        return largest_axis(travel) / grid.h, sum_axes(limit_work)
+
+    return move_points
+
+
+@device
+def largest_axis(value):
+    """Largest of the lanes X, Y, Z."""
+    return max(extract(value, X), extract(value, Y), extract(value, Z))
+
+
+@device
+def sum_axes(value):
+    """Sum of the lanes X, Y, Z."""
+    return extract(value, X) + extract(value, Y) + extract(value, Z)

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from mpmcol.mpm.boundary import WALL_GAP, keep_within
+from mpmcol.mpm.boundary import WALL_GAP, keep_within, particle_limits
 from mpmcol.mpm.grid import Grid
 from mpmcol.mpm.jit import device
-from mpmcol.mpm.lanes import AX, L_ZZ, LANES, S_ZZ, V0, VX, X_VECTOR, Y_VECTOR, Z_VECTOR, J, M, Q, X
+from mpmcol.mpm.lanes import L_ZZ, S_ZZ, V0, VX, X_VECTOR, Y_VECTOR, Z_VECTOR, J, M, X
 from mpmcol.mpm.settings import Settings
 from mpmcol.mpm.shape_functions.quadratic import WIDTH, spline_lanes
-from mpmcol.mpm.simd import extract, fma, load, prefetch, splat, store, swap_halves, vector, where_positive
+from mpmcol.mpm.simd import extract, fma, load, prefetch, splat, spread, store, swap_halves, vector, where_positive
 from mpmcol.mpm.wall_cells import beside_walls, fold_three, keep_out_of_walls
 
 PREFETCH_DISTANCE = 24  # points processed in the time that memory takes to answer
@@ -21,8 +21,12 @@ PREFETCH_DISTANCE = 24  # points processed in the time that memory takes to answ
 @device
 def prefetch_record(rows: np.ndarray, size: int, p: int) -> None:
     """Prefetch the record of point `p`, of `size` doubles."""
-    for o in range(p * size, (p + 1) * size, LANES):
-        prefetch(rows, o)
+    o = p * size
+    prefetch(rows, o)
+    prefetch(rows, o + X_VECTOR)
+    prefetch(rows, o + Y_VECTOR)
+    if size > Z_VECTOR:
+        prefetch(rows, o + Z_VECTOR)
 
 
 @device
@@ -77,67 +81,84 @@ def force_mask(d: int) -> Any:
 
 
 @device
+def unit_mass(d: int, settings: Settings) -> Any:
+    """Mass and weight of a unit mass, in the lanes of a node."""
+    return vector(1.0, 0.0, 0.0, 0.0, settings.gravity_x, settings.gravity_y, (d - 2) * settings.gravity_z, 0.0)
+
+
+@device
+def point_terms(rows: np.ndarray, o: int, d: int, unit: Any, q: Any, settings: Settings) -> tuple[Any, Any, Any]:
+    """What the nodes receive from the point whose record starts at `o`, in their lanes, Eq. (13), (14), (19), (20).
+
+    unit: see `unit_mass`. q: the stress that the filter averages, Pa. Returns mass, momentum at the point, weight (and
+    the hoop stress of axisymmetry), to be multiplied by weights; and the factors of a column of the record in the terms
+    with weights times distance and with gradients.
+    """
+    m, volume = spread(rows, o + M), spread(rows, o + J) * spread(rows, o + V0)
+    momentum = momentum_mask(d)
+    at_point = where_positive(momentum, load(rows, o), unit)
+    if settings.filter_rate > 0.0:
+        at_point = where_positive(vector(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0), q, at_point)
+    at_point = m * at_point
+    if d == 2 and settings.axisymmetric:
+        hoop = volume * spread(rows, o + S_ZZ) / spread(rows, o + X)
+        at_point = at_point - vector(0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0) * hoop
+    return at_point, (settings.taylor * m) * momentum, -volume * force_mask(d)
+
+
+class PointUpdate(NamedTuple):
+    """Factors of the update of all points in a step, by lane, and the limits of their positions."""
+
+    kept: Any  # of vector 0
+    mean: Any  # of the weighted sums of v~ and a
+    swapped: Any  # of the same with v~ and a exchanged
+    gravity: Any  # m/s2, in the lanes of the positions
+    limits: Any  # see `particle_limits`
+
+
+@device
+def point_update(d: int, grid: Grid, settings: Settings, dt: float) -> PointUpdate:
+    """The factors of Eq. (26)-(27) in a step, with the PIC counterpart of Eq. (26)."""
+    share, momentum, position = settings.flip_fraction, momentum_mask(d), force_mask(d)
+    return PointUpdate(
+        where_positive(momentum, share, 1.0),
+        (1.0 - share) * momentum - (settings.position_factor * dt * dt) * position,
+        (share * dt) * momentum + dt * position,
+        vector(0.0, 0.0, 0.0, 0.0, settings.gravity_x, settings.gravity_y, settings.gravity_z, 0.0),
+        particle_limits(grid, settings),
+    )
+
+
+@device
 def update_point(
     rows: np.ndarray,
     o: int,
     near: bool,
-    old: Any,
     mean: Any,
-    gradient: Any,
+    gradient: tuple[Any, Any, Any],
     d: int,
-    limits: Any,
+    factors: PointUpdate,
     grid: Grid,
     settings: Settings,
-    dt: float,
-) -> tuple[Any, Any, float]:
+) -> tuple[Any, Any]:
     """Write new velocity, position and velocity gradient of the point whose record starts at `o`, Eq. (26)-(28).
 
-    near: whether it may be beside a wall. old: vector 0 of its record. mean: weighted sums of v~ and a over its nodes.
-    gradient: columns of the velocity gradient along x, y, z; in two dimensions the third is ignored. limits: see
-    `update_motion`. Returns two vectors with an axis per lane from X on: the displacement (m), and the work (J) of the
-    old stress on the motion of the nodes, plus that of gravity where the limits stop the point; and the average of the
-    filtered stress (Pa).
+    near: whether it may be beside a wall. mean: weighted sums of v~ and a over its nodes. gradient: columns of the
+    velocity gradient along x, y, z; in two dimensions the third is ignored. Returns two vectors with an axis per lane
+    from X on: the displacement by Eq. (27), m, and, where limits or walls stop the point, the work of gravity (J),
+    which is not part of the nodal balance.
     """
-    grad_x, grad_y, grad_z = gradient
-    work = incremental_work(load(rows, o + X_VECTOR), grad_x, dt) + incremental_work(
-        load(rows, o + Y_VECTOR), grad_y, dt
-    )
-    l_zz = 0.0
-    if d == 3:
-        work = work + incremental_work(load(rows, o + Z_VECTOR), grad_z, dt)
-    elif settings.axisymmetric:  # v_r / r at the old position
-        l_zz = extract(mean, VX) / rows[o + X]
-        hoop_work = (l_zz - 0.5 * dt * extract(mean, AX) / rows[o + X]) * rows[o + S_ZZ]
-        work = work + vector(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, hoop_work, 0.0)
-    work = (dt * rows[o + J] * rows[o + V0]) * work
-    new, displacement, limit_work = update_motion(near, old, mean, d, limits, grid, settings, dt)
+    old = load(rows, o)
+    increment = fma(factors.swapped, swap_halves(mean), factors.mean * mean)
+    free = fma(factors.kept, old, increment)
+    new = keep_out_of_walls(grid.wall_cells, near, old, keep_within(free, factors.limits), WALL_GAP * grid.h, grid)
+    l_zz = extract(mean, VX) / rows[o + X] if settings.axisymmetric else 0.0  # v_r / r at the old position
+    limit_work = (spread(rows, o + M) * factors.gravity) * (new - free)
     store(rows, o, new)
-    store_gradient(rows, o, d, grad_x, grad_y, grad_z)
+    store_gradient(rows, o, d, *gradient)
     if d == 2:
         rows[o + L_ZZ] = l_zz
-    return displacement, work + limit_work, extract(mean, Q)
-
-
-@device
-def update_motion(
-    near: bool, old: Any, mean: Any, d: int, limits: Any, grid: Grid, settings: Settings, dt: float
-) -> tuple[Any, Any, Any]:
-    """New velocity and position of a point, Eq. (26)-(27).
-
-    near, old, mean: see `update_point`. limits: smallest and largest position. Returns the new vector 0; the
-    displacement (m) and, where limits or walls stop the point, the work of gravity (J), which is not part of the nodal
-    balance, with an axis per lane from X on.
-    """
-    share, swapped = settings.flip_fraction, swap_halves(mean)
-    # Eq. 26 and its PIC counterpart
-    kept = where_positive(momentum_mask(d), share, 1.0)
-    increment = fma(momentum_mask(d) * (1.0 - share), mean, momentum_mask(d) * (share * dt) * swapped)
-    # Eq. 27
-    displacement = fma(force_mask(d) * (-settings.position_factor * dt * dt), mean, force_mask(d) * dt * swapped)
-    free = fma(old, kept, increment + displacement)
-    new = keep_out_of_walls(grid.wall_cells, near, old, keep_within(free, limits), WALL_GAP * grid.h, grid)
-    gravity = vector(0.0, 0.0, 0.0, 0.0, settings.gravity_x, settings.gravity_y, settings.gravity_z, 0.0)
-    return new, displacement, extract(old, M) * (gravity * (new - free))
+    return increment, limit_work
 
 
 @device
@@ -152,9 +173,3 @@ def store_gradient(rows: np.ndarray, o: int, d: int, x: Any, y: Any, z: Any) -> 
 @device
 def _store_column(rows: np.ndarray, o: int, d: int, column: Any) -> None:
     store(rows, o, where_positive(momentum_mask(d), column, load(rows, o)))
-
-
-@device
-def incremental_work(column: Any, gradient: Any, dt: float) -> Any:
-    """Column of sigma times column of grad(v + v~) / 2; the sum over lanes X, Y, Z is the stress power per volume."""
-    return column * fma(splat(-0.5 * dt), gradient, swap_halves(gradient))

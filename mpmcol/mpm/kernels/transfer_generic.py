@@ -1,4 +1,4 @@
-"""Transfer of a point for shape functions of any width, in two and three dimensions."""
+"""Transfers point by point, for shape functions of any width, in two and three dimensions."""
 
 from __future__ import annotations
 
@@ -8,35 +8,52 @@ from typing import Any
 from mpmcol.mpm.jit import device, variant
 from mpmcol.mpm.kernels.interpolation import GRADIENT, make_axis_stencils, make_interpolate
 from mpmcol.mpm.kernels.stress_filter import make_filtered_stress
-from mpmcol.mpm.kernels.transfer_common import broadcast, force_mask, momentum_mask, update_point
-from mpmcol.mpm.lanes import S_ZZ, V0, X_VECTOR, Y_VECTOR, Z_VECTOR, J, M, X, Y, Z
+from mpmcol.mpm.kernels.transfer_common import (
+    PREFETCH_DISTANCE,
+    broadcast,
+    point_terms,
+    point_update,
+    prefetch_record,
+    unit_mass,
+    update_point,
+)
+from mpmcol.mpm.lanes import RECORD_SIZE, X_VECTOR, Y_VECTOR, Z_VECTOR, Q, X, Y, Z
 from mpmcol.mpm.shape_functions import ShapeFunctions
-from mpmcol.mpm.simd import extract, fma, load, splat, store, vector
+from mpmcol.mpm.simd import extract, fma, load, maximum, splat, store
 
 
-def make_scatter(dimension: int, basis: ShapeFunctions) -> Callable[..., Any]:
+def make_scatter_points(dimension: int, basis: ShapeFunctions) -> Callable[..., None]:
+    """P2G of a range of points."""
+    scatter, size = _make_scatter(dimension, basis), RECORD_SIZE[dimension]
+
+    @device
+    @variant(dimension, basis)
+    def scatter_points(rows, first, stop, following, grid, settings):
+        """See `transfer.make_scatter_points`."""
+        nodes, jump, unit = grid.nodes, following - stop, unit_mass(dimension, settings)
+        for p in range(first, stop):
+            ahead = p + PREFETCH_DISTANCE
+            prefetch_record(rows, size, ahead if ahead < stop else ahead + jump)
+            scatter(rows, p * size, unit, nodes, grid, settings)
+
+    return scatter_points
+
+
+def _make_scatter(dimension: int, basis: ShapeFunctions) -> Callable[..., Any]:
     """P2G of one point."""
     axis_stencils, width, flat = make_axis_stencils(dimension, basis, affine=False), basis.WIDTH, dimension == 2
     depth, filtered_stress = 1 if flat else width, make_filtered_stress(dimension)
 
     @device
     @variant(dimension, basis)
-    def scatter(rows, o, nodes, grid, settings):
+    def scatter(rows, o, unit, nodes, grid, settings):
         """Add one point, whose record starts at `o`, to its nodes."""
-        h, inv_h, record = grid.h, 1.0 / grid.h, load(rows, o)
-        base, d, x, y, z = axis_stencils(record, grid, settings)
+        h, inv_h = grid.h, 1.0 / grid.h
+        base, d, x, y, z = axis_stencils(load(rows, o), grid, settings)
         i, j, k = int(extract(base, X)), int(extract(base, Y)), 0 if flat else int(extract(base, Z))
         d_x, d_y, d_z = extract(d, X), extract(d, Y), extract(d, Z)
-        m, volume = rows[o + M], rows[o + J] * rows[o + V0]
-        hoop = volume * rows[o + S_ZZ] / rows[o + X] if flat and settings.axisymmetric else 0.0
-
-        # Eq. 19, 20, 14: mass, momentum at the point, weight (and the hoop stress of axisymmetry)
-        momentum = splat(m) * momentum_mask(dimension)
-        q = filtered_stress(rows, o, settings)
-        f_x, f_y, f_z = m * settings.gravity_x - hoop, m * settings.gravity_y, m * settings.gravity_z
-        at_point = fma(record, momentum, vector(m, 0.0, 0.0, 0.0, f_x, f_y, 0.0 if flat else f_z, m * q))
-        # Eq. 20: m L (x_i - x_p); Eq. 13: -V sigma . grad w
-        taylor, force = (settings.taylor * h) * momentum, (-volume * inv_h) * force_mask(dimension)
+        at_point, taylor, force = point_terms(rows, o, dimension, unit, filtered_stress(rows, o, settings), settings)
+        taylor, force = h * taylor, inv_h * force
         column_x, column_y = load(rows, o + X_VECTOR), load(rows, o + Y_VECTOR)
         column_z = column_y if flat else load(rows, o + Z_VECTOR)
 
@@ -63,16 +80,22 @@ def make_scatter(dimension: int, basis: ShapeFunctions) -> Callable[..., Any]:
     return scatter
 
 
-def make_gather(dimension: int, basis: ShapeFunctions) -> Callable[..., Any]:
-    """G2P of one point."""
-    interpolate = make_interpolate(dimension, basis, affine=False)
+def make_move_points(dimension: int, basis: ShapeFunctions) -> Callable[..., Any]:
+    """G2P of a range of points."""
+    interpolate, size = make_interpolate(dimension, basis, affine=False), RECORD_SIZE[dimension]
 
     @device
     @variant(dimension, basis)
-    def gather(rows, o, nodes, grid, settings, limits, dt):
-        """Update velocity, position and velocity gradient of one point from its nodes; returns as `update_point`."""
-        old = load(rows, o)
-        mean, x, y, z = interpolate(old, nodes, grid, settings)
-        return update_point(rows, o, True, old, mean, (x, y, z), dimension, limits, grid, settings, dt)
+    def move_points(rows, first, stop, grid, settings, dt, averages):
+        """See `transfer.make_move_points`."""
+        nodes, factors, zero = grid.nodes, point_update(dimension, grid, settings, dt), splat(0.0)
+        travel, limit_work = zero, zero
+        for p in range(first, stop):
+            prefetch_record(rows, size, p + PREFETCH_DISTANCE)
+            mean, x, y, z = interpolate(load(rows, p * size), nodes, grid, settings)
+            displacement, work = update_point(rows, p * size, True, mean, (x, y, z), dimension, factors, grid, settings)
+            averages[p - first] = extract(mean, Q)
+            travel, limit_work = maximum(travel, abs(displacement)), limit_work + work
+        return travel, limit_work
 
-    return gather
+    return move_points

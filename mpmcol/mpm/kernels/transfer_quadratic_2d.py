@@ -1,4 +1,7 @@
-"""Transfer of a point with quadratic shape functions in plane strain and axisymmetry: nine nodes."""
+"""Transfers with quadratic shape functions in plane strain and axisymmetry: nine nodes.
+
+Successive points often have the same nodes. Their sums stay in registers until a point has others.
+"""
 
 from __future__ import annotations
 
@@ -8,97 +11,154 @@ import numpy as np
 
 from mpmcol.mpm.grid import Grid
 from mpmcol.mpm.jit import device
+from mpmcol.mpm.kernels.stencils import (
+    AXIS_X,
+    AXIS_Y,
+    BASE,
+    NEAR,
+    STENCILS,
+    D,
+    G,
+    W,
+    make_find_stencils,
+    three,
+    weighted_sum,
+)
 from mpmcol.mpm.kernels.stress_filter import make_filtered_stress
 from mpmcol.mpm.kernels.transfer_common import (
-    broadcast,
-    force_mask,
-    momentum_mask,
-    quadratic_stencil,
+    PREFETCH_DISTANCE,
+    point_terms,
+    point_update,
+    prefetch_record,
+    unit_mass,
     update_point,
 )
-from mpmcol.mpm.lanes import S_ZZ, V0, X_VECTOR, Y_VECTOR, J, M, X, Y
+from mpmcol.mpm.lanes import LANES, RECORD_SIZE, X_VECTOR, Y_VECTOR, Q
 from mpmcol.mpm.settings import Settings
-from mpmcol.mpm.simd import extract, fma, load, splat, store, vector
+from mpmcol.mpm.simd import extract, fma, load, maximum, scratch, splat, store
 
+SIZE, BUFFER, NEAR_2D = RECORD_SIZE[2], STENCILS[2], NEAR[2]
+NOWHERE = -1.0  # instead of the first node of a point
 filtered_stress = make_filtered_stress(2)
+find_stencils, find_with_distances = make_find_stencils(2, distances=False), make_find_stencils(2, distances=True)
 
 
 @device
-def scatter(rows: np.ndarray, o: int, nodes: np.ndarray, grid: Grid, settings: Settings) -> None:
-    """Add one point, whose record starts at `o`, to its nine nodes."""
-    h, inv_h = grid.h, 1.0 / grid.h
-    record = load(rows, o)
-    _, s, base, w0, w1, w2, g0, g1, g2 = quadratic_stencil(record, grid, settings)
-    i, j = int(extract(base, X)), int(extract(base, Y))
-    d = (base - s) * h
-    wx0, wx1, wx2 = broadcast(w0, X), broadcast(w1, X), broadcast(w2, X)
-    wy0, wy1, wy2 = broadcast(w0, Y), broadcast(w1, Y), broadcast(w2, Y)
-    m, volume = rows[o + M], rows[o + J] * rows[o + V0]
-    hoop = volume * rows[o + S_ZZ] / rows[o + X] if settings.axisymmetric else 0.0
+def scatter_points(rows: np.ndarray, first: int, stop: int, following: int, grid: Grid, settings: Settings) -> None:
+    """P2G of these points; see `transfer.make_scatter_points`."""
+    nodes, jump, unit, zero = grid.nodes, following - stop, unit_mass(2, settings), splat(0.0)
+    stencils = scratch(BUFFER)
+    sum0 = sum1 = sum2 = zero, zero, zero  # three columns of nodes of equal x
+    i, j = NOWHERE, NOWHERE
+    for start in range(first, stop, LANES):
+        count = min(LANES, stop - start)
+        find_with_distances(rows, start * SIZE, count, grid, settings, stencils)
+        for k in range(count):
+            ahead = start + k + PREFETCH_DISTANCE
+            prefetch_record(rows, SIZE, ahead if ahead < stop else ahead + jump)
+            if stencils[AXIS_X + BASE + k] != i or stencils[AXIS_Y + BASE + k] != j:
+                if i != NOWHERE:
+                    _add_to_nodes(nodes, i, j, sum0, sum1, sum2, grid)
+                sum0 = sum1 = sum2 = zero, zero, zero
+                i, j = stencils[AXIS_X + BASE + k], stencils[AXIS_Y + BASE + k]
+            sum0, sum1, sum2 = _add_point(rows, (start + k) * SIZE, stencils, k, unit, sum0, sum1, sum2, settings)
+    if i != NOWHERE:
+        _add_to_nodes(nodes, i, j, sum0, sum1, sum2, grid)
 
-    # Eq. 19, 20, 14: mass, momentum at the point, weight (and the hoop stress of axisymmetry)
-    momentum = splat(m) * momentum_mask(2)
-    q = filtered_stress(rows, o, settings)
-    weight = vector(m, 0.0, 0.0, 0.0, m * settings.gravity_x - hoop, m * settings.gravity_y, 0.0, m * q)
-    at_point = fma(record, momentum, weight)
-    # Eq. 20: m L (x_i - x_p); Eq. 13: -V sigma . grad w
-    taylor, force = settings.taylor * momentum, (-volume * inv_h) * force_mask(2)
+
+@device
+def _add_point(rows, o, stencils, k, unit, sum0, sum1, sum2, settings):
+    """Add a point to the sums of its nodes, Eq. (13), (14), (19), (20)."""
+    at_point, taylor, force = point_terms(rows, o, 2, unit, filtered_stress(rows, o, settings), settings)
     column_x, column_y = load(rows, o + X_VECTOR), load(rows, o + Y_VECTOR)
     a_x, f_x, a_y, f_y = column_x * taylor, column_x * force, column_y * taylor, column_y * force
 
     # node (i, j) receives w_j P_i + w_i Q_j
-    p0 = fma(wx0, fma(broadcast(d, X), a_x, at_point), broadcast(g0, X) * f_x)
-    p1 = fma(wx1, fma(broadcast(d + h, X), a_x, at_point), broadcast(g1, X) * f_x)
-    p2 = fma(wx2, fma(broadcast(d + 2.0 * h, X), a_x, at_point), broadcast(g2, X) * f_x)
-    q0 = fma(broadcast(w0 * d, Y), a_y, broadcast(g0, Y) * f_y)
-    q1 = fma(broadcast(w1 * (d + h), Y), a_y, broadcast(g1, Y) * f_y)
-    q2 = fma(broadcast(w2 * (d + 2.0 * h), Y), a_y, broadcast(g2, Y) * f_y)
-
-    y0, y1, y2 = grid.ay[j], grid.ay[j + 1], grid.ay[j + 2]
-    _add_column(nodes, grid.ax[i], y0, y1, y2, p0, wx0, wy0, wy1, wy2, q0, q1, q2)
-    _add_column(nodes, grid.ax[i + 1], y0, y1, y2, p1, wx1, wy0, wy1, wy2, q0, q1, q2)
-    _add_column(nodes, grid.ax[i + 2], y0, y1, y2, p2, wx2, wy0, wy1, wy2, q0, q1, q2)
-
-
-@device
-def _add_column(nodes, a, y0, y1, y2, p, wx, wy0, wy1, wy2, q0, q1, q2):
-    """Add one point to three nodes of equal x."""
-    store(nodes, a + y0, fma(wy0, p, fma(wx, q0, load(nodes, a + y0))))
-    store(nodes, a + y1, fma(wy1, p, fma(wx, q1, load(nodes, a + y1))))
-    store(nodes, a + y2, fma(wy2, p, fma(wx, q2, load(nodes, a + y2))))
+    wx0, wx1, wx2 = three(stencils, AXIS_X + W + k)
+    wy = three(stencils, AXIS_Y + W + k)
+    dx0, dx1, dx2 = three(stencils, AXIS_X + D + k)
+    dy0, dy1, dy2 = three(stencils, AXIS_Y + D + k)
+    gx0, gx1, gx2 = three(stencils, AXIS_X + G + k)
+    gy0, gy1, gy2 = three(stencils, AXIS_Y + G + k)
+    q = fma(gy0, f_y, dy0 * a_y), fma(gy1, f_y, dy1 * a_y), fma(gy2, f_y, dy2 * a_y)
+    return (
+        _add_column(sum0, wx0, fma(gx0, f_x, fma(dx0, a_x, wx0 * at_point)), wy, q),
+        _add_column(sum1, wx1, fma(gx1, f_x, fma(dx1, a_x, wx1 * at_point)), wy, q),
+        _add_column(sum2, wx2, fma(gx2, f_x, fma(dx2, a_x, wx2 * at_point)), wy, q),
+    )
 
 
 @device
-def gather(
-    rows: np.ndarray, o: int, nodes: np.ndarray, grid: Grid, settings: Settings, limits: tuple[Any, Any], dt: float
-) -> tuple[Any, Any, float]:
-    """Update velocity, position and velocity gradient of one point from its nine nodes.
-
-    Eq. (26)-(28); returns as `update_point`.
-    """
-    inv_h = 1.0 / grid.h
-    old = load(rows, o)
-    near, _, base, w0, w1, w2, g0, g1, g2 = quadratic_stencil(old, grid, settings)
-    i, j = int(extract(base, X)), int(extract(base, Y))
-    wx0, wx1, wx2 = broadcast(w0, X), broadcast(w1, X), broadcast(w2, X)
-    wy0, wy1, wy2 = broadcast(w0, Y), broadcast(w1, Y), broadcast(w2, Y)
-    gy0, gy1, gy2 = broadcast(g0, Y), broadcast(g1, Y), broadcast(g2, Y)
-    y0, y1, y2 = grid.ay[j], grid.ay[j + 1], grid.ay[j + 2]
-    sum0, slope0 = _along_y(nodes, grid.ax[i], y0, y1, y2, wy0, wy1, wy2, gy0, gy1, gy2)
-    sum1, slope1 = _along_y(nodes, grid.ax[i + 1], y0, y1, y2, wy0, wy1, wy2, gy0, gy1, gy2)
-    sum2, slope2 = _along_y(nodes, grid.ax[i + 2], y0, y1, y2, wy0, wy1, wy2, gy0, gy1, gy2)
-
-    mean = fma(wx2, sum2, fma(wx1, sum1, wx0 * sum0))
-    grad_x = inv_h * fma(broadcast(g2, X), sum2, fma(broadcast(g1, X), sum1, broadcast(g0, X) * sum0))
-    grad_y = inv_h * fma(wx2, slope2, fma(wx1, slope1, wx0 * slope0))
-
-    return update_point(rows, o, near, old, mean, (grad_x, grad_y, grad_y), 2, limits, grid, settings, dt)
+def _add_column(sums, wx, p, wy, q):
+    """Add a point to the sums of three nodes of equal x."""
+    return (
+        fma(wy[0], p, fma(wx, q[0], sums[0])),
+        fma(wy[1], p, fma(wx, q[1], sums[1])),
+        fma(wy[2], p, fma(wx, q[2], sums[2])),
+    )
 
 
 @device
-def _along_y(nodes, a, y0, y1, y2, wy0, wy1, wy2, gy0, gy1, gy2):
-    """Weighted sum and derivative along y of three nodes of equal x."""
-    n0, n1, n2 = load(nodes, a + y0), load(nodes, a + y1), load(nodes, a + y2)
-    value = fma(wy2, n2, fma(wy1, n1, wy0 * n0))
-    slope = fma(gy2, n2, fma(gy1, n1, gy0 * n0))
-    return value, slope
+def _add_to_nodes(nodes, i, j, sum0, sum1, sum2, grid):
+    """Add sums of points to their nodes."""
+    i, j = int(i), int(j)
+    y = grid.ay[j], grid.ay[j + 1], grid.ay[j + 2]
+    _add_to_column(nodes, grid.ax[i], y, sum0)
+    _add_to_column(nodes, grid.ax[i + 1], y, sum1)
+    _add_to_column(nodes, grid.ax[i + 2], y, sum2)
+
+
+@device
+def _add_to_column(nodes, x, y, sums):
+    store(nodes, x + y[0], load(nodes, x + y[0]) + sums[0])
+    store(nodes, x + y[1], load(nodes, x + y[1]) + sums[1])
+    store(nodes, x + y[2], load(nodes, x + y[2]) + sums[2])
+
+
+@device
+def move_points(
+    rows: np.ndarray, first: int, stop: int, grid: Grid, settings: Settings, dt: float, averages: np.ndarray
+) -> tuple[Any, Any]:
+    """G2P of these points; see `transfer.make_move_points`."""
+    nodes, factors, zero = grid.nodes, point_update(2, grid, settings, dt), splat(0.0)
+    stencils, travel, limit_work = scratch(BUFFER), zero, zero
+    column0 = column1 = column2 = zero, zero, zero  # of nodes of equal x
+    i, j = NOWHERE, NOWHERE
+    for start in range(first, stop, LANES):
+        count = min(LANES, stop - start)
+        find_stencils(rows, start * SIZE, count, grid, settings, stencils)
+        for k in range(count):
+            prefetch_record(rows, SIZE, start + k + PREFETCH_DISTANCE)
+            if stencils[AXIS_X + BASE + k] != i or stencils[AXIS_Y + BASE + k] != j:
+                i, j = stencils[AXIS_X + BASE + k], stencils[AXIS_Y + BASE + k]
+                column0, column1, column2 = _load_nodes(nodes, i, j, grid)
+            wy, gy = three(stencils, AXIS_Y + W + k), three(stencils, AXIS_Y + G + k)
+            wx, gx = three(stencils, AXIS_X + W + k), three(stencils, AXIS_X + G + k)
+            sums = weighted_sum(wy, column0), weighted_sum(wy, column1), weighted_sum(wy, column2)
+            mean, slopes = (
+                weighted_sum(wx, sums),
+                (weighted_sum(gy, column0), weighted_sum(gy, column1), weighted_sum(gy, column2)),
+            )
+            grad_x, grad_y = weighted_sum(gx, sums), weighted_sum(wx, slopes)
+            near = stencils[NEAR_2D + k] > 0.0
+            o = (start + k) * SIZE
+            displacement, work = update_point(rows, o, near, mean, (grad_x, grad_y, grad_y), 2, factors, grid, settings)
+            averages[start + k - first] = extract(mean, Q)
+            travel, limit_work = maximum(travel, abs(displacement)), limit_work + work
+    return travel, limit_work
+
+
+@device
+def _load_nodes(nodes, i, j, grid):
+    """Three columns of nodes of equal x."""
+    i, j = int(i), int(j)
+    y = grid.ay[j], grid.ay[j + 1], grid.ay[j + 2]
+    return (
+        _load_column(nodes, grid.ax[i], y), _load_column(nodes, grid.ax[i + 1], y),
+        _load_column(nodes, grid.ax[i + 2], y),
+    )  # fmt: skip
+
+
+@device
+def _load_column(nodes, x, y):
+    return load(nodes, x + y[0]), load(nodes, x + y[1]), load(nodes, x + y[2])

@@ -28,7 +28,9 @@ from mpmcol.mpm.simd.vectors import (
     prefetch,
     reduce_max,
     reduce_sum,
+    scratch,
     splat,
+    spread,
     sqrt,
     store,
     swap_halves,
@@ -40,7 +42,9 @@ from mpmcol.mpm.simd.vectors import (
 _overload = partial(overload, jit_options=CALLED_BY_KERNELS)
 _DOUBLE = ir.DoubleType()
 _INT = ir.IntType(32)
+_LONG = ir.IntType(64)
 _BYTE = ir.IntType(8)
+_CACHE_LINE = 64  # bytes
 _VECTOR = ir.VectorType(_DOUBLE, LANES)
 _ZERO = ir.Constant(_VECTOR, [0.0] * LANES)
 
@@ -75,6 +79,34 @@ def _load(typingctx, array, index):
         return builder.load(_pointer(context, builder, signature.args[0], args[0], position), align=8)
 
     return vec8(array, index), codegen
+
+
+@intrinsic
+def _spread(typingctx, array, index):
+    def codegen(context, builder, signature, args):
+        position = context.cast(builder, args[1], signature.args[1], types.intp)
+        return _emit_splat(
+            builder, builder.load(_pointer(context, builder, signature.args[0], args[0], position, _DOUBLE))
+        )
+
+    return vec8(array, index), codegen
+
+
+@intrinsic(prefer_literal=True)
+def _scratch(typingctx, size):
+    count = size.literal_value
+    array_type = types.Array(types.float64, 1, "C")
+
+    def codegen(context, builder, signature, args):
+        allocated = cgutils.alloca_once(builder, ir.ArrayType(_DOUBLE, count + LANES))
+        address = builder.add(builder.ptrtoint(allocated, _LONG), _LONG(_CACHE_LINE - 1))
+        data = builder.inttoptr(builder.and_(address, _LONG(-_CACHE_LINE)), _DOUBLE.as_pointer())
+        array = context.make_array(array_type)(context, builder)
+        shape, strides = (cgutils.pack_array(builder, [_LONG(each)]) for each in (count, 8))
+        context.populate_array(array, data=data, shape=shape, strides=strides, itemsize=_LONG(8), meminfo=None)
+        return array._getvalue()
+
+    return array_type(size), codegen
 
 
 @intrinsic
@@ -258,6 +290,7 @@ for _operation, _operation8 in _ARITHMETIC.items():
 _declare(operator.neg, lambda a: (lambda a: _negative(a)) if a == vec8 else None)
 _declare(abs, lambda a: (lambda a: _magnitude(a)) if a == vec8 else None)
 _declare(load, lambda array, index: lambda array, index: _load(array, index))
+_declare(spread, lambda array, index: lambda array, index: _spread(array, index))
 _declare(prefetch, lambda array, index: lambda array, index: _prefetch(array, index))
 _declare(store, lambda array, index, value: lambda array, index, value: _store(array, index, value))
 _declare(splat, lambda x: lambda x: _splat(float(x)))
@@ -280,6 +313,11 @@ def _vector_overload(x0, x1, x2, x3, x4, x5, x6, x7):
 @_overload(transpose)
 def _transpose_overload(r0, r1, r2, r3, r4, r5, r6, r7):
     return lambda r0, r1, r2, r3, r4, r5, r6, r7: _transpose(r0, r1, r2, r3, r4, r5, r6, r7)
+
+
+@_overload(scratch, prefer_literal=True)
+def _scratch_overload(size):
+    return lambda size: _scratch(size)
 
 
 @_overload(sqrt)

@@ -17,6 +17,16 @@ def load(array: np.ndarray, index: int) -> np.ndarray:
     return np.pad(found, (0, LANES - len(found)))
 
 
+def spread(array: np.ndarray, index: int) -> np.ndarray:
+    """One double of a flat array in all lanes."""
+    return np.full(LANES, array[index])
+
+
+def scratch(size: int) -> np.ndarray:
+    """An array of `size` doubles, a constant, for the present function only; its content is undefined."""
+    return np.empty(size)
+
+
 def prefetch(array: np.ndarray, index: int) -> None:
     """Prefetch the cache line of `array[index]`; the index may lie beyond the end."""
 
