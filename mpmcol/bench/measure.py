@@ -41,7 +41,7 @@ QUICK = Effort(5, 3, 10_000)
 
 
 def vector_steps(solver: Solver, steps: int) -> np.ndarray:
-    """Step a sorted solver without sorting it again; seconds per phase of VECTOR_PHASES (steps, 5)."""
+    """Step a sorted solver without sorting it again; seconds per phase of VECTOR_PHASES (steps, 3)."""
     column, base, *_ = solver.bodies
     times = np.zeros((steps, len(timed.VECTOR_PHASES) + 1))
     timed.make_vector_steps(solver.points.dimension, column.law, base.law)(solver.state(), times)
@@ -63,10 +63,10 @@ def measure_case(model: str, points: int, threads: int, effort: Effort) -> Bench
     _advance(solver, effort.warm_up)
     solver.sort()
     plain_copy, steps = plain_state(solver), effort.steps(len(solver.points))
-    vector_steps(solver, 1), plain_steps(solver, plain_copy, 1), g2p_seconds(solver, 1)
+    vector_steps(solver, 1), plain_steps(solver, plain_copy, 1), transfer_seconds(solver, 1)
     vector, plain = [], []
     for _ in range(effort.rounds):
-        vector.append(_vector_phases(vector_steps(solver, steps), g2p_seconds(solver, 5)))
+        vector.append(_vector_phases(vector_steps(solver, steps), *transfer_seconds(solver, 5)))
         plain.append(_plain_phases(plain_steps(solver, plain_copy, steps)))
     memory, python = bytes_per_point(solver), _python_seconds(solver, steps, effort.rounds)
     sort = [_seconds(solver.sort) / SORT_INTERVAL for _ in range(effort.rounds)]
@@ -89,17 +89,20 @@ def measure_case(model: str, points: int, threads: int, effort: Effort) -> Bench
     )
 
 
-def _vector_phases(times: np.ndarray, g2p: float) -> dict[str, float]:
-    """Median seconds of each phase; the stress update is the difference of `update_points` and G2P alone."""
+def _vector_phases(times: np.ndarray, p2g: float, g2p: float) -> dict[str, float]:
+    """Median seconds of each phase; the stress update is the difference of `update_points` and the transfers alone."""
     phases = dict(zip(timed.VECTOR_PHASES, np.median(times, axis=0).tolist(), strict=True))
     phases.pop("sums")
-    return {**phases, "g2p": g2p, "stress": phases["update_points"] - g2p, "step": _step(times)}
+    stress = phases["update_points"] - p2g - g2p
+    return {**phases, "p2g": p2g, "g2p": g2p, "stress": stress, "step": _step(times)}
 
 
 def _plain_phases(times: np.ndarray) -> dict[str, float]:
-    """Median seconds of each phase."""
+    """Median seconds of each phase; the nodes are cleared in a loop of their own."""
     phases = dict(zip(timed.PLAIN_PHASES, np.median(times, axis=0).tolist(), strict=True))
-    return {**phases, "update_points": phases["g2p"] + phases["stress"], "step": _step(times)}
+    update_points = phases["p2g"] + phases["g2p"] + phases["stress"]
+    update_grid = phases["update_grid"] + phases.pop("clear")
+    return {**phases, "update_grid": update_grid, "update_points": update_points, "step": _step(times)}
 
 
 def _step(times: np.ndarray) -> float:
@@ -111,13 +114,14 @@ def _paired(name: str, vector: list[dict[str, float]], plain: list[dict[str, flo
     return Row(name, Spread.of(v), Spread.of(p), statistics.median(np.divide(p, v).tolist()))
 
 
-def g2p_seconds(solver: Solver, repeats: int) -> float:
-    """Median seconds of G2P alone, on a copy of the points."""
-    d, rows, times = solver.points.dimension, solver.points.rows, np.zeros((repeats, 2))
+def transfer_seconds(solver: Solver, repeats: int) -> tuple[float, float]:
+    """Median seconds of P2G and of G2P alone, on a copy of the points."""
+    d, rows, times = solver.points.dimension, solver.points.rows, np.zeros((repeats, 3))
     copy = aligned_zeros(rows.size + LANES * RECORD_SIZE[d])[: rows.size]
     copy[:] = rows.reshape(-1)
-    timed.make_g2p_steps(d)(solver.state(), copy, times)
-    return float(np.median(np.diff(times, axis=1)))
+    timed.make_transfers(d)(solver.state(), copy, times)
+    p2g, g2p = np.median(np.diff(times, axis=1), axis=0)
+    return float(p2g), float(g2p)
 
 
 def bytes_per_point(solver: Solver) -> float:

@@ -16,12 +16,14 @@ from mpmcol.bench.clock import seconds
 from mpmcol.bench.plain_loops import common, transfer_2d, transfer_3d
 from mpmcol.mpm.constitutive import ConstitutiveLaw
 from mpmcol.mpm.jit import driver, make_unpack, phase, prange, variant
-from mpmcol.mpm.kernels.grid_update import clear, update_grid
+from mpmcol.mpm.kernels.grid_update import update_grid
 from mpmcol.mpm.kernels.loop import DT, sum_nodes, sum_points
 from mpmcol.mpm.kernels.particle_update import make_update_points
+from mpmcol.mpm.kernels.step import make_begin
 from mpmcol.mpm.kernels.transfer import make_move_points, make_p2g
+from mpmcol.mpm.settings import PAPER
 
-VECTOR_PHASES = ("clear", "p2g", "update_grid", "update_points", "sums")
+VECTOR_PHASES = ("update_grid", "update_points", "sums")
 PLAIN_PHASES = ("clear", "p2g", "update_grid", "g2p", "stress")
 PLAIN_TRANSFERS = {2: transfer_2d, 3: transfer_3d}
 
@@ -29,32 +31,34 @@ PLAIN_TRANSFERS = {2: transfer_2d, 3: transfer_3d}
 @cache
 def make_vector_steps(dimension: int, column_law: ConstitutiveLaw, base_law: ConstitutiveLaw) -> Callable[..., Any]:
     """The step of `kernels.loop` with a clock reading before and after each of VECTOR_PHASES."""
-    p2g, update_points = make_p2g(dimension, "quadratic"), make_update_points(dimension, column_law, base_law)
+    begin, update_points = make_begin(dimension, PAPER), make_update_points(dimension, column_law, base_law)
 
     @driver
     @variant(dimension, column_law, base_law)
     def vector_steps(state, times):
-        """As many steps as `times` (n, 6) has rows.
+        """As many steps as `times` (n, 4) has rows.
 
         Reads: settings, bodies. Writes: rows, nodes, reports, clock, ledger, times. Eq. (13)-(36).
         """
-        rows, grid, contacts, tiles, settings, bodies, smallest_mass, node_report, tile_report, clock, ledger = state
+        rows, grid, spare, contacts, tiles, settings, bodies, smallest_mass, node_report, tile_report, clock, ledger = (
+            state
+        )
         column, base, c2_column, c2_base = bodies
+        begin(state)
         for k in range(len(times)):
             dt = clock[DT]
             times[k, 0] = seconds()
-            clear(grid, tiles)
+            update_grid(grid, spare.nodes, contacts, tiles, settings, smallest_mass, dt, node_report)
             times[k, 1] = seconds()
-            p2g(rows, grid, tiles, settings)
-            times[k, 2] = seconds()
-            update_grid(grid, contacts, tiles, settings, smallest_mass, dt, node_report)
-            times[k, 3] = seconds()
             side_rate = dt * contacts.side_friction
-            update_points(rows, grid, tiles, settings, column, base, c2_column, c2_base, dt, side_rate, tile_report)
-            times[k, 4] = seconds()
+            update_points(
+                rows, grid, spare, tiles, settings, column, base, c2_column, c2_base, dt, side_rate, tile_report
+            )
+            times[k, 2] = seconds()
             sum_nodes(node_report, ledger)
             sum_points(tile_report, ledger, clock, settings.cfl * grid.h)
-            times[k, 5] = seconds()
+            times[k, 3] = seconds()
+            grid, spare = spare, grid
 
     return vector_steps
 
@@ -97,9 +101,9 @@ def make_plain_steps(dimension: int, column_law: ConstitutiveLaw, base_law: Cons
 
 
 @cache
-def make_g2p_steps(dimension: int) -> Callable[..., Any]:
-    """G2P of all points without the stress update."""
-    move_points = make_move_points(dimension, "quadratic", affine=False)
+def make_transfers(dimension: int) -> Callable[..., Any]:
+    """P2G and G2P of all points, each alone."""
+    p2g, move_points = make_p2g(dimension, "quadratic"), make_move_points(dimension, "quadratic", affine=False)
 
     @phase
     @variant(dimension)
@@ -109,20 +113,22 @@ def make_g2p_steps(dimension: int) -> Callable[..., Any]:
         for t in prange(len(start) - 1):
             averages = np.empty(start[t + 1] - start[t])
             report[t, 0], report[t, 1] = move_points(
-                rows, start[t], start[t + 1], grid, settings, dt, averages, averages
+                rows, start[t], start[t + 1], start[t + 1], grid, settings, dt, averages, averages
             )
 
     @driver
     @variant(dimension)
-    def g2p_steps(state, rows, times):
-        """G2P as many times as `times` (n, 2) has rows, on records `rows` that are not used afterwards.
+    def transfers(state, rows, times):
+        """As often as `times` (n, 3) has rows, from and to records `rows` that are not used afterwards.
 
-        Reads: nodes. Writes: rows, report, times. Eq. (26)-(28).
+        Reads: nodes. Writes: rows, spare nodes, report, times. Eq. (13)-(20), (26)-(28).
         """
         dt = state.clock[DT]
         for k in range(len(times)):
             times[k, 0] = seconds()
-            g2p(rows, state.grid, state.tiles, state.settings, dt, state.tile_report)
+            p2g(rows, state.spare, state.tiles, state.settings)
             times[k, 1] = seconds()
+            g2p(rows, state.grid, state.tiles, state.settings, dt, state.tile_report)
+            times[k, 2] = seconds()
 
-    return g2p_steps
+    return transfers

@@ -21,9 +21,9 @@ from mpmcol.mpm.kernels.compilation import (
 from mpmcol.mpm.kernels.grid_update import NODE_REPORT
 from mpmcol.mpm.kernels.particle_update import TILE_REPORT, Bodies
 from mpmcol.mpm.kernels.sort import sort_buffers, sort_points
-from mpmcol.mpm.kernels.step import State
+from mpmcol.mpm.kernels.step import State, alternates
 from mpmcol.mpm.lanes import RECORD_SIZE
-from mpmcol.mpm.particles import BASE, COLUMN, Points
+from mpmcol.mpm.particles import BASE, COLUMN, Points, aligned_zeros
 from mpmcol.mpm.settings import PAPER, Scheme, Settings
 from mpmcol.mpm.shape_functions import SHAPE_FUNCTIONS
 
@@ -58,6 +58,7 @@ class Solver:
     ) -> None:
         self.points = points
         self.grid = grid
+        self.spare_nodes = aligned_zeros(len(grid.nodes)) if alternates(scheme) else grid.nodes
         self.contacts = contacts or no_contacts()
         self.settings = settings
         self.scheme = scheme
@@ -147,6 +148,7 @@ class Solver:
         return State(
             rows=self.points.rows.reshape(-1),
             grid=self.grid,
+            spare=self.grid._replace(nodes=self.spare_nodes),
             contacts=self.contacts,
             tiles=self.tiles or no_tiles(),
             settings=self.settings,
@@ -167,9 +169,13 @@ class Solver:
         return self.bodies[COLUMN].law, self.bodies[BASE].law
 
     def _call(self, end: float, steps: int) -> int:
-        """Call the compiled loop once."""
-        time_loop = loop.make_time_loop(self.points.dimension, *self._laws(), self.scheme)
-        return int(time_loop(self.state(), end, steps))
+        """Call the compiled loop once; `grid` then has the nodes of its last step."""
+        time_loop, first = loop.make_time_loop(self.points.dimension, *self._laws(), self.scheme), self.steps
+        fault = int(time_loop(self.state(), end, steps))
+        done = self.steps - first
+        if alternates(self.scheme) and done > 0 and done % 2 == 0:
+            self.grid, self.spare_nodes = self.grid._replace(nodes=self.spare_nodes), self.grid.nodes
+        return fault
 
     def _adapt_call(self, steps: int, seconds: float) -> None:
         """Choose the number of steps of the next call from the speed of the last."""

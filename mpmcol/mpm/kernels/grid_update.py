@@ -7,7 +7,7 @@ import numpy as np
 from mpmcol.mpm.boundary import CONTACT_BIT, constrain, held_components, reaction_factors
 from mpmcol.mpm.contact import Contacts, slide_on_walls, touch_walls
 from mpmcol.mpm.grid import NODE, Grid, Tiles
-from mpmcol.mpm.jit import phase, prange, subroutine
+from mpmcol.mpm.jit import device, phase, prange, subroutine
 from mpmcol.mpm.lanes import Q
 from mpmcol.mpm.settings import Settings
 from mpmcol.mpm.simd import fma, load, reduce_sum, splat, store, swap_halves, vector, where_positive
@@ -27,13 +27,20 @@ def clear(grid: Grid, tiles: Tiles) -> None:
     """
     nodes, active, size = grid.nodes, tiles.active, grid.tile_doubles
     for t in prange(len(active)):
-        for o in range(active[t], active[t] + size, NODE):
-            store(nodes, o, splat(0.0))
+        clear_tile(nodes, active[t], size)
+
+
+@device
+def clear_tile(nodes: np.ndarray, first: int, size: int) -> None:
+    """Set the nodes of a tile of `size` doubles to zero."""
+    for o in range(first, first + size, NODE):
+        store(nodes, o, splat(0.0))
 
 
 @phase
 def update_grid(
     grid: Grid,
+    spare: np.ndarray,
     contacts: Contacts,
     tiles: Tiles,
     settings: Settings,
@@ -43,11 +50,14 @@ def update_grid(
 ) -> None:
     """Velocity and acceleration from momentum and force, with damping and boundary conditions.
 
-    Reads: nodes (m, mv, f, m q), fixed, contacts. Writes: nodes (v~, a, q), sums of contacts, report (n_active, 7).
-    Eq. (21)-(24).
+    The same tiles of `spare`, the nodes of the next step, are set to zero, unless it is empty.
+    Reads: nodes (m, mv, f, m q), fixed, contacts. Writes: nodes (v~, a, q), spare, sums of contacts,
+    report (n_active, 7). Eq. (21)-(24).
     """
     active, floor = tiles.active, MASS_FLOOR * smallest_mass
     for t in prange(len(active)):
+        if len(spare) > 0:
+            clear_tile(spare, active[t], grid.tile_doubles)
         update_tile(active[t], grid, contacts, settings, floor, dt, report[t])
 
 

@@ -21,7 +21,7 @@ from mpmcol.mpm.kernels.grid_update import (
 )
 from mpmcol.mpm.kernels.particle_update import FAULT, FILTER, LIMIT_WORK, SIDE_WORK, SPEED, TRAVEL, WORK
 from mpmcol.mpm.kernels.side_walls import sum_side_work
-from mpmcol.mpm.kernels.step import make_step
+from mpmcol.mpm.kernels.step import alternates, make_steps
 from mpmcol.mpm.kernels.stress import NO_FAULT
 from mpmcol.mpm.lanes import LANES, RECORD_SIZE
 from mpmcol.mpm.settings import PAPER, Scheme
@@ -91,7 +91,8 @@ def make_time_loop(
     dimension: int, column_law: ConstitutiveLaw, base_law: ConstitutiveLaw, scheme: Scheme = PAPER
 ) -> Callable[..., Any]:
     """The compiled loop over time steps for this dimension, these two laws and this scheme."""
-    step, size = make_step(dimension, column_law, base_law, scheme), RECORD_SIZE[dimension]
+    begin, step = make_steps(dimension, column_law, base_law, scheme)
+    in_turn, size = alternates(scheme), RECORD_SIZE[dimension]
     travel_limit = SHAPE_FUNCTIONS[scheme.basis].TRAVEL_LIMIT
     plane = dimension == 2
     pending_size = LANES if scheme.stress_order == "musl" else 0
@@ -107,19 +108,21 @@ def make_time_loop(
         clock, ledger, courant = state.clock, state.ledger, state.settings.cfl * state.grid.h
         contacts = state.contacts
         pending = np.empty(pending_size * (len(state.rows) // size))
-        for _ in range(steps):
-            if clock[TIME] >= end or not is_sorted(clock, travel_limit):
+        grid, spare, fault = state.grid, state.spare, NO_FAULT
+        begin(state)
+        for k in range(steps):
+            if fault != NO_FAULT or clock[TIME] >= end or not is_sorted(clock, travel_limit):
                 break
+            if in_turn and k > 0:
+                grid, spare = spare, grid
             dt = clock[DT]
-            step(state, dt, pending)
+            step(state, grid, spare, dt, pending)
             if plane and contacts.side_friction > 0.0:
                 sum_side_work(state.tile_report[:, SIDE_WORK], contacts)
             sum_nodes(state.node_report, ledger)
             clock[TIME] += dt
             clock[STEPS] += 1.0
             fault = sum_points(state.tile_report, ledger, clock, courant)
-            if fault != NO_FAULT:
-                return fault
-        return NO_FAULT
+        return fault
 
     return time_loop

@@ -1,4 +1,8 @@
-"""Update of all points after the grid update, tile by tile: G2P, then the stress."""
+"""Update of all points after the grid update, tile by tile: G2P, the stress, and P2G of the next step.
+
+One pass over the points instead of two: they are read from memory once per step. P2G writes to other nodes than those
+that G2P reads, since tiles share nodes.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +17,7 @@ from mpmcol.mpm.constitutive import ConstitutiveLaw
 from mpmcol.mpm.jit import device, make_unpack, phase, prange, variant
 from mpmcol.mpm.kernels.interpolation import restore_columns
 from mpmcol.mpm.kernels.stress import NO_FAULT, make_update_stress
-from mpmcol.mpm.kernels.transfer import make_move_points
+from mpmcol.mpm.kernels.transfer import make_move_points, make_scatter_points
 from mpmcol.mpm.lanes import LANES, RECORD_SIZE
 from mpmcol.mpm.settings import PAPER, Scheme
 
@@ -34,33 +38,41 @@ class Bodies(NamedTuple):
 def make_update_points(
     dimension: int, column_law: ConstitutiveLaw, base_law: ConstitutiveLaw, scheme: Scheme = PAPER
 ) -> Callable[..., None]:
-    """G2P and stress update, with the dimension, the laws of column and base and the scheme frozen in."""
+    """G2P, stress update and the next P2G, with the dimension, the laws of column and base and the scheme frozen in."""
     move_points, size = make_move_points(dimension, scheme.basis, scheme.affine), RECORD_SIZE[dimension]
     update_tile_stress = make_update_tile_stress(dimension, column_law, base_law, scheme)
+    scatter_points = make_scatter_points(dimension, scheme.basis)
     affine, matrix_size = scheme.affine, dimension * LANES
 
     @phase
     @variant(dimension, column_law, base_law, *scheme)
-    def update_points(rows, grid, tiles, settings, column, base, c2_column, c2_base, dt, side_rate, report):
-        """Move all points and update their stress.
+    def update_points(rows, grid, next_grid, tiles, settings, column, base, c2_column, c2_base, dt, side_rate, report):
+        """Move all points, update their stress, and scatter them to the nodes of the next step.
 
-        Reads: nodes (v~, a). Writes: rows, report (n_tiles, 6). Eq. (26)-(34), and c_p + |v_p| of Eq. (35)-(36).
+        Tiles of one group in parallel, each node summed in a fixed order, as in P2G. Reads: nodes (v~, a) of `grid`.
+        Writes: rows, nodes (m, mv, f, m q) of `next_grid`, report (n_tiles, 6). Eq. (13), (14), (19), (20), (26)-(34),
+        and c_p + |v_p| of Eq. (35)-(36).
         """
-        start, layers, cells = tiles.start, tiles.layers, tiles.cells
+        start, layers, cells, grouped, group_start = (
+            tiles.start, tiles.layers, tiles.cells, tiles.grouped, tiles.group_start,
+        )  # fmt: skip
         box, everywhere = column_box(grid, settings), Box(-np.inf, np.inf, np.inf, -np.inf, np.inf)
-        for t in prange(len(layers)):
-            first, stop = start[t], start[t + 1]
-            averages = np.empty(stop - first + LANES)
-            matrices = np.empty(matrix_size * (stop - first)) if affine else averages
-            travel, limit_work = move_points(rows, first, stop, grid, settings, dt, averages, matrices)
-            report[t, TRAVEL], report[t, LIMIT_WORK] = travel, limit_work
-            update_tile_stress(
-                rows, cells, layers[t], stop, column, base, c2_column, c2_base, settings, box, everywhere, dt, averages,
-                side_rate, report[t],
-            )  # fmt: skip
-            if affine:
-                for p in range(first, stop):
-                    restore_columns(rows, p * size, dimension, matrices, matrix_size * (p - first))
+        for group in range(len(group_start) - 1):
+            for k in prange(group_start[group], group_start[group + 1]):
+                t, following = grouped[k], start[grouped[min(k + 1, len(grouped) - 1)]]
+                first, stop = start[t], start[t + 1]
+                averages = np.empty(stop - first + LANES)
+                matrices = np.empty(matrix_size * (stop - first)) if affine else averages
+                travel, limit_work = move_points(rows, first, stop, following, grid, settings, dt, averages, matrices)
+                report[t, TRAVEL], report[t, LIMIT_WORK] = travel, limit_work
+                update_tile_stress(
+                    rows, cells, layers[t], stop, column, base, c2_column, c2_base, settings, box, everywhere, dt,
+                    averages, side_rate, report[t],
+                )  # fmt: skip
+                if affine:
+                    for p in range(first, stop):
+                        restore_columns(rows, p * size, dimension, matrices, matrix_size * (p - first))
+                scatter_points(rows, first, stop, first, next_grid, settings)  # they are in the caches now
 
     return update_points
 

@@ -47,7 +47,7 @@ def make_g2p(dimension: int, scheme: Scheme) -> Callable[..., None]:
                 for p in range(first, stop):
                     store(pending, p * LANES, load(rows, p * size))
             report[t, TRAVEL], report[t, LIMIT_WORK] = move_points(
-                rows, first, stop, grid, settings, dt, averages, matrices
+                rows, first, stop, stop, grid, settings, dt, averages, matrices
             )
             for p in range(first, stop):
                 if affine:

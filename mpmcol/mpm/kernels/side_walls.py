@@ -8,9 +8,9 @@ import numpy as np
 
 from mpmcol.mpm.contact import FRICTION_WORK, Contacts
 from mpmcol.mpm.jit import device
-from mpmcol.mpm.kernels.stress_common import load_eight, store_eight
+from mpmcol.mpm.kernels.stress_common import store_up_to_eight
 from mpmcol.mpm.lanes import RECORD_SIZE
-from mpmcol.mpm.simd import sqrt, where_positive
+from mpmcol.mpm.simd import load_eight, sqrt, where_positive
 
 SIZE = RECORD_SIZE[2]
 
@@ -24,7 +24,7 @@ def slow_points(rows: np.ndarray, o: int, count: int, J: Any, s_zz: Any, rate: f
     """
     m, v_x, v_y, v_z, x, y, z, V0 = load_eight(rows, o, SIZE)
     remaining, lost = slow(m, v_x * v_x + v_y * v_y, rate * (where_positive(s_zz, 0.0, -s_zz) * (J * V0)))
-    store_eight(rows, o, SIZE, count, (m, remaining * v_x, remaining * v_y, v_z, x, y, z, V0))
+    store_up_to_eight(rows, o, SIZE, count, (m, remaining * v_x, remaining * v_y, v_z, x, y, z, V0))
     return lost
 
 

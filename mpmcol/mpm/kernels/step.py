@@ -23,14 +23,13 @@ from mpmcol.mpm.kernels.particle_update_split import make_g2p, make_update_stres
 from mpmcol.mpm.kernels.transfer import make_p2g
 from mpmcol.mpm.settings import Scheme, Settings
 
-StepFactory = Callable[[int, ConstitutiveLaw, ConstitutiveLaw, Scheme], Callable[..., Any]]
-
 
 class State(NamedTuple):
     """All that the steps of a simulation read and write."""
 
     rows: np.ndarray  # records of the points, flat
     grid: Grid
+    spare: Grid  # the same with other nodes
     contacts: Contacts
     tiles: Tiles
     settings: Settings
@@ -42,45 +41,66 @@ class State(NamedTuple):
     ledger: np.ndarray  # (LEDGER,)
 
 
-def make_step(
-    dimension: int, column_law: ConstitutiveLaw, base_law: ConstitutiveLaw, scheme: Scheme
-) -> Callable[..., Any]:
-    """One step(state, dt, pending) in the order of the scheme; `pending` (n, 8) is a buffer for MUSL."""
+class Steps(NamedTuple):
+    """Compiled functions of a scheme.
+
+    begin(state) prepares the nodes for the first step of a call. step(state, grid, spare, dt, pending) is one step on
+    the nodes of `grid`; `pending` (n, 8) is a buffer for MUSL.
+    """
+
+    begin: Callable[..., Any]
+    step: Callable[..., Any]
+
+
+def alternates(scheme: Scheme) -> bool:
+    """Whether steps use the nodes of `grid` and of `spare` in turn."""
+    return scheme.stress_order == "usl"
+
+
+def make_steps(dimension: int, column_law: ConstitutiveLaw, base_law: ConstitutiveLaw, scheme: Scheme) -> Steps:
+    """The step in the order of the scheme."""
     return STRESS_ORDERS[scheme.stress_order](dimension, column_law, base_law, scheme)
 
 
-def _make_usl(
-    dimension: int, column_law: ConstitutiveLaw, base_law: ConstitutiveLaw, scheme: Scheme
-) -> Callable[..., Any]:
+def make_begin(dimension: int, scheme: Scheme) -> Callable[..., Any]:
+    """`begin` of USL."""
     p2g = make_p2g(dimension, scheme.basis)
+
+    @device
+    @variant(dimension, scheme.basis)
+    def begin(state):
+        """P2G of the first step; that of every other step is part of the update of the points before it."""
+        clear(state.grid, state.tiles)
+        p2g(state.rows, state.grid, state.tiles, state.settings)
+
+    return begin
+
+
+def _make_usl(dimension: int, column_law: ConstitutiveLaw, base_law: ConstitutiveLaw, scheme: Scheme) -> Steps:
     update_points = make_update_points(dimension, column_law, base_law, scheme)
 
     @device
     @variant(dimension, column_law, base_law, *scheme)
-    def usl(state, dt, pending):
-        """Nodes, then points and their stress."""
-        rows, grid, contacts, tiles, settings, bodies, smallest_mass, node_report, tile_report, _, _ = state
+    def usl(state, grid, spare, dt, pending):
+        """Nodes, then points and their stress, and P2G of the next step."""
+        rows, _, _, contacts, tiles, settings, bodies, smallest_mass, node_report, tile_report, _, _ = state
         column, base, c2_column, c2_base = bodies
         side_rate = dt * contacts.side_friction
-        clear(grid, tiles)
-        p2g(rows, grid, tiles, settings)
-        update_grid(grid, contacts, tiles, settings, smallest_mass, dt, node_report)
-        update_points(rows, grid, tiles, settings, column, base, c2_column, c2_base, dt, side_rate, tile_report)
+        update_grid(grid, spare.nodes, contacts, tiles, settings, smallest_mass, dt, node_report)
+        update_points(rows, grid, spare, tiles, settings, column, base, c2_column, c2_base, dt, side_rate, tile_report)
 
-    return usl
+    return Steps(make_begin(dimension, scheme), usl)
 
 
-def _make_usf(
-    dimension: int, column_law: ConstitutiveLaw, base_law: ConstitutiveLaw, scheme: Scheme
-) -> Callable[..., Any]:
+def _make_usf(dimension: int, column_law: ConstitutiveLaw, base_law: ConstitutiveLaw, scheme: Scheme) -> Steps:
     p2g, g2p = make_p2g(dimension, scheme.basis), make_g2p(dimension, scheme)
     update_stresses = make_update_stresses(dimension, column_law, base_law, scheme)
 
     @device
     @variant(dimension, column_law, base_law, *scheme)
-    def usf(state, dt, pending):
+    def usf(state, grid, spare, dt, pending):
         """Stress from the nodal velocities of P2G, then nodes, then points."""
-        rows, grid, contacts, tiles, settings, bodies, smallest_mass, node_report, tile_report, _, _ = state
+        rows, _, _, contacts, tiles, settings, bodies, smallest_mass, node_report, tile_report, _, _ = state
         column, base, c2_column, c2_base = bodies
         side_rate = dt * contacts.side_friction
         clear(grid, tiles)
@@ -91,28 +111,26 @@ def _make_usf(
         )
         clear(grid, tiles)
         p2g(rows, grid, tiles, settings)
-        update_grid(grid, contacts, tiles, settings, smallest_mass, dt, node_report)
+        update_grid(grid, spare.nodes[:0], contacts, tiles, settings, smallest_mass, dt, node_report)
         g2p(rows, grid, tiles, settings, dt, pending, tile_report)
 
-    return usf
+    return Steps(_begin_nothing, usf)
 
 
-def _make_musl(
-    dimension: int, column_law: ConstitutiveLaw, base_law: ConstitutiveLaw, scheme: Scheme
-) -> Callable[..., Any]:
+def _make_musl(dimension: int, column_law: ConstitutiveLaw, base_law: ConstitutiveLaw, scheme: Scheme) -> Steps:
     p2g, g2p = make_p2g(dimension, scheme.basis), make_g2p(dimension, scheme)
     update_stresses = make_update_stresses(dimension, column_law, base_law, scheme)
 
     @device
     @variant(dimension, column_law, base_law, *scheme)
-    def musl(state, dt, pending):
+    def musl(state, grid, spare, dt, pending):
         """Nodes, then points, then stress from the nodal velocities that follow from the new point velocities."""
-        rows, grid, contacts, tiles, settings, bodies, smallest_mass, node_report, tile_report, _, _ = state
+        rows, _, _, contacts, tiles, settings, bodies, smallest_mass, node_report, tile_report, _, _ = state
         column, base, c2_column, c2_base = bodies
         side_rate = dt * contacts.side_friction
         clear(grid, tiles)
         p2g(rows, grid, tiles, settings)
-        update_grid(grid, contacts, tiles, settings, smallest_mass, dt, node_report)
+        update_grid(grid, spare.nodes[:0], contacts, tiles, settings, smallest_mass, dt, node_report)
         g2p(rows, grid, tiles, settings, dt, pending, tile_report)
         clear(grid, tiles)
         p2g(rows, grid, tiles, settings)
@@ -121,7 +139,13 @@ def _make_musl(
             rows, grid, tiles, settings, column, base, c2_column, c2_base, dt, side_rate, pending, tile_report
         )
 
-    return musl
+    return Steps(_begin_nothing, musl)
 
 
+@device
+def _begin_nothing(state):
+    """Nothing: every step starts with P2G."""
+
+
+StepFactory = Callable[[int, ConstitutiveLaw, ConstitutiveLaw, Scheme], Steps]
 STRESS_ORDERS: dict[str, StepFactory] = {"usl": _make_usl, "usf": _make_usf, "musl": _make_musl}

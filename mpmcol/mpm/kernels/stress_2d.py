@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from mpmcol.mpm import lanes
 from mpmcol.mpm.jit import device
-from mpmcol.mpm.kernels.stress_common import load_eight, return_unsorted, store_eight
+from mpmcol.mpm.kernels.stress_common import return_unsorted, store_up_to_eight
 from mpmcol.mpm.lanes import X_VECTOR, Y_VECTOR
-from mpmcol.mpm.simd import sqrt, where_positive
+from mpmcol.mpm.simd import load_eight, sqrt, where_positive
 
 SIZE = lanes.RECORD_SIZE[2]
 
@@ -30,8 +30,8 @@ def store_points(rows, o, count, J, opening, history, s, L, labels):
     s_xx, s_yy, s_zz, s_xy = s
     l_xx, l_xy, l_yx, l_yy, l_zz = L
     number, kind = labels
-    store_eight(rows, o + X_VECTOR, SIZE, count, (J, l_xx, l_yx, l_zz, s_xx, s_xy, s_zz, opening))
-    store_eight(rows, o + Y_VECTOR, SIZE, count, (number, l_xy, l_yy, history[0], s_xy, s_yy, history[1], kind))
+    store_up_to_eight(rows, o + X_VECTOR, SIZE, count, (J, l_xx, l_yx, l_zz, s_xx, s_xy, s_zz, opening))
+    store_up_to_eight(rows, o + Y_VECTOR, SIZE, count, (number, l_xy, l_yy, history[0], s_xy, s_yy, history[1], kind))
 
 
 @device

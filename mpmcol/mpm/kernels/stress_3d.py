@@ -8,9 +8,9 @@ from __future__ import annotations
 from mpmcol.mpm import lanes
 from mpmcol.mpm.jit import device
 from mpmcol.mpm.kernels.principal_stress import determinant, distinct_eigenvalue, eigenvector, second_invariant
-from mpmcol.mpm.kernels.stress_common import load_eight, return_unsorted, store_eight
+from mpmcol.mpm.kernels.stress_common import return_unsorted, store_up_to_eight
 from mpmcol.mpm.lanes import X_VECTOR, Y_VECTOR, Z_VECTOR
-from mpmcol.mpm.simd import sqrt, where_positive
+from mpmcol.mpm.simd import load_eight, sqrt, where_positive
 
 SIZE = lanes.RECORD_SIZE[3]
 
@@ -32,9 +32,9 @@ def store_points(rows, o, count, J, opening, history, s, L, labels):
     s_xx, s_yy, s_zz, s_xy, s_yz, s_xz = s
     l_xx, l_xy, l_xz, l_yx, l_yy, l_yz, l_zx, l_zy, l_zz = L
     number, kind = labels
-    store_eight(rows, o + X_VECTOR, SIZE, count, (J, l_xx, l_yx, l_zx, s_xx, s_xy, s_xz, opening))
-    store_eight(rows, o + Y_VECTOR, SIZE, count, (number, l_xy, l_yy, l_zy, s_xy, s_yy, s_yz, kind))
-    store_eight(rows, o + Z_VECTOR, SIZE, count, (history[0], l_xz, l_yz, l_zz, s_xz, s_yz, s_zz, history[1]))
+    store_up_to_eight(rows, o + X_VECTOR, SIZE, count, (J, l_xx, l_yx, l_zx, s_xx, s_xy, s_xz, opening))
+    store_up_to_eight(rows, o + Y_VECTOR, SIZE, count, (number, l_xy, l_yy, l_zy, s_xy, s_yy, s_yz, kind))
+    store_up_to_eight(rows, o + Z_VECTOR, SIZE, count, (history[0], l_xz, l_yz, l_zz, s_xz, s_yz, s_zz, history[1]))
 
 
 @device

@@ -3,41 +3,25 @@
 from __future__ import annotations
 
 from mpmcol.mpm.jit import device
-from mpmcol.mpm.simd import load, sqrt, store, transpose, where_positive
+from mpmcol.mpm.lanes import LANES
+from mpmcol.mpm.simd import load, scratch, sqrt, store, store_eight, where_positive
 
 J_MIN, J_MAX = 0.1, 50.0
+EIGHT_VECTORS = LANES * LANES  # doubles
 # A single particle keeps its velocity gradient and opens as exp(t). Opened this far it never closes.
 OPEN_MAX = 1e30
 
 
 @device
-def load_eight(rows, o, size):
-    """One vector of each of eight successive records of `size` doubles, transposed: a vector per lane."""
-    return transpose(
-        load(rows, o), load(rows, o + size), load(rows, o + 2 * size), load(rows, o + 3 * size),
-        load(rows, o + 4 * size), load(rows, o + 5 * size), load(rows, o + 6 * size), load(rows, o + 7 * size),
-    )  # fmt: skip
-
-
-@device
-def store_eight(rows, o, size, count, lanes):
-    """Inverse of `load_eight`, for the first `count` records."""
-    r0, r1, r2, r3, r4, r5, r6, r7 = transpose(*lanes)
-    store(rows, o, r0)
-    if count > 1:
-        store(rows, o + size, r1)
-    if count > 2:
-        store(rows, o + 2 * size, r2)
-    if count > 3:
-        store(rows, o + 3 * size, r3)
-    if count > 4:
-        store(rows, o + 4 * size, r4)
-    if count > 5:
-        store(rows, o + 5 * size, r5)
-    if count > 6:
-        store(rows, o + 6 * size, r6)
-    if count > 7:
-        store(rows, o + 7 * size, r7)
+def store_up_to_eight(rows, o, size, count, lanes):
+    """Write one vector of each of the first `count` <= 8 records of `size` doubles, given as a vector per lane."""
+    if count == LANES:
+        store_eight(rows, o, size, *lanes)
+        return
+    held = scratch(EIGHT_VECTORS)
+    store_eight(held, 0, LANES, *lanes)
+    for k in range(count):
+        store(rows, o + k * size, load(held, k * LANES))
 
 
 @device

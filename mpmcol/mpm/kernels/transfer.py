@@ -76,17 +76,17 @@ def make_move_points(dimension: int, basis: str, affine: bool) -> Callable[..., 
 
     @subroutine
     @variant(dimension, basis, affine)
-    def move_points(rows, first, stop, grid, settings, dt, averages, matrices):
+    def move_points(rows, first, stop, following, grid, settings, dt, averages, matrices):
         """Move these points; returns the largest travel (in cells) and the work of gravity where limits stop them (J).
 
-        Reads: nodes (v~, a). Writes: rows, averages of the filtered stress (Pa), and with APIC its matrices, which the
-        velocity gradients would overwrite. Eq. (26)-(28).
+        following: the point after them, to be prefetched. Reads: nodes (v~, a). Writes: rows, averages of the filtered
+        stress (Pa), and with APIC its matrices, which the velocity gradients would overwrite. Eq. (26)-(28).
         """
         if affine:
             for p in range(first, stop):
                 _, x, y, z = interpolate(load(rows, p * size), grid.nodes, grid, settings)
                 save_columns(matrices, matrix_size * (p - first), dimension, x, y, z)
-        travel, limit_work = move(rows, first, stop, grid, settings, dt, averages)
+        travel, limit_work = move(rows, first, stop, following, grid, settings, dt, averages)
         return largest_axis(travel) / grid.h, sum_axes(limit_work)
 
     return move_points

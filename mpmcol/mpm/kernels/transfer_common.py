@@ -100,9 +100,9 @@ def point_terms(rows: np.ndarray, o: int, d: int, unit: Any, q: Any, settings: S
     if settings.filter_rate > 0.0:
         at_point = where_positive(vector(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0), q, at_point)
     at_point = m * at_point
-    if d == 2 and settings.axisymmetric:
-        hoop = volume * spread(rows, o + S_ZZ) / spread(rows, o + X)
-        at_point = at_point - vector(0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0) * hoop
+    # An `if` statement around array accesses would leave reference counting, a call per access, in the loop.
+    hoop = rows[o + S_ZZ] / rows[o + X] if d == 2 and settings.axisymmetric else 0.0
+    at_point = at_point - vector(0.0, 0.0, 0.0, 0.0, hoop, 0.0, 0.0, 0.0) * volume
     return at_point, (settings.taylor * m) * momentum, -volume * force_mask(d)
 
 

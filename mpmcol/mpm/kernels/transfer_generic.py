@@ -86,12 +86,18 @@ def make_move_points(dimension: int, basis: ShapeFunctions) -> Callable[..., Any
 
     @device
     @variant(dimension, basis)
-    def move_points(rows, first, stop, grid, settings, dt, averages):
+    def move_points(rows, first, stop, following, grid, settings, dt, averages):
         """See `transfer.make_move_points`."""
-        nodes, factors, zero = grid.nodes, point_update(dimension, grid, settings, dt), splat(0.0)
+        nodes, jump, factors, zero = (
+            grid.nodes,
+            following - stop,
+            point_update(dimension, grid, settings, dt),
+            splat(0.0),
+        )
         travel, limit_work = zero, zero
         for p in range(first, stop):
-            prefetch_record(rows, size, p + PREFETCH_DISTANCE)
+            ahead = p + PREFETCH_DISTANCE
+            prefetch_record(rows, size, ahead if ahead < stop else ahead + jump)
             mean, x, y, z = interpolate(load(rows, p * size), nodes, grid, settings)
             displacement, work = update_point(rows, p * size, True, mean, (x, y, z), dimension, factors, grid, settings)
             averages[p - first] = extract(mean, Q)

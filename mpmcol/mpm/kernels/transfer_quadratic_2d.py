@@ -117,10 +117,17 @@ def _add_to_column(nodes, x, y, sums):
 
 @device
 def move_points(
-    rows: np.ndarray, first: int, stop: int, grid: Grid, settings: Settings, dt: float, averages: np.ndarray
+    rows: np.ndarray,
+    first: int,
+    stop: int,
+    following: int,
+    grid: Grid,
+    settings: Settings,
+    dt: float,
+    averages: np.ndarray,
 ) -> tuple[Any, Any]:
     """G2P of these points; see `transfer.make_move_points`."""
-    nodes, factors, zero = grid.nodes, point_update(2, grid, settings, dt), splat(0.0)
+    nodes, jump, factors, zero = grid.nodes, following - stop, point_update(2, grid, settings, dt), splat(0.0)
     stencils, travel, limit_work = scratch(BUFFER), zero, zero
     column0 = column1 = column2 = zero, zero, zero  # of nodes of equal x
     i, j = NOWHERE, NOWHERE
@@ -128,7 +135,8 @@ def move_points(
         count = min(LANES, stop - start)
         find_stencils(rows, start * SIZE, count, grid, settings, stencils)
         for k in range(count):
-            prefetch_record(rows, SIZE, start + k + PREFETCH_DISTANCE)
+            ahead = start + k + PREFETCH_DISTANCE
+            prefetch_record(rows, SIZE, ahead if ahead < stop else ahead + jump)
             if stencils[AXIS_X + BASE + k] != i or stencils[AXIS_Y + BASE + k] != j:
                 i, j = stencils[AXIS_X + BASE + k], stencils[AXIS_Y + BASE + k]
                 column0, column1, column2 = _load_nodes(nodes, i, j, grid)

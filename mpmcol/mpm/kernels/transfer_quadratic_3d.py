@@ -108,16 +108,24 @@ def _add_line(nodes, o, x, wx, w_yz, p, t):
 
 @device
 def move_points(
-    rows: np.ndarray, first: int, stop: int, grid: Grid, settings: Settings, dt: float, averages: np.ndarray
+    rows: np.ndarray,
+    first: int,
+    stop: int,
+    following: int,
+    grid: Grid,
+    settings: Settings,
+    dt: float,
+    averages: np.ndarray,
 ) -> tuple[Any, Any]:
     """G2P of these points; see `transfer.make_move_points`."""
-    nodes, factors, zero = grid.nodes, point_update(3, grid, settings, dt), splat(0.0)
+    nodes, jump, factors, zero = grid.nodes, following - stop, point_update(3, grid, settings, dt), splat(0.0)
     stencils, travel, limit_work = scratch(BUFFER), zero, zero
     for start in range(first, stop, LANES):
         count = min(LANES, stop - start)
         find_stencils(rows, start * SIZE, count, grid, settings, stencils)
         for k in range(count):
-            prefetch_record(rows, SIZE, start + k + PREFETCH_DISTANCE)
+            ahead = start + k + PREFETCH_DISTANCE
+            prefetch_record(rows, SIZE, ahead if ahead < stop else ahead + jump)
             x, y, z = _lines(stencils, k, grid)
             wy, gy = three(stencils, AXIS_Y + W + k), three(stencils, AXIS_Y + G + k)
             wz, gz = three(stencils, AXIS_Z + W + k), three(stencils, AXIS_Z + G + k)

@@ -24,6 +24,7 @@ from mpmcol.mpm.simd.vectors import (
     floor,
     fma,
     load,
+    load_eight,
     maximum,
     prefetch,
     reduce_max,
@@ -33,6 +34,7 @@ from mpmcol.mpm.simd.vectors import (
     spread,
     sqrt,
     store,
+    store_eight,
     swap_halves,
     transpose,
     vector,
@@ -46,6 +48,8 @@ _LONG = ir.IntType(64)
 _BYTE = ir.IntType(8)
 _CACHE_LINE = 64  # bytes
 _VECTOR = ir.VectorType(_DOUBLE, LANES)
+_HALF = LANES // 2
+_HALF_VECTOR = ir.VectorType(_DOUBLE, _HALF)
 _ZERO = ir.Constant(_VECTOR, [0.0] * LANES)
 
 
@@ -167,8 +171,68 @@ def _transpose(typingctx, r0, r1, r2, r3, r4, r5, r6, r7):
     return _EIGHT(*[vec8] * LANES), codegen
 
 
+@intrinsic
+def _load_eight(typingctx, array, index, stride):
+    """Halves of the vectors are loaded apart: they meet in registers without a shuffle."""
+
+    def codegen(context, builder, signature, args):
+        first, step = (context.cast(builder, args[k], signature.args[k], types.intp) for k in (1, 2))
+        lanes = []
+        for half in (0, _HALF):
+            quarters = []
+            for k in range(LANES):
+                offset = builder.add(builder.mul(step, _LONG(k)), _LONG(half))
+                position = builder.add(first, offset)
+                quarters.append(
+                    builder.load(
+                        _pointer(context, builder, signature.args[0], args[0], position, _HALF_VECTOR), align=8
+                    )
+                )
+            rows = [_shuffle(builder, quarters[k], quarters[k + _HALF], range(LANES)) for k in range(_HALF)]
+            lanes += _transpose_halves(builder, rows)
+        return context.make_tuple(builder, _EIGHT, lanes)
+
+    return _EIGHT(array, index, stride), codegen
+
+
+@intrinsic
+def _store_eight(typingctx, array, index, stride, r0, r1, r2, r3, r4, r5, r6, r7):
+    def codegen(context, builder, signature, args):
+        first, step = (context.cast(builder, args[k], signature.args[k], types.intp) for k in (1, 2))
+        for half in (0, _HALF):
+            rows = _transpose_halves(builder, args[3 + half : 3 + half + _HALF])
+            for k in range(LANES):
+                offset = builder.add(builder.mul(step, _LONG(k)), _LONG(half))
+                part = range(0, _HALF) if k < _HALF else range(_HALF, LANES)
+                value = _shuffle(builder, rows[k % _HALF], rows[k % _HALF], part)
+                position = builder.add(first, offset)
+                builder.store(
+                    value, _pointer(context, builder, signature.args[0], args[0], position, _HALF_VECTOR), align=8
+                )
+        return context.get_dummy_value()
+
+    return types.void(array, index, stride, *[vec8] * LANES), codegen
+
+
+def _transpose_halves(builder, rows):
+    """Transpose four vectors in each half: lane k (or 4 + k) of all four becomes the half of vector k."""
+    pairs = [
+        _shuffle(
+            builder,
+            rows[k],
+            rows[k + 1],
+            [odd, LANES + odd, 2 + odd, LANES + 2 + odd, 4 + odd, LANES + 4 + odd, 6 + odd, LANES + 6 + odd],
+        )
+        for odd in (0, 1)
+        for k in (0, 2)
+    ]
+    low, high = [0, 1, 8, 9, 4, 5, 12, 13], [2, 3, 10, 11, 6, 7, 14, 15]
+    even, odd = pairs[:2], pairs[2:]
+    return [_shuffle(builder, *pair, order) for order in (low, high) for pair in (even, odd)]
+
+
 def _shuffle(builder, a, b, order):
-    return builder.shuffle_vector(a, b, ir.Constant(ir.VectorType(_INT, LANES), order))
+    return builder.shuffle_vector(a, b, ir.Constant(ir.VectorType(_INT, len(order)), list(order)))
 
 
 def _call(builder, name, *args):
@@ -307,6 +371,18 @@ _declare(reduce_sum, lambda a: lambda a: _reduce_sum(a))
 def _vector_overload(x0, x1, x2, x3, x4, x5, x6, x7):
     return lambda x0, x1, x2, x3, x4, x5, x6, x7: _vector(
         float(x0), float(x1), float(x2), float(x3), float(x4), float(x5), float(x6), float(x7)
+    )
+
+
+@_overload(load_eight)
+def _load_eight_overload(array, index, stride):
+    return lambda array, index, stride: _load_eight(array, index, stride)
+
+
+@_overload(store_eight)
+def _store_eight_overload(array, index, stride, r0, r1, r2, r3, r4, r5, r6, r7):
+    return lambda array, index, stride, r0, r1, r2, r3, r4, r5, r6, r7: _store_eight(
+        array, index, stride, r0, r1, r2, r3, r4, r5, r6, r7
     )
 
 

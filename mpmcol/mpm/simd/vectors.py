@@ -64,6 +64,21 @@ def transpose(
     return tuple(np.array([r0, r1, r2, r3, r4, r5, r6, r7]).T)
 
 
+def load_eight(array: np.ndarray, index: int, stride: int) -> tuple[np.ndarray, ...]:
+    """Transpose of eight vectors of a flat array, `stride` doubles apart, the first from `index` on."""
+    return transpose(*(load(array, index + k * stride) for k in range(LANES)))
+
+
+def store_eight(
+    array: np.ndarray, index: int, stride: int,
+    r0: np.ndarray, r1: np.ndarray, r2: np.ndarray, r3: np.ndarray,
+    r4: np.ndarray, r5: np.ndarray, r6: np.ndarray, r7: np.ndarray,
+) -> None:  # fmt: skip
+    """Inverse of `load_eight`."""
+    for k, row in enumerate(transpose(r0, r1, r2, r3, r4, r5, r6, r7)):
+        store(array, index + k * stride, row)
+
+
 def fma(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
     """a * b + c; the compiled implementation rounds once."""
     return a * b + c
