@@ -26,7 +26,7 @@ from mpmcol.mpm.kernels.transfer_common import quadratic_stencil
 from mpmcol.mpm.lanes import LANES, RECORD_SIZE, X, Y, Z
 from mpmcol.mpm.settings import Settings
 from mpmcol.mpm.shape_functions.quadratic import spline_lanes
-from mpmcol.mpm.simd import extract, fma, load, splat, spread, store, vector
+from mpmcol.mpm.simd import element, extract, fma, load, splat, spread, store, vector
 from mpmcol.mpm.wall_cells import NEAR_WALL
 
 BASE, W, G, D, BLOCK = 0, LANES, 4 * LANES, 7 * LANES, 10 * LANES
@@ -120,6 +120,13 @@ def _store_point(
             stencils[at + D] = extract(w0 * d0, lane)
             stencils[at + D + LANES] = extract(w1 * (d0 + grid.h), lane)
             stencils[at + D + 2 * LANES] = extract(w2 * (d0 + 2.0 * grid.h), lane)
+
+
+@device
+def lines_of_axis(lines: np.ndarray, base: float) -> tuple[int, int, int]:
+    """Offsets of three node lines of an axis in `nodes`, from the first of them."""
+    first = int(base)
+    return element(lines, first), element(lines, first + 1), element(lines, first + 2)
 
 
 @device

@@ -20,6 +20,7 @@ from mpmcol.mpm.kernels.stencils import (
     D,
     G,
     W,
+    lines_of_axis,
     make_find_stencils,
     three,
     weighted_sum,
@@ -101,11 +102,10 @@ def _add_column(sums, wx, p, wy, q):
 @device
 def _add_to_nodes(nodes, i, j, sum0, sum1, sum2, grid):
     """Add sums of points to their nodes."""
-    i, j = int(i), int(j)
-    y = grid.ay[j], grid.ay[j + 1], grid.ay[j + 2]
-    _add_to_column(nodes, grid.ax[i], y, sum0)
-    _add_to_column(nodes, grid.ax[i + 1], y, sum1)
-    _add_to_column(nodes, grid.ax[i + 2], y, sum2)
+    x, y = lines_of_axis(grid.ax, i), lines_of_axis(grid.ay, j)
+    _add_to_column(nodes, x[0], y, sum0)
+    _add_to_column(nodes, x[1], y, sum1)
+    _add_to_column(nodes, x[2], y, sum2)
 
 
 @device
@@ -159,12 +159,8 @@ def move_points(
 @device
 def _load_nodes(nodes, i, j, grid):
     """Three columns of nodes of equal x."""
-    i, j = int(i), int(j)
-    y = grid.ay[j], grid.ay[j + 1], grid.ay[j + 2]
-    return (
-        _load_column(nodes, grid.ax[i], y), _load_column(nodes, grid.ax[i + 1], y),
-        _load_column(nodes, grid.ax[i + 2], y),
-    )  # fmt: skip
+    x, y = lines_of_axis(grid.ax, i), lines_of_axis(grid.ay, j)
+    return _load_column(nodes, x[0], y), _load_column(nodes, x[1], y), _load_column(nodes, x[2], y)
 
 
 @device

@@ -18,6 +18,7 @@ from mpmcol.mpm.kernels.stencils import (
     D,
     G,
     W,
+    lines_of_axis,
     make_find_stencils,
     three,
     weighted_sum,
@@ -76,11 +77,11 @@ def _add_point(rows, o, stencils, k, unit, nodes, grid, settings):
 @device
 def _lines(stencils, k, grid):
     """Offsets of the node lines of a point along x, y and z."""
-    a, b, c = int(stencils[AXIS_X + BASE + k]), int(stencils[AXIS_Y + BASE + k]), int(stencils[AXIS_Z + BASE + k])
     return (
-        (grid.ax[a], grid.ax[a + 1], grid.ax[a + 2]), (grid.ay[b], grid.ay[b + 1], grid.ay[b + 2]),
-        (grid.az[c], grid.az[c + 1], grid.az[c + 2]),
-    )  # fmt: skip
+        lines_of_axis(grid.ax, stencils[AXIS_X + BASE + k]),
+        lines_of_axis(grid.ay, stencils[AXIS_Y + BASE + k]),
+        lines_of_axis(grid.az, stencils[AXIS_Z + BASE + k]),
+    )
 
 
 @device

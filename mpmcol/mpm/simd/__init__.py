@@ -9,6 +9,7 @@ from mpmcol.mpm.simd import compiled as compiled  # registers the compiled imple
 from mpmcol.mpm.simd.vectors import (
     LANES,
     any_positive,
+    element,
     extract,
     floor,
     fma,
@@ -33,6 +34,7 @@ from mpmcol.mpm.simd.vectors import (
 __all__ = [
     "LANES",
     "any_positive",
+    "element",
     "extract",
     "floor",
     "fma",

@@ -20,6 +20,7 @@ from mpmcol.mpm.simd.vectors import (
     LANES,
     SWAPPED,
     any_positive,
+    element,
     extract,
     floor,
     fma,
@@ -83,6 +84,16 @@ def _load(typingctx, array, index):
         return builder.load(_pointer(context, builder, signature.args[0], args[0], position), align=8)
 
     return vec8(array, index), codegen
+
+
+@intrinsic
+def _element(typingctx, array, index):
+    def codegen(context, builder, signature, args):
+        position = context.cast(builder, args[1], signature.args[1], types.intp)
+        kind = context.get_value_type(array.dtype)
+        return builder.load(_pointer(context, builder, signature.args[0], args[0], position, kind))
+
+    return array.dtype(array, index), codegen
 
 
 @intrinsic
@@ -354,6 +365,7 @@ for _operation, _operation8 in _ARITHMETIC.items():
 _declare(operator.neg, lambda a: (lambda a: _negative(a)) if a == vec8 else None)
 _declare(abs, lambda a: (lambda a: _magnitude(a)) if a == vec8 else None)
 _declare(load, lambda array, index: lambda array, index: _load(array, index))
+_declare(element, lambda array, index: lambda array, index: _element(array, index))
 _declare(spread, lambda array, index: lambda array, index: _spread(array, index))
 _declare(prefetch, lambda array, index: lambda array, index: _prefetch(array, index))
 _declare(store, lambda array, index, value: lambda array, index, value: _store(array, index, value))

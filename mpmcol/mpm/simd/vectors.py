@@ -17,6 +17,11 @@ def load(array: np.ndarray, index: int) -> np.ndarray:
     return np.pad(found, (0, LANES - len(found)))
 
 
+def element(array: np.ndarray, index: int) -> Any:
+    """`array[index]` of a flat array, for an index that is not negative; undefined beyond the end of the array."""
+    return array[index]
+
+
 def spread(array: np.ndarray, index: int) -> np.ndarray:
     """One double of a flat array in all lanes."""
     return np.full(LANES, array[index])
