@@ -20,13 +20,17 @@ from mpmcol.mpm.simd import LANES, fma, load, reduce_sum, splat, store
 BYTES = 8
 CHAINS, BLOCKS, ROUNDS = 8, 64, 20_000
 REPEATS = 9
-# Multiplications and additions of eight lanes per point, counted by hand in the kernels: P2G and G2P (at the nodes of
-# the stencil, then the rest), and one eighth of the stress update of eight points with Mohr-Coulomb. The weights, some
-# 20 operations per point, are not counted.
-POINT_OPERATIONS = {2: (9 * 2 + 23) + (9 * 2 + 26) + 148 // 8, 3: (27 * 2 + 49) + (27 * 2 + 60) + 379 // 8}
-NODE_OPERATIONS = 25
-# Cache lines read or written per node: clear, P2G (both), grid update (both), G2P.
-NODE_LINES = 1 + 2 + 2 + 1
+# Operations of eight lanes per point (multiplications, additions, comparisons, selections), counted by hand in the
+# kernels: at the nodes of the stencil, then the rest, then one eighth of what is done for eight points at once.
+POINT_OPERATIONS = {
+    2: {"p2g": 9 * 2 + 28 + 72 // 8, "g2p": 9 * 2 + 24 + 58 // 8, "stress": 148 // 8},
+    3: {"p2g": 27 * 2 + 62 + 108 // 8, "g2p": 27 * 2 + 55 + 87 // 8, "stress": 379 // 8},
+}
+NODE_OPERATIONS = 29  # of the grid update
+# Memory traffic: times that the record of a point, and that of a node, is read or written. `stress` follows G2P of the
+# same tile, whose points are then in the caches; so does P2G in the whole step.
+RECORDS = {"update_grid": 0, "update_points": 2, "p2g": 1, "g2p": 2, "stress": 0, "step": 2}
+NODE_RECORDS = {"update_grid": 2 + 1, "update_points": 1 + 2, "p2g": 2, "g2p": 1, "stress": 0, "step": 6}
 
 
 class Machine(NamedTuple):
@@ -35,14 +39,17 @@ class Machine(NamedTuple):
     bandwidth: float  # bytes per ns (GB/s), reading and writing
     vector_rate: float  # multiply-adds of eight lanes per ns
 
-    def bound(self, dimension: int, nodes_per_point: float) -> float:
-        """Lower bound of the time of a step, ns per point: that of its memory traffic or of its arithmetic.
-
-        The record of a point is read by P2G, and read and written by G2P and the stress update.
-        """
-        traffic = 3 * RECORD_SIZE[dimension] * BYTES + NODE_LINES * NODE * BYTES * nodes_per_point
-        operations = POINT_OPERATIONS[dimension] + NODE_OPERATIONS * nodes_per_point
-        return max(traffic / self.bandwidth, operations / self.vector_rate)
+    def bounds(self, dimension: int, nodes_per_point: float) -> dict[str, float]:
+        """Lower bound of the time of each phase, ns per point: that of its memory traffic or of its arithmetic."""
+        operations: dict[str, float] = dict(POINT_OPERATIONS[dimension])
+        operations["update_grid"] = NODE_OPERATIONS * nodes_per_point
+        operations["update_points"] = sum(POINT_OPERATIONS[dimension].values())
+        operations["step"] = operations["update_points"] + operations["update_grid"]
+        traffic = {
+            phase: BYTES * (RECORDS[phase] * RECORD_SIZE[dimension] + NODE_RECORDS[phase] * NODE * nodes_per_point)
+            for phase in RECORDS
+        }
+        return {phase: max(traffic[phase] / self.bandwidth, operations[phase] / self.vector_rate) for phase in RECORDS}
 
 
 def measure_machine(threads: int, working_set: int) -> Machine:

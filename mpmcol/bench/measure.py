@@ -56,10 +56,10 @@ def plain_steps(solver: Solver, state: PlainState, steps: int) -> np.ndarray:
     return np.diff(times, axis=1)
 
 
-def measure_case(model: str, points: int, threads: int, effort: Effort) -> BenchmarkCase:
-    """Time every phase and the whole step of one case with this many threads."""
+def measure_case(model: str, points: int, per_axis: int, threads: int, effort: Effort) -> BenchmarkCase:
+    """Time every phase and the whole step of one case with `per_axis` points per cell and axis."""
     threads = set_threads(threads)
-    solver = make_solver(model, points)
+    solver = make_solver(model, points, per_axis)
     _advance(solver, effort.warm_up)
     solver.sort()
     plain_copy, steps = plain_state(solver), effort.steps(len(solver.points))
@@ -71,13 +71,15 @@ def measure_case(model: str, points: int, threads: int, effort: Effort) -> Bench
     memory, python = bytes_per_point(solver), _python_seconds(solver, steps, effort.rounds)
     sort = [_seconds(solver.sort) / SORT_INTERVAL for _ in range(effort.rounds)]
     scale = 1e9 / len(solver.points)
-    rows = [_paired(name, vector, plain, scale) for name in vector[0]]
-    rows.append(Row("sort", Spread.of([scale * value for value in sort]), None, None))
     nodes = _active_nodes(solver)
-    machine = measure_machine(threads, solver.points.rows.nbytes + nodes * NODE * 8)
+    machine = measure_machine(threads, solver.points.rows.nbytes + 2 * nodes * NODE * 8)
+    bounds = machine.bounds(solver.points.dimension, nodes / len(solver.points))
+    rows = [_paired(name, vector, plain, scale, bounds[name]) for name in vector[0]]
+    rows.append(Row("sort", Spread.of([scale * value for value in sort]), None, None, None))
     return BenchmarkCase(
         model=model,
         points=points,
+        per_axis=per_axis,
         n_points=len(solver.points),
         threads=threads,
         rows=tuple(rows),
@@ -85,7 +87,6 @@ def measure_case(model: str, points: int, threads: int, effort: Effort) -> Bench
         python_us=1e6 * python,
         bandwidth=machine.bandwidth,
         vector_rate=machine.vector_rate,
-        bound=machine.bound(solver.points.dimension, nodes / len(solver.points)),
     )
 
 
@@ -109,9 +110,11 @@ def _step(times: np.ndarray) -> float:
     return float(np.median(times.sum(axis=1)))
 
 
-def _paired(name: str, vector: list[dict[str, float]], plain: list[dict[str, float]], scale: float) -> Row:
+def _paired(
+    name: str, vector: list[dict[str, float]], plain: list[dict[str, float]], scale: float, bound: float
+) -> Row:
     v, p = ([scale * round_[name] for round_ in kind] for kind in (vector, plain))
-    return Row(name, Spread.of(v), Spread.of(p), statistics.median(np.divide(p, v).tolist()))
+    return Row(name, Spread.of(v), Spread.of(p), statistics.median(np.divide(p, v).tolist()), bound)
 
 
 def transfer_seconds(solver: Solver, repeats: int) -> tuple[float, float]:
@@ -130,7 +133,7 @@ def bytes_per_point(solver: Solver) -> float:
         solver.sort()
     state, n = solver.state(), len(solver.points)
     sort = n * (2 * 4 + 1)  # tile (then final order), order by tile, bucket
-    nodes = _active_nodes(solver) * NODE * 8
+    nodes = 2 * _active_nodes(solver) * NODE * 8  # of two grids
     reports = (state.node_report, state.tile_report)
     arrays = (state.rows, *state.tiles, *solver.buffers, *reports, state.grid.fixed)
     return (sum(array.nbytes for array in arrays) + nodes + sort) / n

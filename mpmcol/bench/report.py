@@ -14,7 +14,7 @@ from typing import Any
 from mpmcol.errors import UsageError
 from mpmcol.provenance import cpu_name
 
-SCHEMA = 3
+SCHEMA = 4
 SLOWDOWN = 1.5
 
 
@@ -37,12 +37,16 @@ class Spread:
 
 @dataclass(frozen=True)
 class Row:
-    """One phase of the step; `ratio`: plain loops over vector kernels, median of paired rounds."""
+    """One phase of the step; `ratio`: plain loops over vector kernels, median of paired rounds.
+
+    bound: lower bound of the time from memory traffic and arithmetic of this machine, ns per point and step.
+    """
 
     phase: str
     vector: Spread
     plain: Spread | None
     ratio: float | None
+    bound: float | None
 
 
 @dataclass(frozen=True)
@@ -51,6 +55,7 @@ class BenchmarkCase:
 
     model: str
     points: int
+    per_axis: int  # points per cell and axis
     n_points: int
     threads: int
     rows: tuple[Row, ...]
@@ -58,12 +63,16 @@ class BenchmarkCase:
     python_us: float  # additional time of a step if every step is a call from Python
     bandwidth: float  # of this machine for as many bytes, GB/s
     vector_rate: float  # of this machine, multiply-adds of eight lanes per ns
-    bound: float  # lower bound of the time of a step that follows from these two, ns per point
 
     @property
-    def key(self) -> tuple[str, int, int]:
+    def key(self) -> tuple[str, int, int, int]:
         """Identifies the case in another report."""
-        return self.model, self.points, self.threads
+        return self.model, self.points, self.per_axis, self.threads
+
+    @property
+    def per_cell(self) -> int:
+        """Points per cell."""
+        return int(self.per_axis ** (3 if self.model == "quarter" else 2))
 
     @property
     def step(self) -> float:
@@ -107,7 +116,7 @@ def load_report(path: Path) -> Report:
 
 def _read_case(data: dict[str, Any]) -> BenchmarkCase:
     rows = tuple(
-        Row(row["phase"], Spread(**row["vector"]), row["plain"] and Spread(**row["plain"]), row["ratio"])
+        Row(row["phase"], Spread(**row["vector"]), row["plain"] and Spread(**row["plain"]), row["ratio"], row["bound"])
         for row in data["rows"]
     )
     return BenchmarkCase(**{**data, "rows": rows})
@@ -135,15 +144,15 @@ def describe_machine() -> dict[str, Any]:
 
 def table_lines(case: BenchmarkCase) -> list[str]:
     """The table of one case."""
-    head = f"{case.model}, {case.n_points} points, {case.threads} thread{'s' if case.threads > 1 else ''}"
-    columns = f"{'phase':<16}{'vector kernels':<26}{'plain loops':<26}plain/vector"
+    head = f"{case.model}, {case.n_points} points, {case.per_cell} per cell, {case.threads} thread"
+    head += "s" if case.threads > 1 else ""
+    columns = f"{'phase':<16}{'vector kernels':<26}{'plain loops':<26}plain/vector   bound"
     return [
         f"{head}: ns per point and step, median (min-max)",
         columns,
         *(_row_line(row) for row in case.rows),
         f"{'memory':<16}{case.bytes_per_point:7.0f} bytes per point",
-        f"{'bound':<16}{case.bound:7.1f} ns: {100.0 * case.bound / case.step:.0f} % of the step, from "
-        f"{case.bandwidth:.0f} GB/s and {case.vector_rate:.1f} vector multiply-adds per ns",
+        f"{'machine':<16}{case.bandwidth:7.0f} GB/s and {case.vector_rate:.1f} vector multiply-adds per ns",
         f"{'Python':<16}{case.python_us:7.1f} us per call of one step, {100.0 * case.python_share:.1f} % of the step",
         "",
     ]
@@ -152,7 +161,8 @@ def table_lines(case: BenchmarkCase) -> list[str]:
 def _row_line(row: Row) -> str:
     plain = "" if row.plain is None else str(row.plain)
     ratio = "" if row.ratio is None else f"{row.ratio:8.2f}"
-    return f"{row.phase:<16}{row.vector!s:<26}{plain:<26}{ratio}".rstrip()
+    bound = "" if row.bound is None else f"{row.bound:15.1f} ({100.0 * row.bound / row.vector.median:.0f} %)"
+    return f"{row.phase:<16}{row.vector!s:<26}{plain:<26}{ratio}{bound}".rstrip()
 
 
 @dataclass(frozen=True)
@@ -166,7 +176,8 @@ class Slowdown:
 
     def __str__(self) -> str:
         """The ratio of the plain loops shows whether the machine or the code is slower."""
-        where = f"{self.case.model}, {self.case.points} points, {self.case.threads} threads, {self.phase}"
+        case = self.case
+        where = f"{case.model}, {case.points} points, {case.per_cell} per cell, {case.threads} threads, {self.phase}"
         plain = "" if self.plain_ratio is None else f" (plain loops: {self.plain_ratio:.2f} times)"
         return f"{where}: {self.ratio:.2f} times as slow as before{plain}"
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -36,6 +37,10 @@ def parse_counts(context: click.Context, parameter: click.Parameter, text: str |
 @click.option(
     "--threads", metavar="N,...", callback=parse_counts, help="Numbers of threads  [default: 1 and all cores]"
 )
+@click.option(
+    "--per-axis", metavar="N,...", default="2", show_default=True, callback=parse_counts,
+    help="Points per cell and axis: 2 is 4 points a cell in plane and axisymmetric models, 8 in three dimensions.",
+)  # fmt: skip
 @click.option("--model", type=click.Choice(["plane", "axisymmetric", "quarter"]), help="Model  [default: all three]")
 @click.option("--quick", is_flag=True, help="Few points and steps: a test of the command, not of the speed.")
 @click.option("--out", metavar="DIR", type=PATH, help=f"Folder for the report, {REPORT_FILE}  [default: none]")
@@ -44,6 +49,7 @@ def parse_counts(context: click.Context, parameter: click.Parameter, text: str |
 def bench(
     points: tuple[int, ...] | None,
     threads: tuple[int, ...] | None,
+    per_axis: tuple[int, ...],
     model: str | None,
     quick: bool,
     out: Path | None,
@@ -66,11 +72,10 @@ def bench(
     require_memory(2 * most * BYTES_PER_POINT[3], f"{most:,} points, twice,", "give fewer --points")
     old = load_report(against) if against else None
     cases = []
-    for chosen in (model,) if model else MODELS:
-        for size in points or (QUICK_SIZES if quick else SIZES):
-            for count in threads or sorted({1, set_threads(None)}):
-                cases.append(measure_case(chosen, size, count, QUICK if quick else FULL))
-                click.echo("\n".join(table_lines(cases[-1])), err=to_json)
+    sizes, counts = points or (QUICK_SIZES if quick else SIZES), threads or sorted({1, set_threads(None)})
+    for chosen, size, each, count in product((model,) if model else MODELS, sizes, per_axis, counts):
+        cases.append(measure_case(chosen, size, each, count, QUICK if quick else FULL))
+        click.echo("\n".join(table_lines(cases[-1])), err=to_json)
     report = make_report(cases)
     click.echo(", ".join(f"{name} {value}" for name, value in report.machine.items()), err=to_json)
     if out:
