@@ -1,4 +1,4 @@
-"""Loops over points contain no calls: a call per point, such as reference counting, would cost as much as a transfer."""
+"""Loops over points contain no calls: reference counting at every point would cost as much as a transfer."""
 
 from __future__ import annotations
 
