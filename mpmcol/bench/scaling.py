@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from mpmcol.bench.cases import make_solver
-from mpmcol.bench.measure import FULL, QUICK, Effort, advance, vector_steps
+from mpmcol.bench.measure import QUICK, Effort, advance, vector_steps
 from mpmcol.bench.scaling_report import ScalingCase, ScalingRow, measured_row, predicted_row
 from mpmcol.mpm.grid import Tiles
 from mpmcol.mpm.jit import set_threads
@@ -16,7 +16,7 @@ from mpmcol.mpm.solver import Solver
 KINDS = ("strong", "weak")
 MODELLED = (4, 8, 16, 32, 64)  # numbers of threads in the table whether this machine has as many cores or not
 MOST_POINTS = 2_000_000  # of a weak case that is not measured
-SCALING_FULL = FULL._replace(rounds=31)  # ratios of short rounds scatter with the load of the machine
+SCALING_FULL = Effort(120, 61, 100_000)  # short rounds: background load disturbs some of them, not all
 SCALING_QUICK = QUICK
 
 
@@ -71,20 +71,20 @@ class ReleasedCase:
         assert self.solver.tiles is not None
         return self.solver.tiles
 
-    def step_seconds(self, threads: int, steps: int) -> float:
-        """Median time of a step, s. The same steps are repeated, so that each number of threads has the same work."""
+    def step_seconds(self, threads: int, steps: int) -> np.ndarray:
+        """Times of steps (steps,), s. The same steps are repeated, so that each number of threads has the same work."""
         set_threads(threads)
         self.solver.points.rows[...], self.solver.clock[...] = self.rows, self.clock
-        return float(np.median(vector_steps(self.solver, steps).sum(axis=1)))
+        return vector_steps(self.solver, steps).sum(axis=1)
 
 
-def alternate(cases: dict[int, ReleasedCase], effort: Effort) -> dict[int, list[float]]:
-    """Times of the rounds by number of threads, ns per point and step."""
-    times: dict[int, list[float]] = {n: [] for n in cases}
+def alternate(cases: dict[int, ReleasedCase], effort: Effort) -> dict[int, np.ndarray]:
+    """Times of the steps of each round (rounds, steps) by number of threads, ns per point and step."""
+    times: dict[int, list[np.ndarray]] = {n: [] for n in cases}
     for _ in range(effort.rounds):
         for n, case in cases.items():
             times[n].append(1e9 / case.n_points * case.step_seconds(n, effort.steps(case.n_points)))
-    return times
+    return {n: np.array(rounds) for n, rounds in times.items()}
 
 
 def _predict(threads: int, solver: Solver) -> ScalingRow:

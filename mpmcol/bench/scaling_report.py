@@ -29,7 +29,7 @@ class ScalingRow:
     n_points: int
     step: Spread | None
     speedup: float | None  # points per time over those with one thread, median of paired rounds
-    fastest_speedup: float | None  # the same of the fastest rounds, which background load affects least
+    fastest_speedup: float | None  # of the fastest steps, which background load affects least
     efficiency: float | None  # speed-up over threads
     model_speedup: float
     groups: int
@@ -83,14 +83,15 @@ def predicted_row(threads: int, n_points: int, tiles: Tiles) -> ScalingRow:
     )
 
 
-def measured_row(threads: int, n_points: int, tiles: Tiles, times: list[float], single: list[float]) -> ScalingRow:
-    """Row of the model and of the times of the rounds, per point and step; `single` are those with one thread."""
-    speedup = statistics.median(np.divide(single, times).tolist())
+def measured_row(threads: int, n_points: int, tiles: Tiles, times: np.ndarray, single: np.ndarray) -> ScalingRow:
+    """Row of the model and of measured times (rounds, steps), ns per point; `single` are those with one thread."""
+    rounds, single_rounds = np.median(times, axis=1), np.median(single, axis=1)
+    speedup = float(np.median(single_rounds / rounds))
     return replace(
         predicted_row(threads, n_points, tiles),
-        step=Spread.of(times),
+        step=Spread.of(rounds.tolist()),
         speedup=speedup,
-        fastest_speedup=min(single) / min(times),
+        fastest_speedup=float(single.min() / times.min()),
         efficiency=speedup / threads,
     )
 

@@ -1,4 +1,4 @@
-"""Speed-up with several threads, from the tiles of the points alone."""
+"""Speed-up with several threads that the tiles of the points allow."""
 
 from __future__ import annotations
 

@@ -146,7 +146,7 @@ _SCALING: Names = {
     "cases.rows.step": ("", "time of the whole step; null, as speed-ups and efficiency, if it was not measured"),
     **{f"cases.rows.step.{name}": entry for name, entry in _SPREAD.items()},
     "cases.rows.speedup": ("", "time per point with one thread over that with these, median of paired rounds"),
-    "cases.rows.fastest_speedup": ("", "the same of the fastest rounds"),
+    "cases.rows.fastest_speedup": ("", "the same ratio of the fastest steps"),
     "cases.rows.efficiency": ("", "speed-up over number of threads"),
     "cases.rows.model_speedup": ("", "speed-up that the model of the tiles gives"),
     "cases.rows.groups": ("", "groups of tiles; those of a group are processed in parallel"),
