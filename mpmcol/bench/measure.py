@@ -60,7 +60,7 @@ def measure_case(model: str, points: int, per_axis: int, threads: int, effort: E
     """Time every phase and the whole step of one case with `per_axis` points per cell and axis."""
     threads = set_threads(threads)
     solver = make_solver(model, points, per_axis)
-    _advance(solver, effort.warm_up)
+    advance(solver, effort.warm_up)
     solver.sort()
     plain_copy, steps = plain_state(solver), effort.steps(len(solver.points))
     vector_steps(solver, 1), plain_steps(solver, plain_copy, 1), transfer_seconds(solver, 1)
@@ -147,13 +147,14 @@ def _python_seconds(solver: Solver, steps: int, rounds: int) -> float:
     """Additional time of a step if every step is a call from Python, s."""
     extra = []
     for _ in range(rounds):
-        many = _seconds(lambda: _advance(solver, steps))
-        single = sum(_seconds(lambda: _advance(solver, 1)) for _ in range(steps))
+        many = _seconds(lambda: advance(solver, steps))
+        single = sum(_seconds(lambda: advance(solver, 1)) for _ in range(steps))
         extra.append((single - many) / steps)
     return float(np.median(extra))
 
 
-def _advance(solver: Solver, steps: int) -> None:
+def advance(solver: Solver, steps: int) -> None:
+    """Take this number of steps; a call of the solver may end earlier."""
     end = solver.steps + steps
     while solver.steps < end:
         solver.advance(math.inf, end - solver.steps)

@@ -135,6 +135,24 @@ _BENCH: Names = {
     "cases.vector_rate": ("1/ns", "multiply-adds of eight lanes that the machine carries out"),
     "cases.bound": ("ns", "lower bound of the time of a step per point, from bandwidth and arithmetic"),
 }
+_SCALING: Names = {
+    **{name: _BENCH[name] for name in ("schema", "date", "machine.NAME", "cases.model")},
+    "cases": ("", "one entry for each model, kind of scaling and size"),
+    "cases.kind": ("", "strong: the same points with any number of threads; weak: points for each thread"),
+    "cases.points": ("", "number of material points that was asked for, in all or for each thread"),
+    "cases.rows": ("", "one entry for each number of threads"),
+    "cases.rows.threads": ("", "number of threads"),
+    "cases.rows.n_points": ("", "number of material points"),
+    "cases.rows.step": ("", "time of the whole step; null, as speed-ups and efficiency, if it was not measured"),
+    **{f"cases.rows.step.{name}": entry for name, entry in _SPREAD.items()},
+    "cases.rows.speedup": ("", "time per point with one thread over that with these, median of paired rounds"),
+    "cases.rows.fastest_speedup": ("", "the same ratio of the fastest steps"),
+    "cases.rows.efficiency": ("", "speed-up over number of threads"),
+    "cases.rows.model_speedup": ("", "speed-up that the model of the tiles gives"),
+    "cases.rows.groups": ("", "groups of tiles; those of a group are processed in parallel"),
+    "cases.rows.mean_tiles": ("", "mean number of tiles in a group"),
+    "cases.rows.fewest_tiles": ("", "tiles in the smallest group"),
+}
 _PAPER: Names = {
     **_SCHEMA,
     "comparisons": ("", "one entry for each number that the paper states"),
@@ -271,6 +289,7 @@ OUTPUTS: dict[str, Names] = {  # command or file -> its names
     "pareto --json": _PARETO,
     "plan --json": _PLAN,
     "bench --json": _BENCH,
+    "bench --scaling --json": _SCALING,
     "environment.json": _MACHINE,
 }
 CONTENTS = {  # command -> its key -> table whose names that key holds; "": it prints the content of the table itself

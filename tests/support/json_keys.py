@@ -19,7 +19,7 @@ def unexplained_keys(words: Sequence[str], record: Any) -> set[str]:
 
 def output_name(words: Sequence[str]) -> str:
     """The name of the JSON output of a command in the glossary."""
-    kinds = [kind for kind in ("--dry-run", "--map") if kind in words]
+    kinds = [kind for kind in ("--dry-run", "--map", "--scaling") if kind in words]
     return " ".join([words[0], *kinds, "--json"])
 
 

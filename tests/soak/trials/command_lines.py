@@ -28,6 +28,7 @@ CODES = (0, 2, 5)  # done, wrong command or case, unreadable or unwritable file
 COMPUTATIONS = (
     "mpmcol.setup.model.allocate_grid", "mpmcol.sweep.runner.execute_runs", "mpmcol.studies.runs.execute_runs",
     "mpmcol.failure_modes.run_catalogue", "mpmcol.studies.frame.carry_out", "mpmcol.bench.measure.measure_case",
+    "mpmcol.bench.scaling.measure_scaling",
 )  # fmt: skip
 NUMBERS = (
     "0", "-1", "1", "3", "2.5", "1e400", "nan", "-inf", "9" * 30, "9" * 5000, "1," + "9" * 5000, "1,,2", "1,x", "٣",
