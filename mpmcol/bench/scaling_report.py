@@ -76,7 +76,7 @@ def predicted_row(threads: int, n_points: int, tiles: Tiles) -> ScalingRow:
         speedup=None,
         fastest_speedup=None,
         efficiency=None,
-        model_speedup=model_speedup(groups, threads),
+        model_speedup=model_speedup(tiles, threads),
         groups=len(sizes),
         mean_tiles=statistics.mean(sizes),
         fewest_tiles=min(sizes),

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmcol.mpm.grid import Tiles
+from mpmcol.mpm.grid import Tiles, share_tiles
+
+USEFUL_THREADS = 8  # per tile: more do not change the largest share
 
 
 def points_of_groups(tiles: Tiles) -> list[np.ndarray]:
@@ -13,15 +15,9 @@ def points_of_groups(tiles: Tiles) -> list[np.ndarray]:
     return [group for group in np.split(points, tiles.group_start[1:-1]) if len(group)]
 
 
-def largest_share(points: np.ndarray, threads: int) -> int:
-    """Points of the busiest thread in a group whose tiles have `points` (n_tiles,) points.
-
-    Numba's `prange` gives each thread consecutive tiles, as many as any other or one more; the first ones have more.
-    """
-    parts = np.array_split(points, min(threads, len(points)))  # further threads have no tile
-    return max(int(part.sum()) for part in parts)
-
-
-def model_speedup(groups: list[np.ndarray], threads: int) -> float:
+def model_speedup(tiles: Tiles, threads: int) -> float:
     """Speed-up over one thread if time is proportional to points, and a group waits for its busiest thread."""
-    return sum(int(group.sum()) for group in groups) / sum(largest_share(group, threads) for group in groups)
+    before = np.concatenate(([0], np.cumsum(np.diff(tiles.start)[tiles.grouped])))
+    useful = min(threads, USEFUL_THREADS * len(tiles.grouped))
+    shares = np.diff(before[share_tiles(tiles, useful)], axis=1)  # points of each thread, (n_groups, threads)
+    return float(shares.sum() / shares.max(axis=1).sum())

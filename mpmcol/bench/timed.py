@@ -40,9 +40,21 @@ def make_vector_steps(dimension: int, column_law: ConstitutiveLaw, base_law: Con
 
         Reads: settings, bodies. Writes: rows, nodes, reports, clock, ledger, times. Eq. (13)-(36).
         """
-        rows, grid, spare, contacts, tiles, settings, bodies, smallest_mass, node_report, tile_report, clock, ledger = (
-            state
-        )
+        (
+            rows,
+            grid,
+            spare,
+            contacts,
+            tiles,
+            shares,
+            settings,
+            bodies,
+            smallest_mass,
+            node_report,
+            tile_report,
+            clock,
+            ledger,
+        ) = state
         column, base, c2_column, c2_base = bodies
         begin(state)
         for k in range(len(times)):
@@ -52,7 +64,7 @@ def make_vector_steps(dimension: int, column_law: ConstitutiveLaw, base_law: Con
             times[k, 1] = seconds()
             side_rate = dt * contacts.side_friction
             update_points(
-                rows, grid, spare, tiles, settings, column, base, c2_column, c2_base, dt, side_rate, tile_report
+                rows, grid, spare, tiles, shares, settings, column, base, c2_column, c2_base, dt, side_rate, tile_report
             )
             times[k, 2] = seconds()
             sum_nodes(node_report, ledger)
@@ -126,7 +138,7 @@ def make_transfers(dimension: int) -> Callable[..., Any]:
         dt = state.clock[DT]
         for k in range(len(times)):
             times[k, 0] = seconds()
-            p2g(rows, state.spare, state.tiles, state.settings)
+            p2g(rows, state.spare, state.tiles, state.shares, state.settings)
             times[k, 1] = seconds()
             g2p(rows, state.grid, state.tiles, state.settings, dt, state.tile_report)
             times[k, 2] = seconds()

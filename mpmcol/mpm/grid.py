@@ -53,6 +53,20 @@ class Tiles(NamedTuple):
     cells: np.ndarray  # (n_points,) uint8, equal for points of one cell and kind, which are contiguous
 
 
+def share_tiles(tiles: Tiles, threads: int) -> np.ndarray:
+    """Where the tiles of each thread start in `grouped`, and the end of the group, (n_groups, threads + 1).
+
+    Threads get consecutive tiles of nearly equal numbers of points. Results do not depend on it.
+    """
+    points = np.concatenate(([0], np.cumsum(np.diff(tiles.start)[tiles.grouped])))  # before each position
+    first, stop = tiles.group_start[:-1], tiles.group_start[1:]
+    shares = np.linspace(points[first], points[stop], threads + 1, axis=-1)
+    above = np.clip(np.searchsorted(points, shares), 1, max(len(points) - 1, 1))
+    nearest = above - (shares - points[above - 1] < points[above] - shares) if len(points) > 1 else 0 * above
+    nearest[:, 0], nearest[:, -1] = first, stop
+    return nearest.astype(np.int64)
+
+
 def no_tiles() -> Tiles:
     """The order of no points: kernels can be compiled with it."""
     none = np.zeros(0, np.int64)

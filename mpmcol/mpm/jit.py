@@ -275,6 +275,11 @@ def compiled_calls(compiling: bool = False) -> Iterator[None]:
         yield
 
 
+def threads_in_use() -> int:
+    """Number of threads of the next call from the present thread of Python."""
+    return int(numba.get_num_threads())
+
+
 def set_threads(threads: int | None) -> int:
     """Use `threads` threads for calls from the present thread of Python; returns the number in use.
 

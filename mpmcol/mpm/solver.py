@@ -10,8 +10,8 @@ import numpy as np
 
 from mpmcol.mpm.constitutive import ConstitutiveLaw
 from mpmcol.mpm.contact import Contacts, no_contacts
-from mpmcol.mpm.grid import Grid, Tiles, no_tiles
-from mpmcol.mpm.jit import compiled_calls
+from mpmcol.mpm.grid import Grid, Tiles, no_tiles, share_tiles
+from mpmcol.mpm.jit import compiled_calls, threads_in_use
 from mpmcol.mpm.kernels import loop
 from mpmcol.mpm.kernels.compilation import (
     compile_stress_update,
@@ -144,13 +144,14 @@ class Solver:
     def state(self) -> State:
         """What the compiled loop reads and writes; it takes steps only with sorted points."""
         column, base, *layers = self.bodies
-        materials = (column, *layers)
+        materials, tiles = (column, *layers), self.tiles or no_tiles()
         return State(
             rows=self.points.rows.reshape(-1),
             grid=self.grid,
             spare=self.grid._replace(nodes=self.spare_nodes),
             contacts=self.contacts,
-            tiles=self.tiles or no_tiles(),
+            tiles=tiles,
+            shares=share_tiles(tiles, threads_in_use()),
             settings=self.settings,
             bodies=Bodies(
                 np.array([body.params for body in materials]),

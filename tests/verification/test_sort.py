@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from mpmcol.mpm.grid import NODE, TILE, Grid, Tiles, allocate_grid, tile_count
+from mpmcol.mpm.grid import NODE, TILE, Grid, Tiles, allocate_grid, no_tiles, share_tiles, tile_count
 from mpmcol.mpm.kernels.sort import BAND, sort_buffers, sort_points
 from mpmcol.mpm.lanes import ID, RECORD_SIZE
 from mpmcol.mpm.particles import COLUMN, Points
@@ -116,6 +116,23 @@ def test_active_tiles_hold_every_node_that_points_can_reach(basis: str, d: int) 
     for seed in range(20):
         reached = np.unique(touched(after, grid, seed, basis) // grid.tile_doubles * grid.tile_doubles)
         assert np.all(np.isin(reached, tiles.active))
+
+
+@DIMENSIONS
+@pytest.mark.parametrize("threads", [1, 2, 3, 16, 500])
+def test_threads_share_the_tiles_of_a_group_by_their_points(threads: int, d: int) -> None:
+    _, _, _, tiles = sorted_points(d)
+    shares, points = share_tiles(tiles, threads), np.diff(tiles.start)[tiles.grouped]
+    assert shares.shape == (len(tiles.group_start) - 1, threads + 1)
+    for share, (first, stop) in zip(shares, pairwise(tiles.group_start), strict=True):
+        assert share[0] == first and share[-1] == stop and np.all(np.diff(share) >= 0)
+        found = [points[a:b].sum() for a, b in pairwise(share)]
+        mean = points[first:stop].sum() / threads
+        assert np.abs(np.array(found) - mean).max() <= points[first:stop].max()
+
+
+def test_no_tiles_are_shared() -> None:
+    assert share_tiles(no_tiles(), 2).shape == (0, 3)
 
 
 def test_only_tiles_next_to_points_are_active() -> None:

@@ -38,12 +38,12 @@ def shared_functions(dimension: int, basis: str) -> tuple[Callable[..., Any], ..
 
 def shared_signatures(state: State, sort_arguments: Sequence[Any]) -> tuple[Signature, ...]:
     """Types of their arguments in a simulation with this state."""
-    rows, grid, spare, contacts, tiles, settings, _, smallest_mass, node_report, _, _, _ = state
+    rows, grid, spare, contacts, tiles, shares, settings, _, smallest_mass, node_report, _, _, _ = state
     dt = 0.0
     arguments = (
         sort_arguments,
         (grid, tiles),
-        (rows, grid, tiles, settings),
+        (rows, grid, tiles, shares, settings),
         (grid, spare.nodes, contacts, tiles, settings, smallest_mass, dt, node_report),
     )
     return tuple(argument_types(*each) for each in arguments)
@@ -94,10 +94,11 @@ def compile_stress_update(
     is_last = scheme.stress_order == "usl"
     make = make_update_points if is_last else make_update_stresses
     following, pending = ((state.spare,), ()) if is_last else ((), (np.zeros(0),))
+    shares = (state.shares,) if is_last else ()
     dt, side_rate = 0.0, 0.0
     types = argument_types(
-        state.rows, state.grid, *following, state.tiles, state.settings, *state.bodies, dt, side_rate, *pending,
-        state.tile_report,
+        state.rows, state.grid, *following, state.tiles, *shares, state.settings, *state.bodies, dt, side_rate,
+        *pending, state.tile_report,
     )  # fmt: skip
     compile_for(make(dimension, column_law, base_law, scheme), types)
 

@@ -46,33 +46,36 @@ def make_update_points(
 
     @phase
     @variant(dimension, column_law, base_law, *scheme)
-    def update_points(rows, grid, next_grid, tiles, settings, column, base, c2_column, c2_base, dt, side_rate, report):
+    def update_points(
+        rows, grid, next_grid, tiles, shares, settings, column, base, c2_column, c2_base, dt, side_rate, report
+    ):
         """Move all points, update their stress, and scatter them to the nodes of the next step.
 
         Tiles of one group in parallel, each node summed in a fixed order, as in P2G. Reads: nodes (v~, a) of `grid`.
         Writes: rows, nodes (m, mv, f, m q) of `next_grid`, report (n_tiles, 6). Eq. (13), (14), (19), (20), (26)-(34),
         and c_p + |v_p| of Eq. (35)-(36).
         """
-        start, layers, cells, grouped, group_start = (
-            tiles.start, tiles.layers, tiles.cells, tiles.grouped, tiles.group_start,
-        )  # fmt: skip
+        start, layers, cells, grouped = tiles.start, tiles.layers, tiles.cells, tiles.grouped
         box, everywhere = column_box(grid, settings), Box(-np.inf, np.inf, np.inf, -np.inf, np.inf)
-        for group in range(len(group_start) - 1):
-            for k in prange(group_start[group], group_start[group + 1]):
-                t, following = grouped[k], start[grouped[min(k + 1, len(grouped) - 1)]]
-                first, stop = start[t], start[t + 1]
-                averages = np.empty(stop - first + LANES)
-                matrices = np.empty(matrix_size * (stop - first)) if affine else averages
-                travel, limit_work = move_points(rows, first, stop, following, grid, settings, dt, averages, matrices)
-                report[t, TRAVEL], report[t, LIMIT_WORK] = travel, limit_work
-                update_tile_stress(
-                    rows, cells, layers[t], stop, column, base, c2_column, c2_base, settings, box, everywhere, dt,
-                    averages, side_rate, report[t],
-                )  # fmt: skip
-                if affine:
-                    for p in range(first, stop):
-                        restore_columns(rows, p * size, dimension, matrices, matrix_size * (p - first))
-                scatter_points(rows, first, stop, first, next_grid, settings)  # they are in the caches now
+        for group in range(len(shares)):
+            for thread in prange(shares.shape[1] - 1):
+                for k in range(shares[group, thread], shares[group, thread + 1]):
+                    t, following = grouped[k], start[grouped[min(k + 1, len(grouped) - 1)]]
+                    first, stop = start[t], start[t + 1]
+                    averages = np.empty(stop - first + LANES)
+                    matrices = np.empty(matrix_size * (stop - first)) if affine else averages
+                    travel, limit_work = move_points(
+                        rows, first, stop, following, grid, settings, dt, averages, matrices
+                    )
+                    report[t, TRAVEL], report[t, LIMIT_WORK] = travel, limit_work
+                    update_tile_stress(
+                        rows, cells, layers[t], stop, column, base, c2_column, c2_base, settings, box, everywhere, dt,
+                        averages, side_rate, report[t],
+                    )  # fmt: skip
+                    if affine:
+                        for p in range(first, stop):
+                            restore_columns(rows, p * size, dimension, matrices, matrix_size * (p - first))
+                    scatter_points(rows, first, stop, first, next_grid, settings)  # they are in the caches now
 
     return update_points
 

@@ -32,6 +32,7 @@ class State(NamedTuple):
     spare: Grid  # the same with other nodes
     contacts: Contacts
     tiles: Tiles
+    shares: np.ndarray  # see `grid.share_tiles`
     settings: Settings
     bodies: Bodies
     smallest_mass: float  # of all points, kg
@@ -71,7 +72,7 @@ def make_begin(dimension: int, scheme: Scheme) -> Callable[..., Any]:
     def begin(state):
         """P2G of the first step; that of every other step is part of the update of the points before it."""
         clear(state.grid, state.tiles)
-        p2g(state.rows, state.grid, state.tiles, state.settings)
+        p2g(state.rows, state.grid, state.tiles, state.shares, state.settings)
 
     return begin
 
@@ -83,11 +84,13 @@ def _make_usl(dimension: int, column_law: ConstitutiveLaw, base_law: Constitutiv
     @variant(dimension, column_law, base_law, *scheme)
     def usl(state, grid, spare, dt, pending):
         """Nodes, then points and their stress, and P2G of the next step."""
-        rows, _, _, contacts, tiles, settings, bodies, smallest_mass, node_report, tile_report, _, _ = state
+        rows, _, _, contacts, tiles, shares, settings, bodies, smallest_mass, node_report, tile_report, _, _ = state
         column, base, c2_column, c2_base = bodies
         side_rate = dt * contacts.side_friction
         update_grid(grid, spare.nodes, contacts, tiles, settings, smallest_mass, dt, node_report)
-        update_points(rows, grid, spare, tiles, settings, column, base, c2_column, c2_base, dt, side_rate, tile_report)
+        update_points(
+            rows, grid, spare, tiles, shares, settings, column, base, c2_column, c2_base, dt, side_rate, tile_report
+        )
 
     return Steps(make_begin(dimension, scheme), usl)
 
@@ -100,17 +103,17 @@ def _make_usf(dimension: int, column_law: ConstitutiveLaw, base_law: Constitutiv
     @variant(dimension, column_law, base_law, *scheme)
     def usf(state, grid, spare, dt, pending):
         """Stress from the nodal velocities of P2G, then nodes, then points."""
-        rows, _, _, contacts, tiles, settings, bodies, smallest_mass, node_report, tile_report, _, _ = state
+        rows, _, _, contacts, tiles, shares, settings, bodies, smallest_mass, node_report, tile_report, _, _ = state
         column, base, c2_column, c2_base = bodies
         side_rate = dt * contacts.side_friction
         clear(grid, tiles)
-        p2g(rows, grid, tiles, settings)
+        p2g(rows, grid, tiles, shares, settings)
         find_velocities(grid, contacts, tiles, smallest_mass)
         update_stresses(
             rows, grid, tiles, settings, column, base, c2_column, c2_base, dt, side_rate, pending, tile_report
         )
         clear(grid, tiles)
-        p2g(rows, grid, tiles, settings)
+        p2g(rows, grid, tiles, shares, settings)
         update_grid(grid, spare.nodes[:0], contacts, tiles, settings, smallest_mass, dt, node_report)
         g2p(rows, grid, tiles, settings, dt, pending, tile_report)
 
@@ -125,15 +128,15 @@ def _make_musl(dimension: int, column_law: ConstitutiveLaw, base_law: Constituti
     @variant(dimension, column_law, base_law, *scheme)
     def musl(state, grid, spare, dt, pending):
         """Nodes, then points, then stress from the nodal velocities that follow from the new point velocities."""
-        rows, _, _, contacts, tiles, settings, bodies, smallest_mass, node_report, tile_report, _, _ = state
+        rows, _, _, contacts, tiles, shares, settings, bodies, smallest_mass, node_report, tile_report, _, _ = state
         column, base, c2_column, c2_base = bodies
         side_rate = dt * contacts.side_friction
         clear(grid, tiles)
-        p2g(rows, grid, tiles, settings)
+        p2g(rows, grid, tiles, shares, settings)
         update_grid(grid, spare.nodes[:0], contacts, tiles, settings, smallest_mass, dt, node_report)
         g2p(rows, grid, tiles, settings, dt, pending, tile_report)
         clear(grid, tiles)
-        p2g(rows, grid, tiles, settings)
+        p2g(rows, grid, tiles, shares, settings)
         find_velocities(grid, contacts, tiles, smallest_mass)
         update_stresses(
             rows, grid, tiles, settings, column, base, c2_column, c2_base, dt, side_rate, pending, tile_report

@@ -30,16 +30,17 @@ def make_p2g(dimension: int, basis: str) -> Callable[..., None]:
 
     @phase
     @variant(dimension, basis)
-    def p2g(rows: np.ndarray, grid: Grid, tiles: Tiles, settings: Settings) -> None:
+    def p2g(rows: np.ndarray, grid: Grid, tiles: Tiles, shares: np.ndarray, settings: Settings) -> None:
         """Scatter mass, momentum and force; tiles of one group in parallel, each node summed in a fixed order.
 
-        Reads: rows. Writes: nodes (m, mv, f, m q). Eq. (13), (14), (19), (20).
+        Reads: rows, shares. Writes: nodes (m, mv, f, m q). Eq. (13), (14), (19), (20).
         """
-        start, grouped, group_start = tiles.start, tiles.grouped, tiles.group_start
-        for group in range(len(group_start) - 1):
-            for k in prange(group_start[group], group_start[group + 1]):
-                tile, following = grouped[k], grouped[min(k + 1, len(grouped) - 1)]
-                scatter_points(rows, start[tile], start[tile + 1], start[following], grid, settings)
+        start, grouped = tiles.start, tiles.grouped
+        for group in range(len(shares)):
+            for thread in prange(shares.shape[1] - 1):
+                for k in range(shares[group, thread], shares[group, thread + 1]):
+                    tile, following = grouped[k], grouped[min(k + 1, len(grouped) - 1)]
+                    scatter_points(rows, start[tile], start[tile + 1], start[following], grid, settings)
 
     return p2g
 

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import ctypes
 import json
 from pathlib import Path
 
 import numpy as np
 import pytest
-from numba.np.ufunc import workqueue
 
 from mpmcol.bench.measure import QUICK
 from mpmcol.bench.scaling import MODELLED, MOST_POINTS, ReleasedCase, Threads, choose_threads, measure_scaling
 from mpmcol.bench.scaling_report import measured_row
-from mpmcol.bench.tile_model import largest_share, model_speedup, points_of_groups
-from mpmcol.mpm.grid import no_tiles
+from mpmcol.bench.tile_model import model_speedup, points_of_groups
+from mpmcol.mpm.grid import Tiles, no_tiles
 from mpmcol.mpm.jit import set_threads
 from tests.support.cli import invoke
 
@@ -22,7 +20,16 @@ from tests.support.cli import invoke
 TILES = no_tiles()._replace(
     start=np.array([0, 5, 6, 26, 35]), grouped=np.array([0, 3, 1, 2]), group_start=np.array([0, 2, 2, 4])
 )
-GROUPS = [np.array([5, 1, 1]), np.array([4, 4])]  # 15 points
+
+
+def tiles_of(groups: list[list[int]]) -> Tiles:
+    """Groups of tiles with these numbers of points."""
+    points = [n for group in groups for n in group]
+    return no_tiles()._replace(
+        start=np.concatenate(([0], np.cumsum(points))),
+        grouped=np.arange(len(points)),
+        group_start=np.concatenate(([0], np.cumsum([len(group) for group in groups]))),
+    )
 
 
 @pytest.fixture(scope="module")
@@ -30,52 +37,28 @@ def released() -> ReleasedCase:
     return ReleasedCase("plane", 2000, QUICK)
 
 
-def numba_schedule(length: int, threads: int) -> list[int]:
-    """Iterations of each thread in a parallel loop of Numba."""
-    integer, integers = ctypes.c_ssize_t, ctypes.POINTER(ctypes.c_ssize_t)
-    schedule = ctypes.CFUNCTYPE(None, integer, integers, integers, integer, integers, integer)(
-        workqueue.do_scheduling_signed
-    )
-    first_last = (integer * (2 * threads))()
-    schedule(1, (integer * 1)(0), (integer * 1)(length - 1), threads, first_last, 0)
-    return [last - first + 1 for first, last in zip(first_last[::2], first_last[1::2], strict=True)]
-
-
-def share_of_schedule(points: np.ndarray, threads: int) -> int:
-    """Points of the busiest thread if Numba schedules the tiles."""
-    ends = np.cumsum(numba_schedule(len(points), threads))
-    return max(int(part.sum()) for part in np.split(points, ends))
-
-
 def test_tiles_are_taken_in_the_order_of_their_groups() -> None:
     assert [group.tolist() for group in points_of_groups(TILES)] == [[5, 9], [1, 20]]
-    assert model_speedup(points_of_groups(TILES), 2) == pytest.approx(35 / (9 + 20))
+    assert model_speedup(TILES, 2) == pytest.approx(35 / (9 + 20))
 
 
 @pytest.mark.parametrize(
     ("threads", "time"),
-    [(1, 15), (2, (5 + 1) + 4), (3, 5 + 4), (64, 5 + 4), (10**12, 5 + 4)],
+    [(1, 15), (2, 5 + 4), (3, 5 + 4), (64, 5 + 4), (10**12, 5 + 4)],
 )
 def test_each_group_waits_for_its_busiest_thread(threads: int, time: int) -> None:
-    assert model_speedup(GROUPS, threads) == pytest.approx(15 / time)
+    assert model_speedup(tiles_of([[5, 1, 1], [4, 4]]), threads) == pytest.approx(15 / time)
 
 
 def test_equal_tiles_scale_up_to_their_number() -> None:
-    groups = [np.full(12, 50), np.full(12, 50)]
-    assert [model_speedup(groups, n) for n in (1, 2, 3, 4, 5, 12, 24)] == pytest.approx([1, 2, 3, 4, 4, 12, 12])
-
-
-@pytest.mark.parametrize("tiles", [1, 2, 7, 13, 38, 100])
-def test_the_model_shares_tiles_as_numba_does(tiles: int) -> None:
-    points = np.random.default_rng(tiles).integers(1, 700, tiles)
-    for threads in (1, 2, 3, 4, 5, 8, 16, 64):
-        assert largest_share(points, threads) == share_of_schedule(points, threads)
+    tiles = tiles_of([[50] * 12, [50] * 12])
+    assert [model_speedup(tiles, n) for n in (1, 2, 3, 4, 5, 12, 24)] == pytest.approx([1, 2, 3, 4, 4, 12, 12])
 
 
 def test_the_tiles_of_a_case_hold_all_of_its_points(released: ReleasedCase) -> None:
     groups = points_of_groups(released.tiles)
     assert sum(group.sum() for group in groups) == released.n_points
-    assert 1.0 < model_speedup(groups, 2) < 2.0
+    assert 1.0 < model_speedup(released.tiles, 2) < 2.0
 
 
 def test_threads_are_measured_up_to_the_cores_and_modelled_beyond() -> None:

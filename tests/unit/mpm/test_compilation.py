@@ -57,9 +57,9 @@ def test_the_types_are_those_with_which_the_functions_are_called(solver: Solver)
 
     @numba.njit  # type: ignore[untyped-decorator]
     def grid_step(state: Any, dt: float) -> None:
-        rows, grid, spare, contacts, tiles, settings, _, smallest_mass, node_report, _, _, _ = state
+        rows, grid, spare, contacts, tiles, shares, settings, _, smallest_mass, node_report, _, _, _ = state
         clear(grid, tiles)
-        p2g(rows, grid, tiles, settings)
+        p2g(rows, grid, tiles, shares, settings)
         update_grid(grid, spare.nodes, contacts, tiles, settings, smallest_mass, dt, node_report)
 
     grid_step.compile(argument_types(solver.state(), solver.dt))
