@@ -19,13 +19,17 @@ from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from mpmcol.cli.worker import execute as execute_in_worker
 from mpmcol.errors import OutputError
 from mpmcol.io.lock import is_locked, locked
 from mpmcol.io.names import GIVEN_CASE_FILE
+from mpmcol.io.results import Results
 from mpmcol.io.run_status import read_status, time_reached
 from mpmcol.provenance import code_version
+from mpmcol.simulation.summary import peak_memory
 from mpmcol.sweep import task, worker
 from mpmcol.sweep.axes import parse_axes
 from mpmcol.sweep.commands import write_commands
@@ -36,8 +40,8 @@ from mpmcol.sweep.progress import ProgressTracker, count_by_status, find_plan, t
 from mpmcol.sweep.runner import overview, run_sweep
 from mpmcol.sweep.runs import PlannedRun, plan_runs, write_case
 from mpmcol.sweep.scheduling import Allocation
-from mpmcol.sweep.task import Task, TaskResult, execute_task, run_command
-from mpmcol.sweep.worker import COMPILE, Worker
+from mpmcol.sweep.task import Task, TaskResult, execute_task, execute_with, run_command
+from mpmcol.sweep.worker import COMPILE, CONTINUE, Worker
 from tests.support.processes import wait_until
 
 # A worker whose runs behave as its argument states, by the name of their folder.
@@ -424,14 +428,37 @@ def test_kernels_are_compiled_before_the_first_runs(tmp_path: Path, monkeypatch:
     assert len(commands[0]) == 2 and "/a1-" in commands[0][1]  # both models use the same kernels
 
 
-def test_a_worker_compiles_the_kernels_of_cases(tmp_path: Path) -> None:
-    (run,) = make_runs(tmp_path, "1")
-    path = str(write_case(run))
-    with closing(Worker()) as compiling:
-        assert compiling.execute([COMPILE, path], 1) == (0, "")
-        refused, _ = compiling.execute([COMPILE, path, "missing.toml"], 1)
-        assert refused == 2
-        assert compiling.execute([COMPILE, path], 1) == (0, "")  # in a new process
+def test_a_worker_executes_runs_like_the_command_line(tmp_path: Path) -> None:
+    """The second run has the bits of a first one, and a refused case leaves its message."""
+    short = ["grid.spacing=0.02", "stages.collapse.max_time_factor=0.1", "stages.equilibrate.max_time_factor=0.5"]
+    first, second = plan_runs("lube-cylinder", parse_axes("1,1.5", short)[0], tmp_path / "one")
+    (alone,) = plan_runs("lube-cylinder", parse_axes("1.5", short)[0], tmp_path / "other")
+    missing = str(tmp_path / "missing.toml")
+    with closing(Worker()) as both:
+        assert both.execute([COMPILE, str(write_case(first))], 1) == (0, "")
+        process = both.start(1)
+        for run in (first, second):
+            write_case(run)
+            assert execute_with(both, Task(run.folder, 1, code_version()), lambda: CONTINUE).status == "done"
+        assert both.start(1) is process
+        code, printed = both.execute(["run", missing], 1)
+        assert (code, missing in printed, "Traceback" in printed) == (2, True, False)
+        assert both.execute([COMPILE, missing], 1)[0] == 2
+        assert both.start(1) is not process and process.poll() is not None
+    write_case(alone)
+    assert execute_task(Task(alone.folder, 1, code_version())).status == "done"
+    states = [Results(run.folder).summary["state_sha256"] for run in (second, alone)]
+    assert states[0] == states[1]
+
+
+@pytest.mark.skipif(not Path("/proc/self/clear_refs").exists(), reason="only Linux can reset the peak")
+def test_the_peak_memory_of_a_run_is_its_own(capsys: pytest.CaptureFixture[str]) -> None:
+    large = np.ones(30_000_000)
+    before = peak_memory()
+    size = large.nbytes
+    del large
+    assert execute_in_worker(["cases"]) == 0 and "quickstart" in capsys.readouterr().out
+    assert peak_memory() < before - 0.9 * size
 
 
 @pytest.mark.parametrize(
