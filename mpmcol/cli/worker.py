@@ -1,12 +1,13 @@
 """A process that executes runs one after another: `python -m mpmcol.cli.worker`, started by `mpmcol.sweep.worker`.
 
 Imports and compiled kernels stay in memory from run to run. Each line of stdin is a JSON list of arguments of `mpmcol`,
-or COMPILE and cases; the answer on stdout is a line with the exit code. What the commands print goes to stderr. The
-process ends with stdin.
+or COMPILE and cases; the answer on stdout is a line with the exit code and the resident memory in bytes. What the
+commands print goes to stderr. The process ends with stdin.
 """
 
 from __future__ import annotations
 
+import gc
 import json
 import os
 import sys
@@ -14,6 +15,8 @@ from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import IO, Any, TextIO
+
+import psutil
 
 import mpmcol.cli.run
 import mpmcol.simulation.run  # noqa: F401  # before the first request, while other processes start
@@ -33,14 +36,16 @@ def serve() -> None:
     os.close(nothing)
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
     for line in requests:
-        answers.write(f"{execute(json.loads(line))}\n")
+        code = execute(json.loads(line))
+        gc.collect()
+        answers.write(f"{code} {psutil.Process().memory_info().rss}\n")
         answers.flush()
 
 
 def execute(arguments: Sequence[str]) -> int:
     """Execute one command and return its exit code."""
     with suppress(OSError):  # elsewhere the peak is that of all runs so far
-        Path("/proc/self/clear_refs").write_text(RESET_PEAK_MEMORY)
+        Path("/proc/self/clear_refs").write_text(RESET_PEAK_MEMORY, "utf-8")
     try:
         if arguments[0] == COMPILE:
             for case in arguments[1:]:

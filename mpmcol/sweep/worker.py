@@ -15,6 +15,8 @@ from contextlib import suppress
 from queue import Empty, SimpleQueue
 from typing import Any
 
+from mpmcol.sweep.scheduling import PROCESS_BYTES
+
 # A process of its own group does not receive Ctrl-C from the terminal; the sweep does, and then stops its runs.
 if sys.platform == "win32":
     OWN_GROUP: dict[str, Any] = {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}
@@ -27,7 +29,6 @@ CONTINUE, STOP, ABORT = range(3)  # levels of a stop request: none, stop with a 
 StopRequest = Callable[[], int]  # returns the level
 
 COMPILE = "compile"  # a command that `mpmcol` lacks: compile the kernels of the given cases, or load them
-RUNS_PER_PROCESS = 20  # then a new one is started: the memory of kernels of many schemes is not freed
 GRACE = 30.0  # s for a stopped run to write its checkpoint, before it is killed
 POLL = 0.1  # s
 
@@ -40,13 +41,14 @@ def worker_command() -> list[str]:
 class Worker:
     """Executes commands of `mpmcol` in a child process, one at a time.
 
-    The process is started by the first command, and replaced after one that was not successful, so that each is tried
-    again in a new process, and after RUNS_PER_PROCESS.
+    The process is started by the first command. It is replaced after a command that was not successful, which is
+    then tried again in a new process, and once it has more memory than PROCESS_BYTES between two commands, since that
+    of compilation and of the kernels of many schemes is not freed.
     """
 
     def __init__(self) -> None:
         self._process: subprocess.Popen[str] | None = None
-        self._threads, self._runs = 0, 0
+        self._threads = 0
         self._answers: SimpleQueue[str] = SimpleQueue()
         # What the commands print, written by the process. The position in the file is that of both processes.
         self._output = tempfile.TemporaryFile(buffering=0)  # noqa: SIM115  # `close` closes it
@@ -62,10 +64,10 @@ class Worker:
                 stdout=subprocess.PIPE,
                 stderr=self._output,
                 env={**os.environ, "NUMBA_NUM_THREADS": str(threads)},
-                text=True,
+                encoding="utf-8",
                 **OWN_GROUP,
             )
-            self._threads, self._runs, self._answers = threads, 0, SimpleQueue()
+            self._threads, self._answers = threads, SimpleQueue()
             threading.Thread(target=_forward, args=(self._process, self._answers), daemon=True).start()
         return self._process
 
@@ -82,14 +84,13 @@ class Worker:
             process.stdin.write(json.dumps(list(arguments)) + "\n")
             process.stdin.flush()
         try:
-            code = self._wait(process, stop)
+            code, resident = self._wait(process, stop)
         except BaseException:  # Ctrl-C
             process.kill()
             raise
-        self._runs += 1
         self._output.seek(0)
         printed = self._output.read().decode(errors="replace")
-        if code != 0 or self._runs >= RUNS_PER_PROCESS:
+        if code != 0 or resident > PROCESS_BYTES:
             self._end_process()
         return code, printed
 
@@ -98,13 +99,17 @@ class Worker:
         self._end_process()
         self._output.close()
 
-    def _wait(self, process: subprocess.Popen[str], stop: StopRequest) -> int:
-        """The answer of the process, or its own exit code; a stop request signals it, and later kills it."""
+    def _wait(self, process: subprocess.Popen[str], stop: StopRequest) -> tuple[int, int]:
+        """Exit code and memory (bytes) in the answer of the process, or its own exit code if it ends.
+
+        A stop request signals it, and later kills it.
+        """
         deadline = 0.0
         while True:
             with suppress(Empty):
                 answer = self._answers.get(timeout=POLL)
-                return int(answer) if answer else process.wait()
+                code, resident = map(int, answer.split()) if answer else (process.wait(), 0)
+                return code, resident
             if stop() and not deadline:
                 with suppress(OSError):  # Windows sends it only within a console; the run is killed later
                     process.send_signal(STOP_SIGNAL)
