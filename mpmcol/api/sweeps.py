@@ -78,7 +78,7 @@ def sweep(
 ) -> SweepResults:
     """Run a case for many values of its keys, as `mpmcol sweep` does, and write table, fits and charts.
 
-    Runs that are finished in the folder are not repeated; each run is a process of its own.
+    Runs that are finished in the folder are not repeated; the others are executed in child processes.
 
     Args:
         case: from `load_case`, or a TOML file or the name of a shipped case.

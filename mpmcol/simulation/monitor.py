@@ -159,6 +159,8 @@ def _outside_of_kind(state: CheckedState, limit: float, kind: int) -> Violation 
     solver, floor = state.solver, STRESS_FLOOR * state.stress
     law, params = solver.bodies[kind].law, solver.bodies[kind].params
     rows = np.flatnonzero(solver.points.kind == kind)
+    if not len(rows):
+        return None
     principal = principal_stresses(*(component[rows] for component in solver.points.sigma.T))
     s1, _, s3 = principal
     history = np.array([values[rows] for values in solver.points.history.T])

@@ -1,8 +1,7 @@
-"""Compile kernels once before several runs start: `python -m mpmcol.sweep.compile_cache CASE...`."""
+"""Kernels that runs share, compiled once before several runs start."""
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -31,8 +30,3 @@ def compile_kernels(source: str, overrides: Sequence[str] = ()) -> None:
     model = build_model(load_case(source, overrides))
     for stage in (model.equilibrate, model.collapse):
         make_solver(model, stage).prepare()
-
-
-if __name__ == "__main__":
-    for name in sys.argv[1:]:
-        compile_kernels(name)

@@ -15,7 +15,8 @@ from pathlib import Path
 from mpmcol.errors import OutputError, UsageError
 from mpmcol.io.atomic import atomic_write, remove
 from mpmcol.sweep.engine import Pool
-from mpmcol.sweep.task import CONTINUE, RETRIES
+from mpmcol.sweep.task import RETRIES
+from mpmcol.sweep.worker import CONTINUE
 
 CONNECT_SECONDS = 10
 

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, ThreadPoolExecutor, wait
-from contextlib import contextmanager, nullcontext
+from contextlib import ExitStack, contextmanager, nullcontext
 from dataclasses import dataclass
+from queue import LifoQueue
 
 from mpmcol.errors import Interrupted, MpmcolError, NumericalFailure, OutputError, UsageError
 from mpmcol.io.run_status import read_status
@@ -16,7 +14,8 @@ from mpmcol.provenance import code_version
 from mpmcol.sweep.compile_cache import smallest_per_variant
 from mpmcol.sweep.runs import PlannedRun, write_case
 from mpmcol.sweep.scheduling import Allocation, allocate
-from mpmcol.sweep.task import ABORT, CONTINUE, OWN_GROUP, STOP, StopRequest, Task, TaskResult, execute_task
+from mpmcol.sweep.task import Task, TaskResult, execute_task, execute_with
+from mpmcol.sweep.worker import ABORT, COMPILE, CONTINUE, STOP, StopRequest, Worker
 
 TICK = 0.25  # s
 
@@ -39,12 +38,17 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Pool:
-    """Workers: an executor, the stop request that its tasks poll, and the function that sets its level."""
+    """Workers: an executor, the stop request that its tasks poll, and the function that sets its level.
+
+    compile: compiles the kernels of some cases, for that number of threads per run, before the first tasks.
+    """
 
     executor: Executor
     slots: int  # concurrent tasks
     stop: StopRequest
     request_stop: Callable[[int], None]
+    execute: Callable[[Task, StopRequest], TaskResult] = execute_task
+    compile: Callable[[Sequence[str], int], None] | None = None
 
 
 def execute_runs(
@@ -78,10 +82,10 @@ def execute_runs(
     if not pending:
         return
     allocation = allocation or allocate(pending)
-    if pool is None and min(allocation.jobs, len(pending)) > 1:
-        notify("compiling kernels that are not in the cache ...")
-        _compile_kernels(pending)
     with nullcontext(pool) if pool else local_pool(allocation.jobs) as opened:
+        if opened.compile and min(allocation.jobs, len(pending)) > 1:
+            notify("compiling kernels that are not in the cache ...")
+            opened.compile([str(write_case(run)) for run in smallest_per_variant(pending)], allocation.threads)
         yield from _execute_on(opened, pending, allocation.threads, notify, tick)
 
 
@@ -106,19 +110,45 @@ def unsuccessful(outcomes: Sequence[Outcome], message: str) -> MpmcolError:
 def local_pool(jobs: int) -> Iterator[Pool]:
     """Threads of this process, each of which supervises one child process at a time."""
     level = [CONTINUE]
+    workers = [Worker() for _ in range(jobs)]
+    idle = LifoQueue[Worker]()  # first those that have a process
+    for worker in workers:
+        idle.put(worker)
 
     def request_stop(requested: int) -> None:
         level[0] = requested
 
-    with ThreadPoolExecutor(jobs) as executor:
-        yield Pool(executor, jobs, lambda: level[0], request_stop)
+    @contextmanager
+    def one_of_them() -> Iterator[Worker]:
+        worker = idle.get()
+        try:
+            yield worker
+        finally:
+            idle.put(worker)
+
+    def execute(task: Task, stop: StopRequest) -> TaskResult:
+        with one_of_them() as worker:
+            return execute_with(worker, task, stop)
+
+    def compile_first(cases: Sequence[str], threads: int) -> None:
+        """Compile in one process, while the others import; its errors are ignored, because the runs report them."""
+        for worker in workers:
+            worker.start(threads)
+        with one_of_them() as worker:
+            worker.execute([COMPILE, *cases], threads)
+
+    with ExitStack() as stack:
+        for worker in workers:
+            stack.callback(worker.close)
+        executor = stack.enter_context(ThreadPoolExecutor(jobs))
+        yield Pool(executor, jobs, lambda: level[0], request_stop, execute, compile_first)
 
 
 def _execute_on(pool: Pool, runs: Sequence[PlannedRun], threads: int, notify: Notify, tick: Tick) -> Iterator[Outcome]:
     pending: dict[Future[TaskResult], PlannedRun] = {}
     for run in sorted(runs, key=lambda run: run.work, reverse=True):
         task = Task(run.folder.resolve(), threads, code_version())
-        pending[pool.executor.submit(execute_task, task, pool.stop)] = run
+        pending[pool.executor.submit(pool.execute, task, pool.stop)] = run
     try:
         while pending:
             ended, _ = wait(pending, timeout=TICK, return_when=FIRST_COMPLETED)
@@ -150,11 +180,3 @@ def _stop(pending: dict[Future[TaskResult], PlannedRun], pool: Pool, notify: Not
         pool.request_stop(ABORT)
         wait(pending)
     pool.request_stop(CONTINUE)
-
-
-def _compile_kernels(runs: Sequence[PlannedRun]) -> None:
-    """Compile each kernel variant once in a child process; its errors are ignored, because the runs report them."""
-    cases = [str(write_case(run)) for run in smallest_per_variant(runs)]
-    command = [sys.executable, "-m", "mpmcol.sweep.compile_cache", *cases]
-    environment = {**os.environ, "NUMBA_NUM_THREADS": "1"}
-    subprocess.run(command, env=environment, stdin=subprocess.DEVNULL, capture_output=True, **OWN_GROUP)

@@ -1,39 +1,24 @@
-"""Execution of one run of a sweep as a child process, with retries."""
+"""Execution of one run of a sweep in a child process, with retries."""
 
 from __future__ import annotations
 
-import os
 import signal
-import subprocess
 import sys
-import tempfile
 import time
-from collections.abc import Callable, Sequence
-from contextlib import suppress
+from collections.abc import Sequence
+from contextlib import closing, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 from mpmcol.errors import Interrupted, NumericalFailure, OutputError, UsageError
 from mpmcol.io.lock import is_locked
 from mpmcol.io.names import GIVEN_CASE_FILE, LOG_FILE
 from mpmcol.io.run_status import RunStatus, read_status
 from mpmcol.provenance import code_version
+from mpmcol.sweep.worker import CONTINUE, POLL, StopRequest, Worker
 
 RETRIES = 2
-GRACE = 30.0  # s for a stopped run to write its checkpoint, before it is killed
-POLL = 0.1  # s
-
-# A process of its own group does not receive Ctrl-C from the terminal; the sweep does, and then stops its runs.
-if sys.platform == "win32":
-    OWN_GROUP: dict[str, Any] = {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}
-    STOP_SIGNAL = signal.CTRL_BREAK_EVENT
-else:
-    OWN_GROUP: dict[str, Any] = {"start_new_session": True}
-    STOP_SIGNAL = signal.SIGTERM
-
-CONTINUE, STOP, ABORT = range(3)  # levels of a stop request: none, stop with a checkpoint, kill
-StopRequest = Callable[[], int]  # returns the level
 
 
 @dataclass(frozen=True)
@@ -63,11 +48,22 @@ class TaskResult:
 
 def run_command(folder: Path, threads: int, fresh: bool = False) -> list[str]:
     """The command that executes the case in the folder of a run."""
-    command = [sys.executable, "-m", "mpmcol", "run", str(folder / GIVEN_CASE_FILE), "--out", str(folder)]
-    return [*command, "--threads", str(threads), *(["--fresh"] if fresh else [])]
+    return [sys.executable, "-m", "mpmcol", *run_arguments(folder, threads, fresh)]
+
+
+def run_arguments(folder: Path, threads: int, fresh: bool = False) -> list[str]:
+    """The arguments of `mpmcol` that execute the case in the folder of a run."""
+    arguments = ["run", str(folder / GIVEN_CASE_FILE), "--out", str(folder), "--threads", str(threads)]
+    return [*arguments, *(["--fresh"] if fresh else [])]
 
 
 def execute_task(task: Task, stop: StopRequest = lambda: CONTINUE) -> TaskResult:
+    """Execute a run in a process of its own; see `execute_with`."""
+    with closing(Worker()) as worker:
+        return execute_with(worker, task, stop)
+
+
+def execute_with(worker: Worker, task: Task, stop: StopRequest) -> TaskResult:
     """Execute a run until it is done, has diverged, or has failed more than RETRIES times.
 
     A run that another process is executing is waited for. A simulation that diverged is not repeated, because it would
@@ -86,7 +82,8 @@ def execute_task(task: Task, stop: StopRequest = lambda: CONTINUE) -> TaskResult
         if attempts > RETRIES or code == UsageError.exit_code:
             return TaskResult("error", attempts, code, _failure_message(task.folder, code, printed, attempts))
         try:
-            code, printed = _attempt(task, status.name == "damaged", stop)
+            arguments = run_arguments(task.folder, task.threads, fresh=status.name == "damaged")
+            code, printed = worker.execute([*arguments, "--quiet"], task.threads, stop)
         except OSError as error:
             return TaskResult("error", attempts, OutputError.exit_code, f"the run cannot be started: {error}")
         attempts += 1
@@ -97,30 +94,6 @@ def _status_when_unlocked(folder: Path, stop: StopRequest) -> RunStatus:
     while is_locked(folder) and not stop():
         time.sleep(POLL)
     return read_status(folder)
-
-
-def _attempt(task: Task, fresh: bool, stop: StopRequest) -> tuple[int, str]:
-    """Execute the run once; returns its exit code, negative if a signal ended it, and what it printed.
-
-    The run itself writes its log, in which its own errors are.
-    """
-    environment = {**os.environ, "NUMBA_NUM_THREADS": str(task.threads)}
-    with tempfile.TemporaryFile() as output:
-        run = subprocess.Popen(
-            [*run_command(task.folder, task.threads, fresh), "--quiet"],
-            stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.STDOUT, env=environment, **OWN_GROUP,
-        )  # fmt: skip
-        deadline = 0.0
-        while run.poll() is None:
-            time.sleep(POLL)
-            if stop() and not deadline:
-                with suppress(OSError):  # Windows sends it only within a console; the run is killed later
-                    run.send_signal(STOP_SIGNAL)
-                deadline = time.monotonic() + GRACE
-            if deadline and (stop() >= ABORT or time.monotonic() > deadline):
-                run.kill()
-        output.seek(0)
-        return int(run.returncode), output.read().decode(errors="replace")
 
 
 def _ended(status: RunStatus, attempts: int) -> TaskResult:

@@ -19,14 +19,18 @@ from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from mpmcol.cli.worker import execute as execute_in_worker
 from mpmcol.errors import OutputError
 from mpmcol.io.lock import is_locked, locked
 from mpmcol.io.names import GIVEN_CASE_FILE
+from mpmcol.io.results import Results
 from mpmcol.io.run_status import read_status, time_reached
 from mpmcol.provenance import code_version
-from mpmcol.sweep import engine, task
+from mpmcol.simulation.summary import peak_memory
+from mpmcol.sweep import task, worker
 from mpmcol.sweep.axes import parse_axes
 from mpmcol.sweep.commands import write_commands
 from mpmcol.sweep.compile_cache import smallest_per_variant
@@ -36,44 +40,66 @@ from mpmcol.sweep.progress import ProgressTracker, count_by_status, find_plan, t
 from mpmcol.sweep.runner import overview, run_sweep
 from mpmcol.sweep.runs import PlannedRun, plan_runs, write_case
 from mpmcol.sweep.scheduling import Allocation
-from mpmcol.sweep.task import Task, TaskResult, execute_task, run_command
+from mpmcol.sweep.task import Task, TaskResult, execute_task, execute_with, run_command
+from mpmcol.sweep.worker import COMPILE, CONTINUE, Worker
 from tests.support.processes import wait_until
 
-# What a run does as seen by the engine. Arguments: its folder, and its behaviour.
-RUN = """
+# A worker whose runs behave as its argument states, by the name of their folder.
+WORKER = """
 import fcntl, json, os, signal, sys, time
 from pathlib import Path
-folder, what = Path(sys.argv[1]), sys.argv[2]
-lock = (folder / ".lock").open("w")
-try:
-    fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-except BlockingIOError:
-    sys.exit("another run is writing here")
-def end(status, code, **more):
+chosen, answers = json.loads(sys.argv[1]), os.fdopen(os.dup(1), "w")
+os.dup2(2, 1)
+def execute(folder, what):
+    lock = (folder / ".lock").open("w")
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return print("another run is writing here") or 1
+    with lock:
+        return behave(folder, what)
+def end(folder, status, code, **more):
     (folder / "result.json").write_text(json.dumps({"status": status, "wall_s": {"collapse": 1.0}, **more}))
-    sys.exit(code)
-tries = folder / "tries"
-tries.write_text(str(int(tries.read_text()) + 1 if tries.exists() else 1))
-if what == "killed" or (what == "killed once" and tries.read_text() == "1"):
-    os.kill(os.getpid(), signal.SIGKILL)
-if what == "diverges":
-    end("failed", 3, failure={"cause": "a run is too fast", "remedy": "lower time.cfl"})
-if what == "disk":
-    print("note: ...", "result.json: cannot be written: No space left", sep="\\n")
-    sys.exit(5)
-if what == "refuses":
-    print("it does not fit")
-    sys.exit(2)
-if what == "waits":
-    signal.signal(signal.SIGTERM, lambda *_: end("stopped", 75))
-    (folder / "begun").touch()
-    time.sleep(60)
-if what == "ignores SIGTERM":
-    signal.signal(signal.SIGTERM, signal.SIG_IGN)
-    (folder / "begun").touch()
-    time.sleep(60)
-time.sleep(0.2)
-end("done", 0)
+    return code
+def behave(folder, what):
+    tries = folder / "tries"
+    tries.write_text(str(int(tries.read_text()) + 1 if tries.exists() else 1))
+    with (folder / "process").open("a") as processes:
+        print(os.getpid(), file=processes)
+    if what == "killed" or (what == "killed once" and tries.read_text() == "1"):
+        os.kill(os.getpid(), signal.SIGKILL)
+    if what == "diverges":
+        return end(folder, "failed", 3, failure={"cause": "a run is too fast", "remedy": "lower time.cfl"})
+    if what == "disk":
+        print("note: ...", "result.json: cannot be written: No space left", sep="\\n")
+        return 5
+    if what == "refuses":
+        print("it does not fit")
+        return 2
+    if what == "waits":
+        stopped = []
+        signal.signal(signal.SIGTERM, lambda *_: stopped.append(1))
+        (folder / "begun").touch()
+        while not stopped:
+            time.sleep(0.05)
+        return end(folder, "stopped", 75)
+    if what == "ignores SIGTERM":
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)
+        (folder / "begun").touch()
+        time.sleep(60)
+    time.sleep(0.2)
+    return end(folder, "done", 0)
+for line in sys.stdin:
+    arguments = json.loads(line)
+    if arguments[0] == "compile":
+        print(0, 0, file=answers, flush=True)
+        continue
+    assert (arguments[0], arguments[-1]) == ("run", "--quiet")
+    folder = Path(arguments[arguments.index("--out") + 1])
+    what = chosen.get(folder.name.partition("-")[0], "is done")
+    code = execute(folder, what)
+    sys.stdout.flush()
+    print(code, 300_000_000 if what == "leaves memory" else 200_000_000, file=answers, flush=True)
 """
 DONE = json.dumps({"status": "done", "wall_s": {"compile": 9.0, "collapse": 2.0}})
 
@@ -85,12 +111,7 @@ def acts(monkeypatch: pytest.MonkeyPatch) -> Acts:
     """Sets the behaviour of the runs with these aspect ratios; all others are done at once."""
     chosen: dict[str, str] = {}
 
-    def command(folder: Path, threads: int, fresh: bool = False) -> list[str]:
-        what = next((what for name, what in chosen.items() if folder.name.startswith(f"{name}-")), "is done")
-        return [sys.executable, "-c", RUN, str(folder), what]
-
-    monkeypatch.setattr(task, "run_command", command)
-    monkeypatch.setattr(engine, "_compile_kernels", lambda runs: None)
+    monkeypatch.setattr(worker, "worker_command", lambda: [sys.executable, "-c", WORKER, json.dumps(chosen)])
     return lambda **what: chosen.update(what)
 
 
@@ -126,6 +147,30 @@ def test_the_prescribed_number_of_runs_is_concurrent(tmp_path: Path, acts: Acts)
     with pytest.raises(KeyboardInterrupt):
         list(execute_runs(runs, Allocation(2, 1), tick=count))
     assert max(begun) == 2
+
+
+def processes(run: PlannedRun) -> list[str]:
+    """The process of each attempt."""
+    return (run.folder / "process").read_text().split()
+
+
+def test_a_process_executes_one_run_after_another(tmp_path: Path, acts: Acts, monkeypatch: pytest.MonkeyPatch) -> None:
+    """After a failure, and if it has much memory, a new one follows."""
+    acts(**{"a3": "killed once", "a2": "diverges", "a1.4": "leaves memory"})
+    runs = make_runs(tmp_path, "1,1.2,1.4,1.6,1.8,2,3,4,5")
+    list(execute_runs(runs, Allocation(1, 1)))
+    used = [one for run in reversed(runs) for one in processes(run)]  # the largest is the first: a5, a4, ...
+    order = [used.index(one) for one in used]
+    assert order == [0, 0, 0, 3, 3, 5, 5, 5, 8, 8]
+    assert not any(is_running(int(one)) for one in used)
+
+
+def is_running(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    return True
 
 
 def test_finished_runs_are_not_repeated(tmp_path: Path, acts: Acts) -> None:
@@ -201,7 +246,7 @@ def test_an_interruption_stops_the_runs_gracefully(tmp_path: Path, acts: Acts) -
 
 
 def test_a_run_that_does_not_end_is_killed(tmp_path: Path, acts: Acts, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(task, "GRACE", 0.5)
+    monkeypatch.setattr(worker, "GRACE", 0.5)
     signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell ignores it in commands in the background
     acts(a1="ignores SIGTERM")
     (run,) = make_runs(tmp_path, "1")
@@ -366,16 +411,55 @@ def test_a_folder_without_a_sweep(tmp_path: Path) -> None:
 
 def test_kernels_are_compiled_before_the_first_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     commands: list[list[str]] = []
-    monkeypatch.setattr(subprocess, "run", lambda command, **_: commands.append(command))
-    monkeypatch.setattr(task, "run_command", lambda *_: [sys.executable, "-c", ""])
+
+    def execute(self: Worker, arguments: list[str], *rest: object) -> tuple[int, str]:
+        commands.append(arguments)
+        return 1, ""
+
+    monkeypatch.setattr(Worker, "execute", execute)
+    monkeypatch.setattr(worker, "worker_command", lambda: [sys.executable, "-c", ""])
     monkeypatch.setattr(task, "RETRIES", 0)
     runs = plan_runs(
         "lube-cylinder", parse_axes("1,2", ["grid.spacing=0.02", "geometry.model=axisymmetric,plane"])[0], tmp_path
     )
     list(execute_runs(runs, Allocation(2, 1)))
     list(execute_runs(runs, Allocation(1, 1)))
-    assert [command[1:3] for command in commands] == [["-m", "mpmcol.sweep.compile_cache"]]
-    assert len(commands[0]) == 4 and "/a1-" in commands[0][3]  # both models use the same kernels
+    assert [command[0] for command in commands] == ["compile", *(8 * ["run"])]
+    assert len(commands[0]) == 2 and "/a1-" in commands[0][1]  # both models use the same kernels
+
+
+def test_a_worker_executes_runs_like_the_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The second run has the bits of a first one, and a refused case leaves its message."""
+    monkeypatch.setattr(worker, "PROCESS_BYTES", np.inf)  # the kernels may have been compiled in this process
+    short = ["grid.spacing=0.02", "stages.collapse.max_time_factor=0.1", "stages.equilibrate.max_time_factor=0.5"]
+    first, second = plan_runs("lube-cylinder", parse_axes("1,1.5", short)[0], tmp_path / "one")
+    (alone,) = plan_runs("lube-cylinder", parse_axes("1.5", short)[0], tmp_path / "other")
+    missing = str(tmp_path / "missing.toml")
+    with closing(Worker()) as both:
+        assert both.execute([COMPILE, str(write_case(first))], 1) == (0, "")
+        process = both.start(1)
+        for run in (first, second):
+            write_case(run)
+            assert execute_with(both, Task(run.folder, 1, code_version()), lambda: CONTINUE).status == "done"
+        assert both.start(1) is process
+        code, printed = both.execute(["run", missing], 1)
+        assert (code, missing in printed, "Traceback" in printed) == (2, True, False)
+        assert both.execute([COMPILE, missing], 1)[0] == 2
+        assert both.start(1) is not process and process.poll() is not None
+    write_case(alone)
+    assert execute_task(Task(alone.folder, 1, code_version())).status == "done"
+    states = [Results(run.folder).summary["state_sha256"] for run in (second, alone)]
+    assert states[0] == states[1]
+
+
+@pytest.mark.skipif(not Path("/proc/self/clear_refs").exists(), reason="only Linux can reset the peak")
+def test_the_peak_memory_of_a_run_is_its_own(capsys: pytest.CaptureFixture[str]) -> None:
+    large = np.ones(30_000_000)
+    before = peak_memory()
+    size = large.nbytes
+    del large
+    assert execute_in_worker(["cases"]) == 0 and "quickstart" in capsys.readouterr().out
+    assert peak_memory() < before - 0.9 * size
 
 
 @pytest.mark.parametrize(

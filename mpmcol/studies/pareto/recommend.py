@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from math import ceil, sqrt
+from math import ceil, inf, sqrt
 from pathlib import Path
 from typing import Any
 
@@ -81,21 +81,25 @@ def recommend(source: str | Path, overrides: Sequence[str], accuracy: float) -> 
     Raises:
         UsageError: there is none; the message shows the most accurate configuration.
     """
-    candidates = list(options(source, overrides))
+    accurate = list(options(source, overrides, accuracy))
+    if not accurate:
+        raise UsageError(_out_of_reach(list(options(source, overrides)), accuracy))
+    return min(accurate, key=lambda one: one.core_seconds)
+
+
+def _out_of_reach(candidates: Sequence[Recommendation], accuracy: float) -> str:
+    """Why no configuration is recommended."""
     if not candidates:
-        raise UsageError(
+        return (
             "every configuration of the study has too few cells for this column, or other settings that are unfit for "
             "it; set grid.spacing instead of an accuracy (mpmcol check reports unfit settings)"
         )
-    accurate = [one for one in candidates if one.error <= accuracy]
-    if not accurate:
-        best = min(candidates, key=lambda one: one.error)
-        raise UsageError(
-            f"no configuration of the study has errors of at most {100.0 * accuracy:.3g}% for cases like this one; the "
-            f"most accurate is\n{best}\n"
-            f"use --accuracy {ceil(1e3 * best.error) / 10.0:g}% or more, or set grid.spacing instead"
-        )
-    return min(accurate, key=lambda one: one.core_seconds)
+    best = min(candidates, key=lambda one: one.error)
+    return (
+        f"no configuration of the study has errors of at most {100.0 * accuracy:.3g}% for cases like this one; the "
+        f"most accurate is\n{best}\n"
+        f"use --accuracy {ceil(1e3 * best.error) / 10.0:g}% or more, or set grid.spacing instead"
+    )
 
 
 def finer_grid(source: str | Path, overrides: Sequence[str], advice: Recommendation) -> float:
@@ -104,32 +108,57 @@ def finer_grid(source: str | Path, overrides: Sequence[str], advice: Recommendat
     return min((cells for cells in finer if cells > advice.cells), default=round(sqrt(2.0) * advice.cells))
 
 
-def options(source: str | Path, overrides: Sequence[str]) -> Iterator[Recommendation]:
-    """Yield the selectable configurations of the study for a case, with their errors and costs.
+def options(source: str | Path, overrides: Sequence[str], accuracy: float = inf) -> Iterator[Recommendation]:
+    """Yield the selectable configurations of the study for a case that have this accuracy, with errors and costs.
 
     Those that would cause warnings are omitted, for example grids with few cells in the height of a flat column.
     """
     case = load_case(source, overrides)
     cases = neighbouring_cases(parameters_of(case))
-    for (variant, cells), group in studied_configurations(cases).items():
+    for (variant, cells), group in covered_configurations(cases).items():
+        errors = largest_errors(group)
+        if max(errors.values()) > accuracy:
+            continue
         values = completed(source, overrides, configuration_values(case, variant, cells))
         if values is None:
             continue
         configured = load_case(source, [*overrides, *as_overrides(values)])
         pace = max(one.seconds_per_point_step for one in group)
         cost = pace * PlannedRun({}, configured, Path()).work
-        differences = differences_from_study(configured, variant, cases)
-        yield Recommendation(variant, cells, values, largest_errors(group), cases, cost, differences)
+        differences = [*differences_from_study(configured, variant, cases), *_finer_than_studied(cells, group)]
+        yield Recommendation(variant, cells, values, errors, cases, cost, differences)
 
 
 def studied_configurations(cases: Sequence[str]) -> dict[tuple[str, float], list[ShippedConfiguration]]:
     """Return the selectable configurations that were studied in all `cases`, by variant and r_i / h."""
+    covered = covered_configurations(cases)
+    return {
+        (name, cells): group for (name, cells), group in covered.items() if all(one.cells == cells for one in group)
+    }
+
+
+def covered_configurations(cases: Sequence[str]) -> dict[tuple[str, float], list[ShippedConfiguration]]:
+    """Return the selectable configurations for which all `cases` have error bounds, by variant and r_i / h.
+
+    A bound also holds for the finer grids of its variant (`ErrorBound`). For a grid that is finer than all of a case,
+    the finest configuration of that case is therefore in the group.
+    """
     variants = shipped_study().variants
-    groups: dict[tuple[str, float], list[ShippedConfiguration]] = {}
+    grids: dict[str, dict[str, dict[float, ShippedConfiguration]]] = {}  # variant -> case -> r_i / h
     for one in shipped_configurations():
         if one.case in cases and one.bounds and variants[one.variant].selectable:
-            groups.setdefault((one.variant, one.cells), []).append(one)
+            grids.setdefault(one.variant, {}).setdefault(one.case, {})[one.cells] = one
+    groups = {
+        (variant, cells): [found for own in by_case.values() if (found := _covering(own, cells))]
+        for variant, by_case in grids.items()
+        for cells in sorted({cells for own in by_case.values() for cells in own})
+    }
     return {configuration: group for configuration, group in groups.items() if len(group) == len(cases)}
+
+
+def _covering(own: Mapping[float, ShippedConfiguration], cells: float) -> ShippedConfiguration | None:
+    """The configuration of a case and variant whose bound holds at r_i / h = cells."""
+    return own.get(min(cells, max(own)))
 
 
 def largest_errors(group: Sequence[ShippedConfiguration]) -> dict[str, float]:
@@ -166,6 +195,12 @@ def _compared(case: Case) -> Mapping[str, Any]:
         for key, value in leaf_values(case).items()
         if key.startswith(COMPARED) and not key.startswith(omitted)
     }
+
+
+def _finer_than_studied(cells: float, group: Sequence[ShippedConfiguration]) -> Iterator[str]:
+    coarsest = min(one.cells for one in group)
+    if coarsest < cells:
+        yield f"r_i/h = {cells:g}, in the study up to {coarsest:g}"
 
 
 def _outside_range(case: Case) -> Iterator[str]:

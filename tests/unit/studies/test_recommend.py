@@ -16,7 +16,7 @@ from mpmcol.cli.accuracy import narrower_bars
 from mpmcol.errors import UsageError
 from mpmcol.io.results import Results
 from mpmcol.setup.discretization import discretize
-from mpmcol.studies.pareto import recommend, savings
+from mpmcol.studies.pareto import recommend, savings, shipped
 from mpmcol.studies.pareto.certify import error_bar
 from mpmcol.studies.pareto.savings import propose
 from mpmcol.studies.pareto.score import BETA, ZETA
@@ -67,6 +67,23 @@ def test_the_cheapest_accurate_configuration_is_recommended() -> None:
 def test_an_accuracy_is_proposed_only_if_the_study_permits_it() -> None:
     assert narrower_bars("lube-cylinder", (), 0.1) == "a finer grid makes it narrower: --accuracy 5%"
     assert "no configuration with half the error" in narrower_bars("lube-cylinder", (), 0.03)
+
+
+def test_a_bound_holds_for_grids_finer_than_the_finest_of_a_neighbouring_case(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One neighbour was studied up to r_i/h = 40, the other, which needs a finer grid, up to 80."""
+    needed, other = "cylinder, a = 0.9", "cylinder, a = 2.75"
+    studied = [one for one in configurations() if one.case == other and one.cells != 20.0]
+    for cells, error in ((10.0, 0.2), (20.0, 0.12), (40.0, 0.09), (80.0, 0.02)):
+        studied.append(ShippedConfiguration(needed, "light", cells, 3e-8, {}, dict.fromkeys((ZETA, BETA), error)))
+    monkeypatch.setattr(recommend, "shipped_configurations", lambda: tuple(studied))
+    between = ("geometry.aspect=1.5",)
+    found = recommend.recommend("lube-cylinder", between, 0.05)
+    assert (found.cells, found.error) == (80.0, 0.02)  # 0.0191 of the other case at 40
+    assert found.differences[-1] == "r_i/h = 80, in the study up to 40"
+    offered = {(one.variant, one.cells) for one in recommend.options("lube-cylinder", between)}
+    assert offered == {("light", 10.0), ("light", 40.0), ("light", 80.0)}  # at 20 the other case has a gap
+    cases = [needed, other]
+    assert set(recommend.studied_configurations(cases)) == {("light", 10.0), ("light", 40.0)}
 
 
 def test_differences_from_the_study_are_reported(tmp_path: Path) -> None:
@@ -195,6 +212,14 @@ def test_a_sweep_names_the_runs_for_which_no_configuration_is_accurate() -> None
     assert (refused.exit_code, refused.stdout) == (2, "")
     for run in ("run a0.9: ", "run a2: "):
         assert f"{run}no configuration of the study has errors of at most 1%" in refused.stderr
+
+
+def test_the_shipped_study_has_five_percent_for_the_columns_of_the_paper(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The documented command `mpmcol sweep --aspect 0.5:7 --accuracy 5%` is not refused."""
+    monkeypatch.setattr(recommend, "shipped_configurations", shipped.shipped_configurations)
+    for case in ("cylinder", "channel"):
+        for a in np.arange(0.5, 7.5, 0.5):
+            assert recommend.recommend(case, (f"geometry.aspect={a}",), 0.05).error <= 0.05
 
 
 @pytest.mark.parametrize("cells", [(14, 20, 28), (20, 28, 40, 56)])
