@@ -9,7 +9,6 @@ from __future__ import annotations
 import contextlib
 import functools
 import hashlib
-import math
 import os
 import platform
 import shutil
@@ -20,19 +19,9 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any, TypeVar
 
+from mpmcol.mpm.spin_count import spin_count
+
 os.environ.setdefault("NUMBA_THREADING_LAYER_PRIORITY", "omp tbb workqueue")
-
-
-def spin_count() -> int:
-    """Turns of a loop in which an idle thread waits for the next phase before it yields its core.
-
-    A thread that has yielded starts 50 microseconds late: on an idle machine it waits for some 0.2 ms. With other
-    programs on the same cores a step would then take three times longer, and a hundred times with the milliseconds that
-    libgomp waits by default.
-    """
-    busy = os.getloadavg()[0] if hasattr(os, "getloadavg") else math.inf
-    return 10_000 if busy <= 0.25 * (os.cpu_count() or 1) else 1_000
-
 
 os.environ.setdefault("GOMP_SPINCOUNT", str(spin_count()))  # read when libgomp is loaded
 
