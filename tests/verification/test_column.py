@@ -105,7 +105,8 @@ def test_active_thrust_on_the_gate(d: int) -> None:
     solver, width = sand_behind_a_gate(10, d, width=4), 0.4 * HEIGHT
     solver.sort()
     clear(solver.grid, solver.tiles)
-    make_p2g(d, "quadratic")(solver.points.rows.reshape(-1), solver.grid, solver.tiles, solver.settings)
+    state = solver.state()
+    make_p2g(d, "quadratic")(state.rows, state.grid, state.tiles, state.shares, state.settings)
     thrust = 0.5 * K_ACTIVE * DENSITY * G * HEIGHT**2 * width ** (d - 2)
     assert pytest.approx(0.2948, abs=5e-5) == K_ACTIVE
     points = solver.points

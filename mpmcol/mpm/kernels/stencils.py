@@ -26,7 +26,7 @@ from mpmcol.mpm.kernels.transfer_common import quadratic_stencil
 from mpmcol.mpm.lanes import LANES, RECORD_SIZE, X, Y, Z
 from mpmcol.mpm.settings import Settings
 from mpmcol.mpm.shape_functions.quadratic import spline_lanes
-from mpmcol.mpm.simd import element, extract, fma, load, splat, spread, store, vector
+from mpmcol.mpm.simd import element, extract, fma, load, splat, spread, store, strided
 from mpmcol.mpm.wall_cells import NEAR_WALL
 
 BASE, W, G, D, BLOCK = 0, LANES, 4 * LANES, 7 * LANES, 10 * LANES
@@ -44,11 +44,11 @@ def make_find_stencils(dimension: int, distances: bool) -> Callable[..., None]:
     def find_stencils(rows, o, count, grid, settings, stencils):
         """Write the stencils of `count` <= 8 points, the first of whose records starts at `o`, Eq. (17)-(18)."""
         correction = settings.kernel_correction
-        x, y = _lane_of_eight(rows, o + X, size), _lane_of_eight(rows, o + Y, size)
+        x, y = strided(rows, o + X, size), strided(rows, o + Y, size)
         _store_axis(x, grid.origin_x, grid.n_x, grid.h, correction, distances, stencils, AXIS_X)
         _store_axis(y, grid.origin_y, grid.n_y, grid.h, correction, distances, stencils, AXIS_Y)
         if dimension == 3:
-            z = _lane_of_eight(rows, o + Z, size)
+            z = strided(rows, o + Z, size)
             _store_axis(z, grid.origin_z, grid.n_z, grid.h, correction, distances, stencils, AXIS_Z)
         fold_at_walls(grid.wall_cells, rows, o, count, grid, settings, stencils)
 
@@ -68,15 +68,6 @@ def make_find_stencils(dimension: int, distances: bool) -> Callable[..., None]:
                 _store_point(load(rows, o + k * size), dimension, distances, grid, settings, stencils, k)
 
     return find_stencils
-
-
-@device
-def _lane_of_eight(rows: np.ndarray, o: int, size: int) -> Any:
-    """A vector of one number of eight successive records of `size` doubles, that of the first at `o`."""
-    return vector(
-        rows[o], rows[o + size], rows[o + 2 * size], rows[o + 3 * size],
-        rows[o + 4 * size], rows[o + 5 * size], rows[o + 6 * size], rows[o + 7 * size],
-    )  # fmt: skip
 
 
 @device

@@ -36,6 +36,7 @@ from mpmcol.mpm.simd.vectors import (
     sqrt,
     store,
     store_eight,
+    strided,
     swap_halves,
     transpose,
     vector,
@@ -94,6 +95,20 @@ def _element(typingctx, array, index):
         return builder.load(_pointer(context, builder, signature.args[0], args[0], position, kind))
 
     return array.dtype(array, index), codegen
+
+
+@intrinsic
+def _strided(typingctx, array, index, stride):
+    def codegen(context, builder, signature, args):
+        position, step = (context.cast(builder, args[k], signature.args[k], types.intp) for k in (1, 2))
+        value = _ZERO
+        for k in range(LANES):
+            address = _pointer(context, builder, signature.args[0], args[0], position, _DOUBLE)
+            value = builder.insert_element(value, builder.load(address), _INT(k))
+            position = builder.add(position, step)
+        return value
+
+    return vec8(array, index, stride), codegen
 
 
 @intrinsic
@@ -366,6 +381,7 @@ _declare(operator.neg, lambda a: (lambda a: _negative(a)) if a == vec8 else None
 _declare(abs, lambda a: (lambda a: _magnitude(a)) if a == vec8 else None)
 _declare(load, lambda array, index: lambda array, index: _load(array, index))
 _declare(element, lambda array, index: lambda array, index: _element(array, index))
+_declare(strided, lambda array, index, stride: lambda array, index, stride: _strided(array, index, stride))
 _declare(spread, lambda array, index: lambda array, index: _spread(array, index))
 _declare(prefetch, lambda array, index: lambda array, index: _prefetch(array, index))
 _declare(store, lambda array, index, value: lambda array, index, value: _store(array, index, value))

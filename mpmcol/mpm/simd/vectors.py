@@ -22,6 +22,12 @@ def element(array: np.ndarray, index: int) -> Any:
     return array[index]
 
 
+def strided(array: np.ndarray, index: int, stride: int) -> np.ndarray:
+    """Eight doubles of a flat array, `stride` apart, the first at `index`; undefined beyond the end of the array."""
+    found = array[index : index + LANES * stride : stride]
+    return np.pad(found, (0, LANES - len(found)))
+
+
 def spread(array: np.ndarray, index: int) -> np.ndarray:
     """One double of a flat array in all lanes."""
     return np.full(LANES, array[index])
