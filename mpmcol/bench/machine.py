@@ -55,9 +55,9 @@ class Machine(NamedTuple):
 def measure_machine(threads: int, working_set: int) -> Machine:
     """Best of several measurements, on as many bytes as the points and nodes of a case take."""
     set_threads(threads)
-    n = max(working_set // (2 * BYTES * LANES), 1) * LANES
-    source, target = aligned_zeros(n), aligned_zeros(n)
-    seconds = _best(lambda: _stream(source, target))
+    n = max(working_set // (BYTES * LANES), 1) * LANES
+    array = aligned_zeros(n)
+    seconds = _best(lambda: _stream(array))
     sums = np.zeros(BLOCKS)
     rate = BLOCKS * ROUNDS * CHAINS / _best(lambda: _multiply_add(sums, 0.999, ROUNDS))
     return Machine(2.0 * n * BYTES / seconds * 1e-9, rate * 1e-9)
@@ -75,10 +75,10 @@ def _best(action: Any) -> float:
 
 
 @kernel
-def _stream(source, target):
-    """Reads: source. Writes: target. Eq. none."""
-    for k in prange(len(source) // LANES):
-        store(target, k * LANES, load(source, k * LANES) * 0.5)
+def _stream(array):
+    """Update in place, as of points: a copy would also read what it overwrites. Reads, writes: array. Eq. none."""
+    for k in prange(len(array) // LANES):
+        store(array, k * LANES, load(array, k * LANES) * 0.5)
 
 
 @kernel
