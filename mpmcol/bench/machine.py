@@ -12,10 +12,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mpmcol.mpm.grid import NODE
-from mpmcol.mpm.jit import kernel, prange, set_threads
+from mpmcol.mpm.jit import kernel, prange
 from mpmcol.mpm.lanes import RECORD_SIZE
 from mpmcol.mpm.particles import aligned_zeros
 from mpmcol.mpm.simd import LANES, fma, load, reduce_sum, splat, store
+from mpmcol.mpm.threads import set_threads
 
 BYTES = 8
 CHAINS, BLOCKS, ROUNDS = 8, 64, 20_000

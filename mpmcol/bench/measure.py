@@ -16,10 +16,10 @@ from mpmcol.bench.machine import measure_machine
 from mpmcol.bench.plain_loops.common import PlainState, plain_state
 from mpmcol.bench.report import BenchmarkCase, Row, Spread
 from mpmcol.mpm.grid import NODE
-from mpmcol.mpm.jit import set_threads
 from mpmcol.mpm.lanes import LANES, RECORD_SIZE
 from mpmcol.mpm.particles import aligned_zeros
 from mpmcol.mpm.solver import Solver
+from mpmcol.mpm.threads import set_threads
 
 SORT_INTERVAL = 50  # steps between sorts; 50 to 100 in a fast collapse
 

@@ -10,8 +10,8 @@ from mpmcol.bench.cases import make_solver
 from mpmcol.bench.measure import QUICK, Effort, advance, vector_steps
 from mpmcol.bench.scaling_report import ScalingCase, ScalingRow, measured_row, predicted_row
 from mpmcol.mpm.grid import Tiles
-from mpmcol.mpm.jit import set_threads
 from mpmcol.mpm.solver import Solver
+from mpmcol.mpm.threads import set_threads
 
 KINDS = ("strong", "weak")
 MODELLED = (4, 8, 16, 32, 64)  # numbers of threads in the table whether this machine has as many cores or not

@@ -6,7 +6,7 @@ import numpy as np
 
 from mpmcol.mpm.grid import Tiles, share_tiles
 
-USEFUL_THREADS = 8  # per tile: more do not change the largest share
+USEFUL_THREADS = 8  # per tile: with more the largest share is hardly smaller
 
 
 def points_of_groups(tiles: Tiles) -> list[np.ndarray]:

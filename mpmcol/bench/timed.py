@@ -64,8 +64,9 @@ def make_vector_steps(dimension: int, column_law: ConstitutiveLaw, base_law: Con
             times[k, 1] = seconds()
             side_rate = dt * contacts.side_friction
             update_points(
-                rows, grid, spare, tiles, shares, settings, column, base, c2_column, c2_base, dt, side_rate, tile_report
-            )
+                rows, grid, spare, tiles, shares, settings, column, base, c2_column, c2_base, dt, side_rate, True,
+                tile_report,
+            )  # fmt: skip
             times[k, 2] = seconds()
             sum_nodes(node_report, ledger)
             sum_points(tile_report, ledger, clock, settings.cfl * grid.h)

@@ -79,7 +79,7 @@ def bench(
     from mpmcol.bench.cases import MODELS
     from mpmcol.bench.measure import FULL, QUICK, measure_case
     from mpmcol.bench.report import load_report, make_report, table_lines
-    from mpmcol.mpm.jit import set_threads
+    from mpmcol.mpm.threads import set_threads
     from mpmcol.setup.memory import BYTES_PER_POINT, require_memory
 
     most = max(points or (0,))
@@ -107,7 +107,7 @@ def _print_scaling(
     from mpmcol.bench.cases import MODELS
     from mpmcol.bench.scaling import KINDS, SCALING_FULL, SCALING_QUICK, choose_threads, measure_scaling
     from mpmcol.bench.scaling_report import make_scaling_report, scaling_lines
-    from mpmcol.mpm.jit import set_threads
+    from mpmcol.mpm.threads import set_threads
     from mpmcol.setup.memory import BYTES_PER_POINT, require_memory
 
     counts = choose_threads(threads, set_threads(None))

@@ -14,7 +14,7 @@ from mpmcol.failure_modes.report import write_report
 from mpmcol.failure_modes.scenario import ScenarioOutcome, run_scenario
 from mpmcol.failure_modes.scenarios import select_scenarios
 from mpmcol.io.atomic import make_folder
-from mpmcol.mpm.jit import set_threads
+from mpmcol.mpm.threads import set_threads
 
 Observer = Callable[[ScenarioOutcome], None]  # called after each scenario
 

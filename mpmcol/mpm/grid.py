@@ -61,10 +61,10 @@ def share_tiles(tiles: Tiles, threads: int) -> np.ndarray:
     points = np.concatenate(([0], np.cumsum(np.diff(tiles.start)[tiles.grouped])))  # before each position
     first, stop = tiles.group_start[:-1], tiles.group_start[1:]
     shares = np.linspace(points[first], points[stop], threads + 1, axis=-1)
-    above = np.clip(np.searchsorted(points, shares), 1, max(len(points) - 1, 1))
-    nearest = above - (shares - points[above - 1] < points[above] - shares) if len(points) > 1 else 0 * above
+    above = np.maximum(np.searchsorted(points, shares), 1)
+    nearest = above - (shares - points[above - 1] < points[above] - shares)
     nearest[:, 0], nearest[:, -1] = first, stop
-    return nearest.astype(np.int64)
+    return nearest
 
 
 def no_tiles() -> Tiles:

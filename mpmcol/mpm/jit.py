@@ -1,4 +1,4 @@
-"""How code is compiled: decorators and compiler flags, threads, and the folder of the disk cache.
+"""How code is compiled: decorators and compiler flags, and the folder of the disk cache.
 
 Numba's disk cache does not detect edits of helpers in other files, so the name of the cache folder is a hash of all
 sources of compiled code. It is set here, before any kernel is declared.
@@ -12,9 +12,8 @@ import hashlib
 import os
 import platform
 import shutil
-import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from importlib import metadata
 from pathlib import Path
 from typing import Any, TypeVar
@@ -22,7 +21,6 @@ from typing import Any, TypeVar
 from mpmcol.mpm.spin_count import spin_count
 
 os.environ.setdefault("NUMBA_THREADING_LAYER_PRIORITY", "omp tbb workqueue")
-
 os.environ.setdefault("GOMP_SPINCOUNT", str(spin_count()))  # read when libgomp is loaded
 
 import numba
@@ -32,7 +30,6 @@ from numba.core.caching import FunctionCache
 from numba.extending import overload, register_jitable, typeof_impl
 from numba.np.unsafe.ndarray import to_fixed_tuple
 
-from mpmcol.errors import UsageError
 from mpmcol.mpm.cache_folder import cache_root
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -81,6 +78,7 @@ os.environ["NUMBA_CACHE_DIR"] = str(CACHE_FOLDER)
 _config: Any = numba.config
 _config.CACHE_DIR = str(CACHE_FOLDER)
 JIT_DISABLED = bool(_config.DISABLE_JIT)
+THREAD_LIMIT = int(_config.NUMBA_NUM_THREADS)  # that Numba may use
 
 
 class _TolerantCache(FunctionCache):
@@ -225,81 +223,3 @@ def compile_for(function: Any, signature: Any) -> None:
     """Compile a subroutine, phase, kernel or driver for arguments of these types, or load it from the disk cache."""
     if not JIT_DISABLED:
         getattr(function, "compiled", function).compile(signature)
-
-
-_forked_with_threads = False  # whether this process is a child forked from one that had started threads
-_only_caller = threading.Lock()
-
-
-def _record_fork() -> None:
-    """Called in every forked child."""
-    global _forked_with_threads, _only_caller
-    _forked_with_threads = _forked_with_threads or _threading_layer() != ""
-    _only_caller = threading.Lock()  # the thread that may hold the other one does not exist here
-
-
-if hasattr(os, "register_at_fork"):
-    os.register_at_fork(after_in_child=_record_fork)
-
-
-def _threading_layer() -> str:
-    """The library whose threads Numba uses, "" before the first parallel loop was prepared."""
-    try:
-        return str(numba.threading_layer())
-    except ValueError:
-        return ""
-
-
-def require_threads() -> None:
-    """Raise UsageError in a forked child whose parent had started threads; the child would wait for them for ever."""
-    if _forked_with_threads:
-        raise UsageError(
-            "this process was forked from one that had already computed, and threads do not survive a fork; start "
-            'processes by multiprocessing.get_context("spawn") or "forkserver", or fork before the first computation'
-        )
-
-
-@contextlib.contextmanager
-def compiled_calls(compiling: bool = False) -> Iterator[None]:
-    """Context of calls of compiled functions from Python, which several threads of Python may enter.
-
-    Only one at a time compiles, and only one at a time computes if the threading layer allows no more.
-
-    Raises:
-        UsageError: see `require_threads`.
-    """
-    require_threads()
-    if compiling or _threading_layer() == "workqueue":
-        with _only_caller:
-            yield
-    else:
-        yield
-
-
-def threads_in_use() -> int:
-    """Number of threads of the next call from the present thread of Python."""
-    return int(numba.get_num_threads())
-
-
-def set_threads(threads: int | None) -> int:
-    """Use `threads` threads for calls from the present thread of Python; returns the number in use.
-
-    None: all that Numba may use, or OMP_NUM_THREADS if that is fewer.
-
-    Raises:
-        UsageError: the library that NUMBA_THREADING_LAYER names is not installed, or see `require_threads`.
-    """
-    require_threads()
-    limit: int = _config.NUMBA_NUM_THREADS
-    allowed = os.environ.get("OMP_NUM_THREADS", "").partition(",")[0]  # further numbers are of nested levels
-    default = int(allowed) if allowed.isdecimal() else limit
-    chosen = max(1, min(default if threads is None else threads, limit))
-    try:
-        numba.set_num_threads(chosen)
-    except ValueError as missing:
-        layer = os.environ.get("NUMBA_THREADING_LAYER", "")
-        raise UsageError(
-            f"NUMBA_THREADING_LAYER = {layer!r} is not available here; remove this variable, or set it to omp or "
-            "workqueue"
-        ) from missing
-    return chosen

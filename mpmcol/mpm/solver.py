@@ -11,7 +11,6 @@ import numpy as np
 from mpmcol.mpm.constitutive import ConstitutiveLaw
 from mpmcol.mpm.contact import Contacts, no_contacts
 from mpmcol.mpm.grid import Grid, Tiles, no_tiles, share_tiles
-from mpmcol.mpm.jit import compiled_calls, threads_in_use
 from mpmcol.mpm.kernels import loop
 from mpmcol.mpm.kernels.compilation import (
     compile_stress_update,
@@ -26,6 +25,7 @@ from mpmcol.mpm.lanes import RECORD_SIZE
 from mpmcol.mpm.particles import BASE, COLUMN, Points, aligned_zeros
 from mpmcol.mpm.settings import PAPER, Scheme, Settings
 from mpmcol.mpm.shape_functions import SHAPE_FUNCTIONS
+from mpmcol.mpm.threads import compiled_calls, threads_in_use
 
 CALL_SECONDS = 0.2  # duration of a call of the compiled loop; Python handles signals between calls
 _FIRST_CALL_STEPS = 4

@@ -10,8 +10,8 @@ import numpy as np
 from mpmcol.case import Case
 from mpmcol.case.slope import slope_factor
 from mpmcol.mpm.grid import NODE
-from mpmcol.mpm.jit import set_threads
 from mpmcol.mpm.solver import Solver
+from mpmcol.mpm.threads import set_threads
 from mpmcol.setup.discretization import Discretization
 from mpmcol.setup.memory import memory_bytes
 from mpmcol.setup.model import build_model, make_solver

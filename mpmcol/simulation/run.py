@@ -15,9 +15,10 @@ from mpmcol.io.names import CHECKPOINT_FILES
 from mpmcol.io.results import Results
 from mpmcol.io.run_folder import prepare_folder, reopen_folder, write_pressure, write_result
 from mpmcol.io.run_log import run_log
-from mpmcol.mpm.jit import CACHE_NOTE, set_threads
+from mpmcol.mpm.jit import CACHE_NOTE
 from mpmcol.mpm.kernels import loop
 from mpmcol.mpm.particles import Points
+from mpmcol.mpm.threads import set_threads
 from mpmcol.provenance import code_version
 from mpmcol.setup.cores import thread_note
 from mpmcol.setup.model import Model, build_model, make_solver

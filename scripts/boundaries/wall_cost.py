@@ -8,8 +8,8 @@ import time
 import numpy as np
 
 from mpmcol.case import load_case
-from mpmcol.mpm.jit import set_threads
 from mpmcol.mpm.solver import Solver
+from mpmcol.mpm.threads import set_threads
 from mpmcol.setup.model import build_model, make_solver, set_boundaries
 
 START = 0.2  # s after the release: the dam has stopped the flow

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from mpmcol.bench.cases import make_solver
-from mpmcol.mpm.jit import set_threads
+from mpmcol.mpm.threads import set_threads
 from scripts.peers.problem import from_solver
 
 Advance = Callable[[int], None]

@@ -12,8 +12,8 @@ import time
 import numpy as np
 
 from mpmcol.bench.cases import GRAVITY, MATERIAL, MODELS, make_solver
-from mpmcol.mpm.jit import set_threads
 from mpmcol.mpm.solver import Solver
+from mpmcol.mpm.threads import set_threads
 from mpmcol.setup.model import FILTER_OPENING, FLOW_SHEAR_RATE
 
 POINTS, STEPS, ROUNDS = 20_000, 40, 30

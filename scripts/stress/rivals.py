@@ -18,10 +18,10 @@ import numpy as np
 from mpmcol.case import Case, load_case
 from mpmcol.measure import measure
 from mpmcol.measure.stress import cell_means, stress_quality
-from mpmcol.mpm.jit import set_threads
 from mpmcol.mpm.kernels import loop
 from mpmcol.mpm.particles import BASE, Points
 from mpmcol.mpm.solver import Solver
+from mpmcol.mpm.threads import set_threads
 from mpmcol.setup.model import build_model, stress_filter_settings
 from mpmcol.simulation.energy import stored_energies
 from mpmcol.simulation.run import start

@@ -18,7 +18,7 @@ from tests.support.runs import TINY
 
 CHINESE = "\u67f1.toml"  # "column"
 CACHE = "from mpmcol.mpm.jit import CACHE_FOLDER, CACHE_NOTE\nprint(CACHE_FOLDER)\nprint(CACHE_NOTE)"
-THREADS = "from mpmcol.mpm.jit import set_threads\nprint(set_threads(None))"
+THREADS = "from mpmcol.mpm.threads import set_threads\nprint(set_threads(None))"
 
 
 def run(*command: str, **environment: str) -> subprocess.CompletedProcess[str]:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numba
 import pytest
 
-from mpmcol.mpm.jit import set_threads
+from mpmcol.mpm.threads import set_threads
 
 
 @pytest.fixture(autouse=True)

@@ -13,7 +13,7 @@ from tests.support.sand_column import OTHER_SCHEME, state_digest
 
 ROOT = Path(__file__).absolute().parents[2]
 IN_ANOTHER_PROCESS = """
-from mpmcol.mpm.jit import set_threads
+from mpmcol.mpm.threads import set_threads
 from tests.support.sand_column import OTHER_SCHEME, state_digest
 for threads in (1, 2, 4):
     count = set_threads(threads)

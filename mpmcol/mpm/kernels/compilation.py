@@ -91,16 +91,16 @@ def compile_stress_update(
     state: State, dimension: int, column_law: ConstitutiveLaw, base_law: ConstitutiveLaw, scheme: Scheme
 ) -> None:
     """Compile the phase that contains the stress update, or load it from the cache."""
-    is_last = scheme.stress_order == "usl"
-    make = make_update_points if is_last else make_update_stresses
-    following, pending = ((state.spare,), ()) if is_last else ((), (np.zeros(0),))
-    shares = (state.shares,) if is_last else ()
-    dt, side_rate = 0.0, 0.0
-    types = argument_types(
-        state.rows, state.grid, *following, state.tiles, *shares, state.settings, *state.bodies, dt, side_rate,
-        *pending, state.tile_report,
-    )  # fmt: skip
-    compile_for(make(dimension, column_law, base_law, scheme), types)
+    rows, grid, spare, _, tiles, shares, settings, bodies, _, _, report, _, _ = state
+    dt, side_rate, has_next, pending = 0.0, 0.0, True, np.zeros(0)
+    if scheme.stress_order == "usl":
+        update_points = make_update_points(dimension, column_law, base_law, scheme)
+        types = argument_types(rows, grid, spare, tiles, shares, settings, *bodies, dt, side_rate, has_next, report)
+        compile_for(update_points, types)
+    else:
+        update_stresses = make_update_stresses(dimension, column_law, base_law, scheme)
+        types = argument_types(rows, grid, tiles, settings, *bodies, dt, side_rate, pending, report)
+        compile_for(update_stresses, types)
 
 
 if __name__ == "__main__":

@@ -109,14 +109,15 @@ def make_time_loop(
         contacts = state.contacts
         pending = np.empty(pending_size * (len(state.rows) // size))
         grid, spare, fault = state.grid, state.spare, NO_FAULT
-        begin(state)
         for k in range(steps):
             if fault != NO_FAULT or clock[TIME] >= end or not is_sorted(clock, travel_limit):
                 break
-            if in_turn and k > 0:
+            if k == 0:
+                begin(state)
+            elif in_turn:
                 grid, spare = spare, grid
             dt = clock[DT]
-            step(state, grid, spare, dt, pending)
+            step(state, grid, spare, dt, k + 1 < steps and clock[TIME] + dt < end, pending)
             if plane and contacts.side_friction > 0.0:
                 sum_side_work(state.tile_report[:, SIDE_WORK], contacts)
             sum_nodes(state.node_report, ledger)

@@ -36,7 +36,7 @@ def make_g2p(dimension: int, scheme: Scheme) -> Callable[..., None]:
     def g2p(rows, grid, tiles, settings, dt, pending, report):
         """Move all points. With MUSL they keep their positions for now; `pending` (n, 8) receives the new vectors 0.
 
-        Reads: nodes (v~, a). Writes: rows, pending, report (n_tiles, 6). Eq. (26)-(28).
+        Reads: nodes (v~, a). Writes: rows, pending, report (n_tiles, 7). Eq. (26)-(28).
         """
         start = tiles.start
         for t in prange(len(start) - 1):
@@ -75,7 +75,7 @@ def make_update_stresses(
     def update_stresses(rows, grid, tiles, settings, column, base, c2_column, c2_base, dt, side_rate, pending, report):
         """Update the stress of all points, whose own gradient is unchanged; with MUSL they then move to `pending`.
 
-        Reads: nodes (v, q), pending. Writes: rows, report (n_tiles, 6). Eq. (28)-(34), c_p + |v_p| of Eq. (35)-(36).
+        Reads: nodes (v, q), pending. Writes: rows, report (n_tiles, 7). Eq. (28)-(34), c_p + |v_p| of Eq. (35)-(36).
         """
         nodes, start, layers, cells = grid.nodes, tiles.start, tiles.layers, tiles.cells
         box, everywhere = column_box(grid, settings), Box(-np.inf, np.inf, np.inf, -np.inf, np.inf)

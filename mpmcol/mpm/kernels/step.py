@@ -45,8 +45,9 @@ class State(NamedTuple):
 class Steps(NamedTuple):
     """Compiled functions of a scheme.
 
-    begin(state) prepares the nodes for the first step of a call. step(state, grid, spare, dt, pending) is one step on
-    the nodes of `grid`; `pending` (n, 8) is a buffer for MUSL.
+    begin(state) prepares the nodes for the first step of a call. step(state, grid, spare, dt, has_next, pending) is one
+    step on the nodes of `grid`, and prepares those of `spare` if the call has a next one; `pending` (n, 8) is a buffer
+    for MUSL.
     """
 
     begin: Callable[..., Any]
@@ -82,15 +83,16 @@ def _make_usl(dimension: int, column_law: ConstitutiveLaw, base_law: Constitutiv
 
     @device
     @variant(dimension, column_law, base_law, *scheme)
-    def usl(state, grid, spare, dt, pending):
+    def usl(state, grid, spare, dt, has_next, pending):
         """Nodes, then points and their stress, and P2G of the next step."""
         rows, _, _, contacts, tiles, shares, settings, bodies, smallest_mass, node_report, tile_report, _, _ = state
         column, base, c2_column, c2_base = bodies
         side_rate = dt * contacts.side_friction
         update_grid(grid, spare.nodes, contacts, tiles, settings, smallest_mass, dt, node_report)
         update_points(
-            rows, grid, spare, tiles, shares, settings, column, base, c2_column, c2_base, dt, side_rate, tile_report
-        )
+            rows, grid, spare, tiles, shares, settings, column, base, c2_column, c2_base, dt, side_rate, has_next,
+            tile_report,
+        )  # fmt: skip
 
     return Steps(make_begin(dimension, scheme), usl)
 
@@ -101,7 +103,7 @@ def _make_usf(dimension: int, column_law: ConstitutiveLaw, base_law: Constitutiv
 
     @device
     @variant(dimension, column_law, base_law, *scheme)
-    def usf(state, grid, spare, dt, pending):
+    def usf(state, grid, spare, dt, has_next, pending):
         """Stress from the nodal velocities of P2G, then nodes, then points."""
         rows, _, _, contacts, tiles, shares, settings, bodies, smallest_mass, node_report, tile_report, _, _ = state
         column, base, c2_column, c2_base = bodies
@@ -126,7 +128,7 @@ def _make_musl(dimension: int, column_law: ConstitutiveLaw, base_law: Constituti
 
     @device
     @variant(dimension, column_law, base_law, *scheme)
-    def musl(state, grid, spare, dt, pending):
+    def musl(state, grid, spare, dt, has_next, pending):
         """Nodes, then points, then stress from the nodal velocities that follow from the new point velocities."""
         rows, _, _, contacts, tiles, shares, settings, bodies, smallest_mass, node_report, tile_report, _, _ = state
         column, base, c2_column, c2_base = bodies

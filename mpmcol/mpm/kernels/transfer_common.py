@@ -30,6 +30,13 @@ def prefetch_record(rows: np.ndarray, size: int, p: int) -> None:
 
 
 @device
+def prefetch_ahead(rows: np.ndarray, size: int, p: int, stop: int, following: int) -> None:
+    """Prefetch the record PREFETCH_DISTANCE points after `p`; after those to `stop` come those from `following` on."""
+    ahead = p + PREFETCH_DISTANCE
+    prefetch_record(rows, size, ahead if ahead < stop else ahead + following - stop)
+
+
+@device
 def _coordinate_lanes(x: float, y: float, z: float, other: float) -> Any:
     """A vector with x, y, z in the lanes of the coordinates and `other` in the remaining lanes."""
     return vector(other, other, other, other, x, y, z, other)

@@ -9,11 +9,10 @@ from mpmcol.mpm.jit import device, variant
 from mpmcol.mpm.kernels.interpolation import GRADIENT, make_axis_stencils, make_interpolate
 from mpmcol.mpm.kernels.stress_filter import make_filtered_stress
 from mpmcol.mpm.kernels.transfer_common import (
-    PREFETCH_DISTANCE,
     broadcast,
     point_terms,
     point_update,
-    prefetch_record,
+    prefetch_ahead,
     unit_mass,
     update_point,
 )
@@ -30,10 +29,9 @@ def make_scatter_points(dimension: int, basis: ShapeFunctions) -> Callable[..., 
     @variant(dimension, basis)
     def scatter_points(rows, first, stop, following, grid, settings):
         """See `transfer.make_scatter_points`."""
-        nodes, jump, unit = grid.nodes, following - stop, unit_mass(dimension, settings)
+        nodes, unit = grid.nodes, unit_mass(dimension, settings)
         for p in range(first, stop):
-            ahead = p + PREFETCH_DISTANCE
-            prefetch_record(rows, size, ahead if ahead < stop else ahead + jump)
+            prefetch_ahead(rows, size, p, stop, following)
             scatter(rows, p * size, unit, nodes, grid, settings)
 
     return scatter_points
@@ -88,16 +86,10 @@ def make_move_points(dimension: int, basis: ShapeFunctions) -> Callable[..., Any
     @variant(dimension, basis)
     def move_points(rows, first, stop, following, grid, settings, dt, averages):
         """See `transfer.make_move_points`."""
-        nodes, jump, factors, zero = (
-            grid.nodes,
-            following - stop,
-            point_update(dimension, grid, settings, dt),
-            splat(0.0),
-        )
+        nodes, factors, zero = grid.nodes, point_update(dimension, grid, settings, dt), splat(0.0)
         travel, limit_work = zero, zero
         for p in range(first, stop):
-            ahead = p + PREFETCH_DISTANCE
-            prefetch_record(rows, size, ahead if ahead < stop else ahead + jump)
+            prefetch_ahead(rows, size, p, stop, following)
             mean, x, y, z = interpolate(load(rows, p * size), nodes, grid, settings)
             displacement, work = update_point(rows, p * size, True, mean, (x, y, z), dimension, factors, grid, settings)
             averages[p - first] = extract(mean, Q)

@@ -27,10 +27,9 @@ from mpmcol.mpm.kernels.stencils import (
 )
 from mpmcol.mpm.kernels.stress_filter import make_filtered_stress
 from mpmcol.mpm.kernels.transfer_common import (
-    PREFETCH_DISTANCE,
     point_terms,
     point_update,
-    prefetch_record,
+    prefetch_ahead,
     unit_mass,
     update_point,
 )
@@ -47,7 +46,7 @@ find_stencils, find_with_distances = make_find_stencils(2, distances=False), mak
 @device
 def scatter_points(rows: np.ndarray, first: int, stop: int, following: int, grid: Grid, settings: Settings) -> None:
     """P2G of these points; see `transfer.make_scatter_points`."""
-    nodes, jump, unit, zero = grid.nodes, following - stop, unit_mass(2, settings), splat(0.0)
+    nodes, unit, zero = grid.nodes, unit_mass(2, settings), splat(0.0)
     stencils = scratch(BUFFER)
     sum0 = sum1 = sum2 = zero, zero, zero  # three columns of nodes of equal x
     i, j = NOWHERE, NOWHERE
@@ -55,8 +54,7 @@ def scatter_points(rows: np.ndarray, first: int, stop: int, following: int, grid
         count = min(LANES, stop - start)
         find_with_distances(rows, start * SIZE, count, grid, settings, stencils)
         for k in range(count):
-            ahead = start + k + PREFETCH_DISTANCE
-            prefetch_record(rows, SIZE, ahead if ahead < stop else ahead + jump)
+            prefetch_ahead(rows, SIZE, start + k, stop, following)
             if stencils[AXIS_X + BASE + k] != i or stencils[AXIS_Y + BASE + k] != j:
                 if i != NOWHERE:
                     _add_to_nodes(nodes, i, j, sum0, sum1, sum2, grid)
@@ -127,7 +125,7 @@ def move_points(
     averages: np.ndarray,
 ) -> tuple[Any, Any]:
     """G2P of these points; see `transfer.make_move_points`."""
-    nodes, jump, factors, zero = grid.nodes, following - stop, point_update(2, grid, settings, dt), splat(0.0)
+    nodes, factors, zero = grid.nodes, point_update(2, grid, settings, dt), splat(0.0)
     stencils, travel, limit_work = scratch(BUFFER), zero, zero
     column0 = column1 = column2 = zero, zero, zero  # of nodes of equal x
     i, j = NOWHERE, NOWHERE
@@ -135,8 +133,7 @@ def move_points(
         count = min(LANES, stop - start)
         find_stencils(rows, start * SIZE, count, grid, settings, stencils)
         for k in range(count):
-            ahead = start + k + PREFETCH_DISTANCE
-            prefetch_record(rows, SIZE, ahead if ahead < stop else ahead + jump)
+            prefetch_ahead(rows, SIZE, start + k, stop, following)
             if stencils[AXIS_X + BASE + k] != i or stencils[AXIS_Y + BASE + k] != j:
                 i, j = stencils[AXIS_X + BASE + k], stencils[AXIS_Y + BASE + k]
                 column0, column1, column2 = _load_nodes(nodes, i, j, grid)

@@ -25,10 +25,9 @@ from mpmcol.mpm.kernels.stencils import (
 )
 from mpmcol.mpm.kernels.stress_filter import make_filtered_stress
 from mpmcol.mpm.kernels.transfer_common import (
-    PREFETCH_DISTANCE,
     point_terms,
     point_update,
-    prefetch_record,
+    prefetch_ahead,
     unit_mass,
     update_point,
 )
@@ -44,13 +43,12 @@ find_stencils, find_with_distances = make_find_stencils(3, distances=False), mak
 @device
 def scatter_points(rows: np.ndarray, first: int, stop: int, following: int, grid: Grid, settings: Settings) -> None:
     """P2G of these points; see `transfer.make_scatter_points`."""
-    nodes, jump, unit, stencils = grid.nodes, following - stop, unit_mass(3, settings), scratch(BUFFER)
+    nodes, unit, stencils = grid.nodes, unit_mass(3, settings), scratch(BUFFER)
     for start in range(first, stop, LANES):
         count = min(LANES, stop - start)
         find_with_distances(rows, start * SIZE, count, grid, settings, stencils)
         for k in range(count):
-            ahead = start + k + PREFETCH_DISTANCE
-            prefetch_record(rows, SIZE, ahead if ahead < stop else ahead + jump)
+            prefetch_ahead(rows, SIZE, start + k, stop, following)
             _add_point(rows, (start + k) * SIZE, stencils, k, unit, nodes, grid, settings)
 
 
@@ -119,14 +117,13 @@ def move_points(
     averages: np.ndarray,
 ) -> tuple[Any, Any]:
     """G2P of these points; see `transfer.make_move_points`."""
-    nodes, jump, factors, zero = grid.nodes, following - stop, point_update(3, grid, settings, dt), splat(0.0)
+    nodes, factors, zero = grid.nodes, point_update(3, grid, settings, dt), splat(0.0)
     stencils, travel, limit_work = scratch(BUFFER), zero, zero
     for start in range(first, stop, LANES):
         count = min(LANES, stop - start)
         find_stencils(rows, start * SIZE, count, grid, settings, stencils)
         for k in range(count):
-            ahead = start + k + PREFETCH_DISTANCE
-            prefetch_record(rows, SIZE, ahead if ahead < stop else ahead + jump)
+            prefetch_ahead(rows, SIZE, start + k, stop, following)
             x, y, z = _lines(stencils, k, grid)
             wy, gy = three(stencils, AXIS_Y + W + k), three(stencils, AXIS_Y + G + k)
             wz, gz = three(stencils, AXIS_Z + W + k), three(stencils, AXIS_Z + G + k)

@@ -13,8 +13,8 @@ from mpmcol.errors import UsageError
 from mpmcol.mpm.constitutive import LAWS
 from mpmcol.mpm.constitutive.invariants import invariants_of
 from mpmcol.mpm.element import make_element_step
-from mpmcol.mpm.jit import compiled_calls
 from mpmcol.mpm.settings import Settings
+from mpmcol.mpm.threads import compiled_calls
 from mpmcol.studies.element.paths import StrainPath
 
 COMPONENTS = ("xx", "yy", "zz", "xy")

@@ -13,7 +13,7 @@ from mpmcol.bench.scaling import MODELLED, MOST_POINTS, ReleasedCase, Threads, c
 from mpmcol.bench.scaling_report import measured_row
 from mpmcol.bench.tile_model import model_speedup, points_of_groups
 from mpmcol.mpm.grid import Tiles, no_tiles
-from mpmcol.mpm.jit import set_threads
+from mpmcol.mpm.threads import set_threads
 from tests.support.cli import invoke
 
 # Four tiles with 5, 1, 20 and 9 points; the points from 35 on are inactive. The second group has no tile.
