@@ -33,8 +33,8 @@ class Grid(NamedTuple):
     n_y: int
     n_z: int
     tile_doubles: int  # size of a tile in `nodes`
-    # (n_addresses,) uint8 by the lowest node of a cell: its faces on walls, and whether a stencil from that node on may
-    # be near one (`mpmcol.mpm.wall_cells`); None: no walls
+    # (n_addresses,) uint16 by the lowest node of a cell: its faces on walls, and whether a stencil from that node on
+    # may be near one (`mpmcol.mpm.wall_cells`); None: no walls
     wall_cells: np.ndarray | None = None
 
 

@@ -6,8 +6,8 @@ value of the node inside the wall is extrapolated, twice that on the wall minus 
 quadratic spline becomes the linear shape functions of the half cell. Cells that touch a wall in an edge only keep their
 splines. Forces and friction of such walls are those of their nodes (`mpmcol.mpm.contact`).
 
-A node from which the stencil of a point in such a cell may start is marked, so that points away from walls look up one
-mask, that of their first node.
+A node from which the stencil of a point in such a cell may start is marked, and so are, with another bit, the nodes
+around it: where no wall is near, one mask is looked up for eight points.
 """
 
 from __future__ import annotations
@@ -16,9 +16,10 @@ from itertools import product
 from typing import Any
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from mpmcol.mpm.boundary import keep_within
-from mpmcol.mpm.grid import NODE, Grid, grid_shape, node_blocks, padded_shape
+from mpmcol.mpm.grid import NODE, TILE, Grid, grid_shape, node_blocks, padded_shape
 from mpmcol.mpm.jit import device
 from mpmcol.mpm.lanes import X, Y, Z
 from mpmcol.mpm.simd import extract, splat, vector, where_positive
@@ -26,28 +27,38 @@ from mpmcol.mpm.simd import extract, splat, vector, where_positive
 # bits of a cell: 2 axis + side for a face on a wall, which is below the cell along the axis (side 0) or above it; a
 # cell of the wall. Bit of its lowest node: a stencil from this node on may be that of a point beside a wall or an edge
 NEAR_WALL, IN_WALL = 0b01000000, 0b10000000
-# cells from a cell of a wall to such a node: a point is at most one cell from it, and the first node of its stencil at
-# most one cell before its cell (two for cubic shape functions in the last cell of the grid, beyond which is no wall)
-NEAR = range(-2, 2)
+AROUND_WALL = 0b100000000  # the same for the stencils of all points of a tile if that of one of them starts here
+# nodes with NEAR_WALL before and behind a cell of a wall: a point is at most one cell from it, and the first node of
+# its stencil at most one cell before its cell (two for cubic shape functions in the last cell of the grid, beyond which
+# is no wall)
+BEFORE, BEHIND = 2, 1
+# first nodes of the points of a tile differ by TILE - 1 when sorted, and each moves by one at most until the next sort
+APART = TILE + 1
 
 
 def with_walls(grid: Grid, inside: np.ndarray) -> Grid:
     """The grid with walls in some of its cells, boolean (n_x - 1, n_y - 1[, n_z - 1])."""
-    margin = max(abs(cells) for cells in NEAR)
-    around, core = np.pad(inside, margin), (slice(margin, -margin),) * inside.ndim
-    near = around
-    for axis in range(inside.ndim):
-        near = np.logical_or.reduce([np.roll(near, cells, axis) for cells in NEAR])
-    cells = np.where(inside, IN_WALL, 0) | np.where(near[core], NEAR_WALL, 0)
+    near, padded = _extended(inside, BEFORE, BEHIND), np.pad(inside, 1)
+    masks = np.zeros(padded_shape(grid), np.uint16)
+    cells = masks[tuple(slice(n - 1) for n in grid_shape(grid))]
+    cells[inside] |= IN_WALL
+    cells[near] |= NEAR_WALL
+    cells[_extended(near, APART, APART)] |= AROUND_WALL
     for axis, side in product(range(inside.ndim), (0, 1)):
-        neighbour = np.roll(around, 1 - 2 * side, axis)[core]
-        cells |= np.where(neighbour & ~inside, 1 << (2 * axis + side), 0)
-    masks = np.zeros(padded_shape(grid), np.uint8)
-    masks[tuple(slice(n - 1) for n in grid_shape(grid))] = cells
-    flat = np.zeros(len(grid.fixed), np.uint8)
+        neighbour = np.roll(padded, 1 - 2 * side, axis)[(slice(1, -1),) * inside.ndim]
+        cells[neighbour & ~inside] |= 1 << (2 * axis + side)
+    flat = np.zeros(len(grid.fixed), np.uint16)
     blocks = node_blocks(grid, flat)
     blocks[:] = masks.reshape(blocks.shape)
     return grid._replace(wall_cells=flat)
+
+
+def _extended(cells: np.ndarray, before: int, behind: int) -> np.ndarray:
+    """`cells` (boolean) and those up to `before` cells before and `behind` cells behind them along all axes."""
+    for axis in range(cells.ndim):
+        padded = np.pad(cells, [(behind, before) if k == axis else (0, 0) for k in range(cells.ndim)])
+        cells = sliding_window_view(padded, before + behind + 1, axis).any(axis=-1)
+    return cells
 
 
 @device

@@ -10,9 +10,9 @@ from mpmcol.errors import UsageError
 from mpmcol.mpm.grid import NODE
 from mpmcol.setup.discretization import Discretization
 
-# record of a point and of the last valid state, sorting, its share of the nodes of two grids, and copies for a snapshot
-BYTES_PER_POINT = {2: 830, 3: 1120}
-BYTES_PER_NODE = 5  # masks, and the arrays that they are made from
+# measured: record of a point and of the last valid state, sorting, its share of the nodes, and copies for a snapshot
+BYTES_PER_POINT = {2: 1100, 3: 1140}
+BYTES_PER_NODE = 6  # masks, and the arrays that they are made from
 BYTES_PER_SLOT, BYTES_PER_CONTACT = 4, 135  # with friction or recorded forces: of each node, and of each on the floor
 BYTES_PER_CUT_CELL = 64  # of the lattice of points of an outline, while its volumes are computed
 

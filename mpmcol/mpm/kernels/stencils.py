@@ -27,7 +27,7 @@ from mpmcol.mpm.lanes import LANES, RECORD_SIZE, X, Y, Z
 from mpmcol.mpm.settings import Settings
 from mpmcol.mpm.shape_functions.quadratic import spline_lanes
 from mpmcol.mpm.simd import element, extract, fma, load, splat, spread, store, strided
-from mpmcol.mpm.wall_cells import NEAR_WALL
+from mpmcol.mpm.wall_cells import AROUND_WALL, NEAR_WALL
 
 BASE, W, G, D, BLOCK = 0, LANES, 4 * LANES, 7 * LANES, 10 * LANES
 AXIS_X, AXIS_Y, AXIS_Z = 0, BLOCK, 2 * BLOCK
@@ -58,14 +58,26 @@ def make_find_stencils(dimension: int, distances: bool) -> Callable[..., None]:
         """Replace the stencils of points beside walls in the domain, and mark the points that may be."""
         if wall_cells is None:
             return
+        store(stencils, marks, splat(0.0))
+        if first_mask(wall_cells, grid, stencils, 0) & AROUND_WALL:
+            fold_points(wall_cells, rows, o, count, grid, settings, stencils)
+
+    @device
+    @variant(dimension, distances)
+    def fold_points(wall_cells, rows, o, count, grid, settings, stencils):
         for k in range(count):
-            first = grid.ax[int(stencils[AXIS_X + k])] + grid.ay[int(stencils[AXIS_Y + k])]
-            if dimension == 3:
-                first += grid.az[int(stencils[AXIS_Z + k])]
-            near = wall_cells[first // NODE] & NEAR_WALL
-            stencils[marks + k] = near
-            if near:
+            if first_mask(wall_cells, grid, stencils, k) & NEAR_WALL:
+                stencils[marks + k] = 1.0
                 _store_point(load(rows, o + k * size), dimension, distances, grid, settings, stencils, k)
+
+    @device
+    @variant(dimension)
+    def first_mask(wall_cells, grid, stencils, k):
+        """Mask of the first node of point number `k`."""
+        address = grid.ax[int(stencils[AXIS_X + k])] + grid.ay[int(stencils[AXIS_Y + k])]
+        if dimension == 3:
+            address += grid.az[int(stencils[AXIS_Z + k])]
+        return wall_cells[address // NODE]
 
     return find_stencils
 

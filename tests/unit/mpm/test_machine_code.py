@@ -12,9 +12,11 @@ import pytest
 
 from mpmcol.bench.cases import make_solver
 from mpmcol.mpm.boundary import column_box
+from mpmcol.mpm.grid import grid_shape
 from mpmcol.mpm.jit import JIT_DISABLED, argument_types
 from mpmcol.mpm.kernels.stress import make_update_stress
 from mpmcol.mpm.kernels.transfer import make_move_points, make_scatter_points
+from mpmcol.mpm.wall_cells import with_walls
 
 pytestmark = pytest.mark.skipif(
     JIT_DISABLED or platform.machine() not in ("x86_64", "AMD64"), reason="the names of calls are those of x86-64"
@@ -32,11 +34,14 @@ def calls(function: Any, *arguments: Any) -> set[str]:
     return set(re.findall(r"(?:movabsq\s+\$|callq\s+)(\w+)", body))
 
 
+@pytest.mark.parametrize("walls", [False, pytest.param(True, marks=pytest.mark.slow)])
 @DIMENSIONS
-def test_transfers_call_nothing(dimension: int) -> None:
+def test_transfers_call_nothing(dimension: int, walls: bool) -> None:
     solver = make_solver("plane" if dimension == 2 else "quarter", 2000)
     state, dt, buffer = solver.state(), 0.1, np.zeros(8)
-    arguments = state.rows, 0, 8, 8, state.grid, state.settings
+    cells = np.zeros(np.subtract(grid_shape(state.grid), 1), bool)
+    grid = with_walls(state.grid, cells) if walls else state.grid
+    arguments = state.rows, 0, 8, 8, grid, state.settings
     assert calls(make_scatter_points(dimension, "quadratic"), *arguments) == set()
     assert calls(make_move_points(dimension, "quadratic", False), *arguments, dt, buffer, buffer) == set()
 

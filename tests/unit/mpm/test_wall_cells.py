@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mpmcol.mpm.grid import NODE, Grid, allocate_grid, grid_shape
+from mpmcol.mpm.grid import NODE, TILE, Grid, allocate_grid, grid_shape
 from mpmcol.mpm.kernels.transfer_common import grid_coordinates
 from mpmcol.mpm.shape_functions import SHAPE_FUNCTIONS
 from mpmcol.mpm.simd import vector
-from mpmcol.mpm.wall_cells import IN_WALL, NEAR_WALL, with_walls
+from mpmcol.mpm.wall_cells import AROUND_WALL, IN_WALL, NEAR_WALL, with_walls
 
 CELLS, H = (14, 11, 12), 0.5
 BOXES = {  # first and last cell along each axis, exclusive
@@ -68,3 +68,14 @@ def test_faces_of_cells_are_those_on_walls(d: int) -> None:
             exists = (other >= 0).all() and (other < inside.shape).all()
             expected = exists and inside[tuple(other)] and not inside[cell]
             assert bool(mask[cell] & 1 << (2 * axis + side)) == bool(expected)
+
+
+@pytest.mark.parametrize("box", BOXES)
+@DIMENSIONS
+def test_where_a_point_of_a_tile_may_be_near_a_wall_the_first_nodes_of_all_say_so(d: int, box: str) -> None:
+    """Sorted first nodes of a tile are TILE - 1 apart at most, and two points may each have moved by one node since."""
+    _, _, mask = masks(d, box)
+    apart = TILE - 1 + 2
+    for cell in np.ndindex(*mask.shape):
+        around = mask[tuple(slice(max(i - apart, 0), i + apart + 1) for i in cell)]
+        assert bool(mask[cell] & AROUND_WALL) == bool((around & NEAR_WALL).any())
