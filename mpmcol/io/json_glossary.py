@@ -77,7 +77,7 @@ _PLAN_FILE: Names = {
     "threads": ("", "threads of each run"),
     "runs": ("", "one entry for each run"),
     **_RUNS,
-    "runs.work": ("", "material points times steps, estimated"),
+    "runs.cost": ("", "material points times steps, estimated; those of slower methods and of 3D count more"),
     "runs.end": ("s", "time since release at the end of the collapse, estimated"),
 }
 _STATUS: Names = {

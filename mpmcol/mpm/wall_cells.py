@@ -57,7 +57,7 @@ def _extended(cells: np.ndarray, before: int, behind: int) -> np.ndarray:
     """`cells` (boolean) and those up to `before` cells before and `behind` cells behind them along all axes."""
     for axis in range(cells.ndim):
         padded = np.pad(cells, [(behind, before) if k == axis else (0, 0) for k in range(cells.ndim)])
-        cells = sliding_window_view(padded, before + behind + 1, axis).any(axis=-1)
+        cells = np.any(sliding_window_view(padded, before + behind + 1, axis), axis=-1)
     return cells
 
 

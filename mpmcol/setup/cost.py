@@ -20,6 +20,11 @@ from mpmcol.setup.unfit_settings import require_stiff_column
 # typical durations: transits of a wave until a column rests behind its gate, and sqrt(h_i / g) until a collapse rests
 TYPICAL_TRANSITS = {"gravity": 7.0, "k0": 2.0}
 TYPICAL_TAU = 5.0
+# time per point and step over that of the default method in two dimensions: `python -m scripts.peers.schemes`
+THREE_DIMENSIONS = 1.6
+BASIS_COST = {"quadratic": 1.0, "linear": 1.0, "cubic": 2.1}
+TRANSFER_COST = {"apic": 1.6}  # others: 1
+ORDER_COST = {"usl": 1.0, "usf": 1.8, "musl": 1.9}
 TRIAL_SECONDS = 0.5  # of stepping, to measure the pace
 SNAPSHOT_BYTES_PER_POINT = 98
 
@@ -93,6 +98,13 @@ def durations(case: Case, discretization: Discretization) -> tuple[tuple[float, 
     collapse = TYPICAL_TAU * slope_factor(case.geometry.slope_deg, case.material, case.friction.floor) * tau + lifting
     typical = min(equilibration, longest[0]), min(collapse, longest[1])
     return typical, longest
+
+
+def relative_pace(case: Case) -> float:
+    """Time per point and step over that of the default method in two dimensions, roughly."""
+    method = case.method
+    scheme = BASIS_COST[method.basis] * TRANSFER_COST.get(method.transfer, 1.0) * ORDER_COST[method.stress_order]
+    return scheme * (THREE_DIMENSIONS if case.geometry.dimension == 3 else 1.0)
 
 
 def _seconds_per_step(solver: Solver) -> float:

@@ -35,7 +35,7 @@ def write_commands(runs: Sequence[PlannedRun], threads: int, out: Path) -> list[
     The commands contain absolute paths of the interpreter and of the resolved cases, so that they work from any folder
     and later edits of the case file have no effect on them.
     """
-    ordered = sorted(runs, key=lambda run: run.work, reverse=True)
+    ordered = sorted(runs, key=lambda run: run.cost, reverse=True)
     for run in ordered:
         write_case(run)
     lines = [shlex.join(run_command(run.folder.resolve(), threads)) for run in ordered]

@@ -18,7 +18,7 @@ def kernel_variant(run: PlannedRun) -> tuple[object, ...]:
 
 def smallest_per_variant(runs: Sequence[PlannedRun]) -> list[PlannedRun]:
     """The smallest run of each kernel variant."""
-    by_variant = {kernel_variant(run): run for run in sorted(runs, key=lambda run: run.work, reverse=True)}
+    by_variant = {kernel_variant(run): run for run in sorted(runs, key=lambda run: run.cost, reverse=True)}
     return list(by_variant.values())
 
 

@@ -146,7 +146,7 @@ def local_pool(jobs: int) -> Iterator[Pool]:
 
 def _execute_on(pool: Pool, runs: Sequence[PlannedRun], threads: int, notify: Notify, tick: Tick) -> Iterator[Outcome]:
     pending: dict[Future[TaskResult], PlannedRun] = {}
-    for run in sorted(runs, key=lambda run: run.work, reverse=True):
+    for run in sorted(runs, key=lambda run: run.cost, reverse=True):
         task = Task(run.folder.resolve(), threads, code_version())
         pending[pool.executor.submit(pool.execute, task, pool.stop)] = run
     try:

@@ -13,7 +13,7 @@ from mpmcol.io.atomic import atomic_write, make_folder
 from mpmcol.io.values import to_json, toml_notation
 
 PLAN_FILE = "sweep.json"
-PLAN_SCHEMA = 2
+PLAN_SCHEMA = 3
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class PlanEntry:
 
     folder: str  # name of its folder in the sweep's folder
     inputs: Mapping[str, Any]
-    work: float  # material points times steps, estimated
+    cost: float  # `PlannedRun.cost`
     end: float  # estimated end of the collapse, s since release
 
 

@@ -25,9 +25,9 @@ class TrackedRun:
     resumed: float = 0.0  # share of its work that was done before these seconds
 
     @property
-    def work_left(self) -> float:
-        """Remaining work, material points times steps."""
-        return self.entry.work * (1.0 - self.progress)
+    def cost_left(self) -> float:
+        """What is left of its cost."""
+        return self.entry.cost * (1.0 - self.progress)
 
 
 @dataclass
@@ -75,13 +75,13 @@ def find_plan(folder: Path) -> tuple[Plan, Path]:
     from mpmcol.sweep.runs import PlannedRun
 
     run = PlannedRun({}, load_case(case), folder.resolve())
-    entry = PlanEntry(run.folder.name, {}, run.work, run.end)
+    entry = PlanEntry(run.folder.name, {}, run.cost, run.end)
     return Plan(run.case.title, "", 1, 1, (entry,)), run.folder.parent
 
 
 def total_progress(runs: list[TrackedRun]) -> float:
     """Share of the work of all runs that is done, 0 to 1."""
-    return 1.0 - sum(run.work_left for run in runs) / sum(run.entry.work for run in runs)
+    return 1.0 - sum(run.cost_left for run in runs) / sum(run.entry.cost for run in runs)
 
 
 def time_left(runs: list[TrackedRun], jobs: int) -> float | None:
@@ -90,10 +90,10 @@ def time_left(runs: list[TrackedRun], jobs: int) -> float | None:
     The remaining work is distributed evenly over the jobs, but a single run is never split.
     """
     timed = [run for run in runs if run.seconds > 0.0 and run.progress > run.resumed and run.status.name != "failed"]
-    done = sum(run.entry.work * (run.progress - run.resumed) for run in timed)
+    done = sum(run.entry.cost * (run.progress - run.resumed) for run in timed)
     if not done:
         return None
-    left = [run.work_left for run in runs]
+    left = [run.cost_left for run in runs]
     return max(sum(left) / jobs, max(left)) * sum(run.seconds for run in timed) / done
 
 

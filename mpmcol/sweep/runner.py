@@ -84,7 +84,7 @@ def pending_runs(runs: Sequence[PlannedRun]) -> list[PlannedRun]:
 
 def make_plan(runs: Sequence[PlannedRun], allocation: Allocation) -> Plan:
     """The plan that is stored in the sweep's folder."""
-    entries = tuple(PlanEntry(run.folder.name, run.inputs, run.work, run.end) for run in runs)
+    entries = tuple(PlanEntry(run.folder.name, run.inputs, run.cost, run.end) for run in runs)
     return Plan(runs[0].case.title, code_version(), allocation.jobs, allocation.threads, entries)
 
 

@@ -18,7 +18,7 @@ from mpmcol.errors import CaseError, UsageError
 from mpmcol.io.atomic import atomic_write, make_folder
 from mpmcol.io.names import GIVEN_CASE_FILE
 from mpmcol.provenance import code_version
-from mpmcol.setup.cost import durations
+from mpmcol.setup.cost import durations, relative_pace
 from mpmcol.setup.discretization import Discretization, discretize, require_thick_outline
 from mpmcol.setup.memory import require_memory_for
 from mpmcol.setup.unfit_settings import kind_of, require_stiff_column
@@ -63,6 +63,11 @@ class PlannedRun:
     def work(self) -> float:
         """Material points times steps, estimated."""
         return float(self.discretization.most_points * self.steps)
+
+    @property
+    def cost(self) -> float:
+        """Time on one thread, estimated, in units of a point and step of the default method in two dimensions."""
+        return self.work * relative_pace(self.case)
 
 
 def plan_run(case: Case, out: Path, inputs: Mapping[str, Any], name: str) -> PlannedRun:

@@ -56,7 +56,7 @@ def allocate(
         concurrent = jobs or max(min(cores // per_run, len(runs), _fitting(runs, budget)), 1)
         if jobs is None or threads is not None or per_run == 1 or jobs * per_run <= cores:
             candidates.append(Allocation(concurrent, per_run))
-    return min(candidates, key=lambda candidate: (_total_work(runs, candidate), candidate.threads))
+    return min(candidates, key=lambda candidate: (_total_cost(runs, candidate), candidate.threads))
 
 
 def makespan(durations: Sequence[float], jobs: int) -> float:
@@ -85,10 +85,10 @@ def _fitting(runs: Sequence[PlannedRun], budget: float) -> int:
     return fitting
 
 
-def _total_work(runs: Sequence[PlannedRun], allocation: Allocation) -> float:
-    """Time until the last run ends, in units of work."""
+def _total_cost(runs: Sequence[PlannedRun], allocation: Allocation) -> float:
+    """Time until the last run ends, in the unit of the costs."""
     useful = (
         min(float(allocation.threads), max(run.discretization.most_points / POINTS_PER_THREAD, 1.0)) for run in runs
     )
-    work = [run.work / threads**SPEEDUP_EXPONENT for run, threads in zip(runs, useful, strict=True)]
-    return makespan(work, allocation.jobs)
+    costs = [run.cost / threads**SPEEDUP_EXPONENT for run, threads in zip(runs, useful, strict=True)]
+    return makespan(costs, allocation.jobs)

@@ -230,3 +230,14 @@ def test_values_that_look_alike_in_a_name_have_different_folders() -> None:
     assert name("[0.1,0.2]") == name("[0.1, 0.2]")
     long = [safe_name("x" * 90 + end) for end in "ab"]
     assert long[0] != long[1] and len(long[0]) < 90
+
+
+def test_the_cost_of_a_run_is_its_work_at_the_pace_of_its_method() -> None:
+    """A point and step takes longer in 3D, and with two passes over the points (scripts/peers/README.md)."""
+    plane, slow, solid = (
+        PlannedRun({}, load_case(name, values), Path())
+        for name, values in (("channel", []), ("channel", ["method.stress_order=musl"]), ("quarter", []))
+    )
+    assert plane.cost == plane.work
+    assert slow.work == plane.work and slow.cost > 1.5 * slow.work
+    assert solid.cost > 1.3 * solid.work
