@@ -110,7 +110,7 @@ def sweep(
         raise UsageError("no key to vary; give aspect or values, for example {'material.friction_deg': [30, 33, 36]}")
     axes = [Axis(key, _texts(key, one)) for key, one in given.items()]
     with tempfile.TemporaryDirectory() as temporary:
-        source = _source(case, Path(temporary))
+        source = as_source(case, Path(temporary))
         name = UNSAFE.sub("_", case.title) or "case" if isinstance(case, Case) else str(case)
         folder = Path(out) if out is not None else Path("sweeps") / sweep_name(name, axes, accuracy)
         runs = planned_runs(source, axes, folder, zipped=zipped, accuracy=accuracy, notify=notify)
@@ -158,7 +158,7 @@ def _text(value: str | float) -> str:
     return str(value).lower() if isinstance(value, (bool, np.bool_)) else repr(float(value)).removesuffix(".0")
 
 
-def _source(case: Case | Path | str, folder: Path) -> Path | str:
+def as_source(case: Case | Path | str, folder: Path) -> Path | str:
     """A file or name from which the case can be loaded with other values."""
     if not isinstance(case, Case):
         return case

@@ -21,6 +21,7 @@ GROUPS = {  # heading in the help -> command -> where it is defined
     "Simulate": {
         "run": "mpmcol.cli.run:run",
         "sweep": "mpmcol.cli.sweep:sweep",
+        "fit": "mpmcol.cli.fit:fit",
         "status": "mpmcol.cli.status:status",
     },
     "Inspect results": {

@@ -144,6 +144,31 @@ def local_pool(jobs: int) -> Iterator[Pool]:
         yield Pool(executor, jobs, lambda: level[0], request_stop, execute, compile_first)
 
 
+class KeptPool:
+    """Processes on this machine that serve several sweeps one after another, so that they import and compile once.
+
+    A context manager: the processes end with it.
+    """
+
+    def __init__(self) -> None:
+        self._stack = ExitStack()
+        self._jobs = 0
+        self._pool: Pool | None = None
+
+    def __enter__(self) -> KeptPool:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._stack.close()
+
+    def serve(self, jobs: int) -> Pool:
+        """The pool for a number of concurrent runs; another number starts new processes."""
+        if self._pool is None or jobs != self._jobs:
+            self._stack.close()
+            self._jobs, self._pool = jobs, self._stack.enter_context(local_pool(jobs))
+        return self._pool
+
+
 def _execute_on(pool: Pool, runs: Sequence[PlannedRun], threads: int, notify: Notify, tick: Tick) -> Iterator[Outcome]:
     pending: dict[Future[TaskResult], PlannedRun] = {}
     for run in sorted(runs, key=lambda run: run.cost, reverse=True):

@@ -11,7 +11,7 @@ from mpmcol.io.run_status import read_status
 from mpmcol.provenance import code_version
 from mpmcol.setup.cores import available_cores
 from mpmcol.sweep.dask_engine import dask_pool
-from mpmcol.sweep.engine import Outcome, execute_runs
+from mpmcol.sweep.engine import KeptPool, Outcome, execute_runs
 from mpmcol.sweep.plan import Plan, PlanEntry, prepare_out, write_plan
 from mpmcol.sweep.runs import PlannedRun
 from mpmcol.sweep.scheduling import Allocation, allocate
@@ -42,10 +42,12 @@ def run_sweep(
     scheduler: str | None = None,
     fresh: bool = False,
     observer: SweepObserver | None = None,
+    kept: KeptPool | None = None,
 ) -> list[Outcome]:
     """Execute all runs in the folder `out`, on this machine or on the cluster of a dask scheduler.
 
     Returns the outcomes in the order of the runs. With `fresh`, results that these runs have already are discarded.
+    kept: processes that serve several sweeps.
 
     Raises:
         UsageError: the folder contains other files.
@@ -59,6 +61,7 @@ def run_sweep(
     with ExitStack() as stack:
         pool = stack.enter_context(dask_pool(scheduler, out)) if scheduler and pending else None
         allocation = Allocation(pool.slots, threads or 1) if pool else allocate(pending or runs, jobs, threads)
+        pool = pool or (kept.serve(allocation.jobs) if kept and pending else None)
         plan = make_plan(runs, allocation)
         write_plan(out, plan)
         observer.started(plan)

@@ -1,0 +1,115 @@
+"""Fits of unknown values of a case to measurements."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from mpmcol.api.arguments import Notify, warn
+from mpmcol.api.sweeps import as_source
+from mpmcol.case import Case
+from mpmcol.errors import UsageError
+from mpmcol.io.html import html_table
+from mpmcol.studies.fit import REPEATS, Fit, carry_out_fit, require_enough
+from mpmcol.studies.fit.quantities import Target, parse_targets, read_profile, targets_of
+from mpmcol.studies.fit.report import FittedValue, fitted_values, lines, record, write_report
+from mpmcol.studies.fit.unknowns import Unknown, unknowns_of
+from mpmcol.sweep.names import UNSAFE, safe_name
+from mpmcol.sweep.runner import SweepObserver
+
+FOLDER = Path("fits")
+Measured = float | tuple[float, float]  # a value, or a value and its standard error
+
+
+@dataclass(frozen=True, repr=False)
+class FitResults:
+    """A fit that has ended: the unknowns with their standard errors, and the files of the report."""
+
+    folder: Path
+    values: list[FittedValue]
+    record: dict[str, Any]  # content of fit.json
+    text: list[str]  # the answer in words
+    files: list[Path]
+
+    def __repr__(self) -> str:
+        return f"<FitResults {str(self.folder)!r}: {'; '.join(map(str, self.values))}>"
+
+    def _repr_html_(self) -> str:
+        rows = [[one.key, one.value, one.error] for one in self.values]
+        return html_table(["unknown", "value", "standard error"], rows)
+
+
+def fit(
+    case: Case | Path | str,
+    to: Mapping[str, Measured],
+    vary: Mapping[str, tuple[float, float]],
+    *,
+    profile: Path | str | None = None,
+    overrides: Sequence[str] = (),
+    accuracy: float | None = None,
+    repeats: int = REPEATS,
+    out: Path | str | None = None,
+    fresh: bool = False,
+    jobs: int | None = None,
+    threads: int | None = None,
+    observer: SweepObserver | None = None,
+    notify: Notify = warn,
+) -> FitResults:
+    """Find values of a case for which the deposit agrees with measurements, as `mpmcol fit` does.
+
+    Args:
+        case: from `load_case`, or a TOML file or the name of a shipped case.
+        to: measured values by name (zeta, beta, repose in degrees, undisturbed_radius in m), each a number or a number
+            and its standard error, for example {"zeta": (1.37, 0.05)}.
+        vary: unknown keys with the ends of their ranges, for example {"material.friction_deg": (20, 45)}.
+        profile: CSV file of the measured profile, with the columns "r" and "z" in m.
+        overrides: further values of the case, as "KEY=VALUE".
+        accuracy: relative error of runout and height, for which the answer gets a configuration of the shipped study
+            and the search a coarser one (default: the grid of the case).
+        repeats: runs for each set of values, at least 2.
+        out: folder of the fit (default: in "fits", named by case and keys).
+        fresh: run again what is finished.
+        jobs, threads: concurrent runs and threads per run (default: chosen from cores, memory and sizes).
+        observer: receives the events of the runs.
+        notify: receives remarks on the answer, for example that the measurements do not determine it.
+
+    Raises:
+        CaseError: a value is invalid.
+        UsageError: fewer measured values than unknowns, an unknown quantity, or a profile that cannot be read.
+        OutputError: a file cannot be written.
+    """
+    with tempfile.TemporaryDirectory() as temporary:
+        source = as_source(case, Path(temporary))
+        name = UNSAFE.sub("_", case.title) or "case" if isinstance(case, Case) else str(case)
+        targets = [*targets_of(to), *([] if profile is None else [read_profile(Path(profile))])]
+        unknowns = unknowns_of(vary, source, overrides)
+        require_enough(unknowns, targets)
+        folder = Path(out) if out is not None else default_folder(name, unknowns)
+        found = carry_out_fit(
+            source, overrides, unknowns, targets, folder,
+            accuracy=accuracy, repeats=repeats, jobs=jobs, threads=threads, fresh=fresh, observer=observer,
+        )  # fmt: skip
+        results = _results(found)
+    for remark in results.record["remarks"]:
+        notify(remark)
+    return results
+
+
+def parse_measured(text: str, profile: Path | None) -> list[Target]:
+    """Measured values from the options of the command line. Raises UsageError."""
+    targets = parse_targets(text) + ([] if profile is None else [read_profile(profile)])
+    if not targets:
+        raise UsageError("nothing measured; give --to zeta=1.37, --to zeta=1.37,beta=0.55, or --profile FILE")
+    return targets
+
+
+def default_folder(case: str, unknowns: Sequence[Unknown]) -> Path:
+    """Folder of a fit, named by the case and the keys that vary."""
+    return FOLDER / safe_name("-".join([Path(case).stem, *(unknown.name for unknown in unknowns)]))
+
+
+def _results(found: Fit) -> FitResults:
+    return FitResults(found.folder, fitted_values(found), record(found), list(lines(found)), write_report(found))

@@ -1,0 +1,97 @@
+"""`mpmcol fit`: values of a case from measurements of a deposit."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from mpmcol.cli.options import (
+    PATH,
+    accuracy_option,
+    fresh_option,
+    jobs_option,
+    json_option,
+    out_option,
+    overrides_option,
+    quiet_option,
+    threads_option,
+)
+
+
+@click.command()
+@click.argument("case")
+@click.option(
+    "--to", "measured", multiple=True, metavar="NAME=VALUE[+-ERROR],...",
+    help="Measured values with their standard errors: zeta, beta, repose (deg), undisturbed_radius (m), for example "
+    "zeta=1.37+-0.05,beta=0.55.",
+)  # fmt: skip
+@click.option(
+    "--profile", metavar="FILE", type=PATH,
+    help='Measured profile of the deposit: a CSV file with the columns "r" and "z" in m.',
+)  # fmt: skip
+@click.option(
+    "--vary", multiple=True, metavar="KEY=LOW:HIGH",
+    help="Unknown key of the case and the range of its value, for example material.friction_deg=20:45. One to three.",
+)  # fmt: skip
+@click.option(
+    "--repeats", type=click.IntRange(2, 20), default=2, show_default=True,
+    help="Runs for each set of values, which differ in time step and spacing by a few per cent.",
+)  # fmt: skip
+@overrides_option
+@accuracy_option()
+@out_option("fits/CASE-KEYS")
+@fresh_option
+@jobs_option
+@threads_option
+@json_option("values with their standard errors")
+@quiet_option
+def fit(
+    case: str,
+    measured: tuple[str, ...],
+    profile: Path | None,
+    vary: tuple[str, ...],
+    repeats: int,
+    overrides: tuple[str, ...],
+    accuracy: float | None,
+    out: Path | None,
+    fresh: bool,
+    jobs: int | None,
+    threads: int | None,
+    to_json: bool,
+    quiet: bool,
+) -> None:
+    """Find values of a case for which the deposit agrees with measurements.
+
+    CASE is a TOML file or the name of a shipped case. The answer has a standard error, with the parts of it that come
+    from the measurement, the grid and the scatter of the runs. Runouts are those of front_height. With --accuracy the
+    search runs on a coarse grid of the study, and only the answer on an accurate one; without, on the grid of the case.
+
+    Writes fit.json, evaluations.csv, the fitted case fitted.toml and charts. Repeating the command resumes a fit that
+    was stopped.
+    """
+    from mpmcol.api.fits import default_folder, parse_measured
+    from mpmcol.cli.sweep_display import SweepDisplay
+    from mpmcol.io.values import to_json as as_json
+    from mpmcol.studies.fit import RUNS, carry_out_fit, require_enough
+    from mpmcol.studies.fit.report import lines, record, write_report
+    from mpmcol.studies.fit.unknowns import parse_unknowns
+
+    targets = parse_measured(",".join(measured), profile)
+    unknowns = parse_unknowns(vary, case, overrides)
+    require_enough(unknowns, targets)
+    folder = out or default_folder(case, unknowns)
+    options: dict[str, Any] = {
+        "accuracy": accuracy, "repeats": repeats, "jobs": jobs, "threads": threads, "fresh": fresh,
+    }  # fmt: skip
+    with SweepDisplay(folder / RUNS, quiet) as display:
+        found = carry_out_fit(
+            case, overrides, unknowns, targets, folder, **options, observer=display, notify=display.notify
+        )
+    files = write_report(found)
+    if to_json:
+        click.echo(as_json(record(found)))
+    elif not quiet:
+        click.echo("\n".join(lines(found)))
+        click.echo(f"in {folder}: {', '.join(path.name for path in files)}")

@@ -1,0 +1,93 @@
+"""Fits of unknown values of a case to measurements of a deposit."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from mpmcol.case import load_case
+from mpmcol.errors import UsageError
+from mpmcol.studies.fit.forward import Forward, levels_for, make_level
+from mpmcol.studies.fit.quantities import Target
+from mpmcol.studies.fit.search import Notify, Search, Solution
+from mpmcol.studies.fit.unknowns import Unknown
+from mpmcol.sweep.engine import KeptPool
+from mpmcol.sweep.runner import SweepObserver
+
+RUNS = "runs"  # folder of the runs within that of the fit
+REPEATS = 2  # runs for each set of values
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A fit that has ended."""
+
+    source: str | Path
+    overrides: tuple[str, ...]
+    unknowns: tuple[Unknown, ...]
+    targets: tuple[Target, ...]
+    solution: Solution
+    folder: Path
+
+
+def carry_out_fit(
+    source: str | Path,
+    overrides: Sequence[str],
+    unknowns: Sequence[Unknown],
+    targets: Sequence[Target],
+    out: Path,
+    *,
+    accuracy: float | None = None,
+    repeats: int = REPEATS,
+    jobs: int | None = None,
+    threads: int | None = None,
+    fresh: bool = False,
+    observer: SweepObserver | None = None,
+    notify: Notify = lambda line: None,
+) -> Fit:
+    """Find the values of the unknowns with the least misfit to the targets, with runs in `out`/RUNS.
+
+    The ends and the middle of the ranges are computed first. A quadratic response surface of the targets gives the
+    values with the least misfit; they are computed, and the surface, corrected by the result, gives the next ones,
+    until they change by less than half of their standard errors (a secant method for one unknown, Gauss-Newton for
+    several). With an accuracy, the search begins on coarse grids of the study; the surface is corrected on each finer
+    one, which then needs few evaluations.
+    Runs that have ended are not repeated, so that the same call resumes a fit that was stopped, with equal results.
+
+    Raises:
+        UsageError: there are fewer measured values than unknowns, or the study has no configuration for the accuracy.
+        CaseError: a value of the case is invalid.
+        MpmcolError: no run with some values was successful; it has the exit code of the runs.
+    """
+    require_enough(unknowns, targets)
+    with KeptPool() as kept:
+        forward = Forward(
+            source, tuple(overrides), tuple(unknowns), tuple(targets), out / RUNS, repeats, kept,
+            jobs, threads, fresh, observer,
+        )  # fmt: skip
+        search = Search(forward, load_case(source, overrides).geometry.r_i, notify)
+        shares = np.full(len(unknowns), 0.5)
+        for number, one in enumerate(levels_for(accuracy), 1):
+            level = make_level(source, overrides, unknowns, shares, one, number)
+            if search.evaluations and level.overrides == search.evaluations[-1].level.overrides:
+                continue
+            notify(f"{level.name}: {level.text}")
+            solution = search.run(level, shares if search.evaluations else search.begin(level))
+            shares = solution.shares
+    return Fit(source, tuple(overrides), tuple(unknowns), tuple(targets), solution, out)
+
+
+def require_enough(unknowns: Sequence[Unknown], targets: Sequence[Target]) -> None:
+    """Raise UsageError if there are fewer measured values than unknowns, or none of either."""
+    values = sum(len(target.values) for target in targets)
+    if not unknowns:
+        raise UsageError("no unknown; give --vary KEY=LOW:HIGH, for example --vary material.friction_deg=20:45")
+    if values < len(unknowns):
+        keys, names = " and ".join(one.key for one in unknowns), ", ".join(one.name for one in targets) or "nothing"
+        raise UsageError(
+            f"{len(unknowns)} unknown{'s' if len(unknowns) > 1 else ''} ({keys}) cannot follow from {values} measured "
+            f"value{'s' if values != 1 else ''} ({names}); give more with --to, for example zeta and beta, or --profile"
+        )

@@ -1,0 +1,119 @@
+"""Charts of a fit: each measured quantity over each unknown, and the profile before and after the fit."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from mpmcol.io.results import Results
+from mpmcol.measure import Measurement
+from mpmcol.plotting.figures import legend_below, save_figure
+from mpmcol.plotting.profiles import LengthAxes, set_up_axes
+from mpmcol.studies.fit import Fit
+from mpmcol.studies.fit.forward import Evaluation
+from mpmcol.studies.fit.quantities import PROFILE, Target
+from mpmcol.units import length_scale
+
+SAMPLES = 61
+STYLES: dict[str, dict[str, Any]] = {
+    "coarse": {"color": "C0", "marker": "o", "markerfacecolor": "none"},
+    "fine": {"color": "C1", "marker": "s"},
+}
+BAND: dict[str, Any] = {"color": "0.85", "zorder": 0}
+
+
+def response_chart(fit: Fit, path: Path) -> list[Path]:
+    """Each scalar quantity (rows) over each unknown (columns), the others at their fitted values."""
+    rows = [(k, target) for k, target in enumerate(fit.targets) if target.name != PROFILE]
+    if not rows:
+        return []
+    n = len(fit.unknowns)
+    figure = Figure(figsize=(1.5 + 4.0 * n, 0.9 + 2.8 * len(rows)), layout="constrained")
+    panels = figure.subplots(len(rows), n, squeeze=False)
+    for (number, target), line in zip(rows, panels, strict=True):
+        for k, axes in enumerate(line):
+            _response(axes, fit, number, target, k)
+    for k, axes in enumerate(panels[-1]):
+        unknown = fit.unknowns[k]
+        named = not unknown.unit or unknown.key.endswith(f"_{unknown.unit}")
+        axes.set_xlabel(unknown.key if named else f"{unknown.key} ({unknown.unit})")
+    handles, labels = panels[0][0].get_legend_handles_labels()
+    legend_below(figure, handles, labels, columns=3)
+    return save_figure(figure, path, svg=False)
+
+
+def profile_chart(fit: Fit, path: Path) -> list[Path]:
+    """The deposit in the middle of the ranges and with the fitted values, and the measured profile."""
+    before, after = _middle(fit), fit.solution.last
+    shape, reach = Results(after.folders[0]).shape, 0.0
+    profiles = [target for target in fit.targets if target.name == PROFILE]
+    if profiles:
+        reach = float(profiles[0].x.max())
+    unit, factor = length_scale(max(after.deposits[0].max_distance, reach))
+    figure = Figure(figsize=(9.0, 4.2), layout="constrained")
+    target = LengthAxes(figure.subplots(), unit, factor)
+    set_up_axes(target, shape, [before.deposits[0], after.deposits[0]], reach)
+    for one, label, style in ((before, "before", "--"), (after, "fitted", "-")):
+        deposit: Measurement = one.deposits[0]
+        values = ", ".join(
+            f"{unknown.name} {unknown.at(float(share)):.4g}"
+            for unknown, share in zip(fit.unknowns, one.shares, strict=True)
+        )
+        target.axes.plot(
+            factor * deposit.profile_x, factor * deposit.profile_y, style, color="C1" if style == "-" else "C0",
+            label=f"{label}: {values}",
+        )  # fmt: skip
+    for measured in profiles:
+        target.axes.errorbar(
+            factor * measured.x, factor * measured.values, factor * measured.errors, fmt="o", color="black", ms=4,
+            capsize=2, label="measured",
+        )  # fmt: skip
+    legend_below(figure, *target.axes.get_legend_handles_labels(), columns=2)
+    return save_figure(figure, path, svg=False)
+
+
+def _response(axes: Axes, fit: Fit, number: int, target: Target, k: int) -> None:
+    """A quantity over an unknown: runs, surface, measured value with its error, solution with its error."""
+    solution, unknown = fit.solution, fit.unknowns[k]
+    at = sum(len(one.values) for one in fit.targets[:number])
+    coarsest = solution.evaluations[0].level
+    for name, own in (
+        ("coarse", [one for one in solution.evaluations if one.level == coarsest]),
+        ("fine", [one for one in solution.evaluations if one.level != coarsest]),
+    ):
+        label = f"runs, r_i/h = {own[0].level.cells:g}" if own else ""
+        x = [unknown.at(float(one.shares[k])) for one in own for _ in one.values]
+        y = [value for one in own for value in one.values[:, at]]
+        if own:
+            axes.plot(x, y, linestyle="none", label=label, **STYLES[name])
+    shares = np.linspace(0.0, 1.0, SAMPLES)
+    points = np.tile(solution.shares, (SAMPLES, 1))
+    points[:, k] = shares
+    shift = solution.fitted[at] - solution.surface.value(solution.shares)[at]
+    curve = [solution.surface.value(point)[at] + shift for point in points]
+    axes.plot(unknown.low + shares * (unknown.high - unknown.low), curve, color="0.3", label="response surface")
+    value, error = float(target.values[0]), float(target.errors[0])
+    axes.axhspan(value - error, value + error, **BAND)
+    axes.axhline(value, color="black", linestyle=":", label="measured, with its standard error")
+    _draw_solution(axes, fit, k)
+    axes.set_ylabel(target.name + (f" ({target.unit})" if target.unit else ""))
+
+
+def _draw_solution(axes: Axes, fit: Fit, k: int) -> None:
+    unknown, solution = fit.unknowns[k], fit.solution
+    width = unknown.high - unknown.low
+    value = unknown.low + float(solution.shares[k]) * width
+    axes.axvline(value, color="C3", label="fitted, with its standard error")
+    if solution.precision is not None:
+        error = width * float(solution.precision.errors[k])
+        low, high = max(value - error, unknown.low), min(value + error, unknown.high)
+        axes.axvspan(low, high, color="C3", alpha=0.15, linewidth=0)
+
+
+def _middle(fit: Fit) -> Evaluation:
+    """The evaluation in the middle of the ranges."""
+    return fit.solution.evaluations[0]

@@ -1,0 +1,185 @@
+"""Runs of the case for values of the unknowns, on two grids: a coarse one for the search and one for the answer."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from mpmcol.case import load_case
+from mpmcol.errors import UsageError
+from mpmcol.io.results import Results
+from mpmcol.measure import Measurement
+from mpmcol.studies.fit.quantities import Target, measured_deposit, scalars_of
+from mpmcol.studies.fit.unknowns import Unknown, settings
+from mpmcol.studies.pareto.recommend import Recommendation, options, recommend
+from mpmcol.studies.pareto.score import BETA, ZETA
+from mpmcol.studies.pareto.studied import studied_error
+from mpmcol.studies.runs import CFL, SNAPSHOTS, repeated_cfl
+from mpmcol.sweep.engine import KeptPool, unsuccessful
+from mpmcol.sweep.runner import SweepObserver, run_sweep
+from mpmcol.sweep.runs import PlannedRun, plan_run
+
+SPACING = "grid.spacing"
+FINER = 0.03  # relative difference of the spacings of repeated runs, at least one cell in r_i
+ACCURACIES = (0.2, 0.1)  # of the search, on coarse grids
+ONE_SIDED = 1.645  # standard errors that 90 % of a normal distribution do not exceed in magnitude
+
+
+@dataclass(frozen=True)
+class Level:
+    """A configuration of the case for all runs of a part of the search.
+
+    errors: relative standard errors of "runout" and "height" by the grid, from the shipped study; None: not studied.
+    """
+
+    name: str
+    overrides: tuple[str, ...]
+    cells: float  # r_i / h
+    errors: Mapping[str, float] | None
+    text: str
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """Repeated runs for one set of values of the unknowns."""
+
+    level: Level
+    shares: np.ndarray  # (n,) values of the unknowns in their ranges, 0 to 1
+    values: np.ndarray  # (runs, m) targets
+    deposits: tuple[Measurement, ...]
+    folders: tuple[Path, ...]
+    at_rest: bool
+    core_seconds: float
+
+    @property
+    def mean(self) -> np.ndarray:
+        """Mean of the targets (m,)."""
+        return np.asarray(self.values.mean(axis=0))
+
+    @property
+    def scalars(self) -> dict[str, float]:
+        """Mean of all quantities."""
+        each = [scalars_of(deposit) for deposit in self.deposits]
+        return {name: float(np.mean([one[name] for one in each])) for name in each[0]}
+
+
+@dataclass(frozen=True)
+class Forward:
+    """Runs a case for values of its unknowns in the folder `out`; runs that have ended there are not repeated."""
+
+    source: str | Path
+    overrides: tuple[str, ...]
+    unknowns: tuple[Unknown, ...]
+    targets: tuple[Target, ...]
+    out: Path
+    repeats: int
+    kept: KeptPool
+    jobs: int | None = None
+    threads: int | None = None
+    fresh: bool = False
+    observer: SweepObserver | None = None
+
+    def evaluate(self, level: Level, shares: Sequence[np.ndarray]) -> list[Evaluation]:
+        """Run the case for several sets of values at once.
+
+        Raises an MpmcolError with the exit code of the runs if none of a set was successful.
+        """
+        planned = [self._planned(level, one) for one in shares]
+        outcomes = run_sweep(
+            [run for runs in planned for run in runs], self.out,
+            jobs=self.jobs, threads=self.threads, fresh=self.fresh, observer=self.observer, kept=self.kept,
+        )  # fmt: skip
+        done = {one.run.folder for one in outcomes if one.status == "done"}
+        for runs in planned:
+            if not any(run.folder in done for run in runs):
+                own = [one for one in outcomes if one.run.folder in {run.folder for run in runs}]
+                raise unsuccessful(own, f"no run with {_named(runs[0])} was successful: {own[0].result.message}")
+        return [
+            self._evaluation(level, one, [run.folder for run in runs if run.folder in done])
+            for one, runs in zip(shares, planned, strict=True)
+        ]
+
+    def _planned(self, level: Level, shares: np.ndarray) -> list[PlannedRun]:
+        """Repeated runs, which differ in time step and spacing by a few per cent."""
+        values = settings(self.unknowns, shares)
+        base = load_case(self.source, [*self.overrides, *level.overrides, *values])
+        cfl, step = repeated_cfl(base.time.cfl, self.repeats), max(1, round(FINER * level.cells))
+        planned = []
+        for number in range(self.repeats):
+            h = base.geometry.r_i / (round(level.cells) + number * step)
+            grid = {SPACING: f"{h:.9g}", CFL: cfl[number], SNAPSHOTS: "1"}
+            texts = [*self.overrides, *level.overrides, *values, *(f"{key}={text}" for key, text in grid.items())]
+            inputs = {one.key: one.at(float(share)) for one, share in zip(self.unknowns, shares, strict=True)}
+            names = [f"{one.name}-{inputs[one.key]:g}" for one in self.unknowns]
+            name = "-".join([level.name, *names, f"{number + 1}"])
+            planned.append(plan_run(load_case(self.source, texts), self.out, {**inputs, SPACING: h}, name))
+        return planned
+
+    def _evaluation(self, level: Level, shares: np.ndarray, folders: Sequence[Path]) -> Evaluation:
+        results = [Results(folder) for folder in folders]
+        deposits = tuple(measured_deposit(one) for one in results)
+        values = np.array([np.concatenate([target.of(deposit) for target in self.targets]) for deposit in deposits])
+        if not np.isfinite(values).all():
+            raise UsageError(
+                f"{folders[0]}: the deposit has no value of one of the measured quantities (a repose angle needs a "
+                "flank of several cells); narrow the range of the unknowns, or use other quantities"
+            )
+        return Evaluation(
+            level, shares, values, deposits, tuple(folders), all(one.came_to_rest for one in results),
+            sum(float(one.summary["core_seconds"]) for one in results),
+        )  # fmt: skip
+
+
+def levels_for(accuracy: float | None) -> list[float | None]:
+    """Accuracies of the levels of a search, the last of which gives the answer; None: the grid of the case."""
+    return [None] if accuracy is None else [*(one for one in ACCURACIES if one > 1.5 * accuracy), accuracy]
+
+
+def make_level(
+    source: str | Path, overrides: Sequence[str], unknowns: Sequence[Unknown], shares: np.ndarray,
+    accuracy: float | None, number: int,
+) -> Level:  # fmt: skip
+    """The configuration of level `number`, chosen for values of the unknowns.
+
+    Where the study has none within the accuracy, it is the most accurate one.
+
+    Raises:
+        UsageError: the study has none for this case, or an unknown is a key that configurations of the study set.
+    """
+    values = [*overrides, *settings(unknowns, shares)]
+    if accuracy is None:
+        return _own_level(source, values)
+    return _level(f"level{number}", _advice(source, values, accuracy), unknowns)
+
+
+def _advice(source: str | Path, overrides: Sequence[str], accuracy: float) -> Recommendation:
+    """The cheapest configuration within an accuracy, or the most accurate one, whose error the answer contains."""
+    known = list(options(source, overrides))
+    accurate = [one for one in known if one.error <= accuracy]
+    if accurate or not known:
+        return recommend(source, overrides, accuracy)
+    return min(known, key=lambda one: one.error)
+
+
+def _level(name: str, advice: Recommendation, unknowns: Sequence[Unknown]) -> Level:
+    for one in unknowns:
+        if one.key in advice.values:
+            raise UsageError(f"{one.key} is set by --accuracy; omit --accuracy, or set it and vary another key")
+    errors = {"runout": advice.errors[ZETA] / ONE_SIDED, "height": advice.errors[BETA] / ONE_SIDED}
+    return Level(name, tuple(advice.overrides), advice.cells, errors, str(advice))
+
+
+def _own_level(source: str | Path, values: Sequence[str]) -> Level:
+    case = load_case(source, values)
+    studied, cells = studied_error(case), case.geometry.r_i / case.grid.spacing
+    errors = None
+    if studied is not None:
+        errors = {"runout": studied.errors[ZETA] / ONE_SIDED, "height": studied.errors[BETA] / ONE_SIDED}
+    return Level("level1", (), cells, errors, f"the grid of the case, r_i/h = {cells:g}")
+
+
+def _named(run: PlannedRun) -> str:
+    return ", ".join(f"{key} = {value:g}" for key, value in run.inputs.items() if key != SPACING)

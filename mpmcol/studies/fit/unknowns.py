@@ -1,0 +1,102 @@
+"""Unknowns of a fit: keys of the case with the ranges in which their values are sought."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from mpmcol.case import load_case
+from mpmcol.case.fields import number_of
+from mpmcol.case.reference import field_at
+from mpmcol.case.values import leaf_values
+from mpmcol.errors import UsageError
+
+MOST = 3
+DIGITS = 6  # of the values at which runs are computed
+EXPECTED = "expected KEY=LOW:HIGH, for example material.friction_deg=20:45"
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """A key of the case and the ends of its range, in the unit of the key."""
+
+    key: str
+    low: float
+    high: float
+
+    @property
+    def name(self) -> str:
+        """The key without its table."""
+        return self.key.rpartition(".")[2]
+
+    @property
+    def unit(self) -> str:
+        """Unit of the values."""
+        number = number_of(field_at(tuple(self.key.split(".")), ""))
+        return number.unit if number else ""
+
+    def at(self, share: float) -> float:
+        """The value at a share of the range, 0 to 1, with DIGITS digits."""
+        return float(f"{self.low + share * (self.high - self.low):.{DIGITS}g}")
+
+    def share(self, value: float) -> float:
+        """Where a value lies in the range, 0 to 1."""
+        return (value - self.low) / (self.high - self.low)
+
+
+def parse_unknowns(texts: Sequence[str], source: str | Path, overrides: Sequence[str]) -> list[Unknown]:
+    """The unknowns given as KEY=LOW:HIGH; both ends must be valid values of the case.
+
+    Raises:
+        UsageError: a text is not of this form, a key is no number, or is given twice, or there are too many.
+        CaseError: a value is invalid.
+    """
+    unknowns: list[Unknown] = []
+    for text in texts:
+        key, _, ends = (part.strip() for part in text.partition("="))
+        low, colon, high = (part.strip() for part in ends.partition(":"))
+        if not (key and colon and low and high):
+            raise UsageError(f"--vary {text}: {EXPECTED}")
+        unknowns.append(_checked(text, key, [_value(text, key, end, source, overrides) for end in (low, high)]))
+    _require_different(unknowns, overrides)
+    return unknowns
+
+
+def unknowns_of(
+    ranges: Mapping[str, tuple[float, float]], source: str | Path, overrides: Sequence[str]
+) -> list[Unknown]:
+    """The unknowns given as numbers. Raises as `parse_unknowns`."""
+    return parse_unknowns([f"{key}={low!r}:{high!r}" for key, (low, high) in ranges.items()], source, overrides)
+
+
+def settings(unknowns: Sequence[Unknown], shares: np.ndarray) -> list[str]:
+    """Values at shares (n,) of the ranges, as `--set` takes them."""
+    return [f"{one.key}={one.at(float(share))!r}" for one, share in zip(unknowns, shares, strict=True)]
+
+
+def _value(text: str, key: str, end: str, source: str | Path, overrides: Sequence[str]) -> float:
+    """A value of a key in the unit of the key. Raises CaseError if it is invalid."""
+    value = leaf_values(load_case(source, [*overrides, f"{key}={end}"])).get(key)
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not np.isfinite(value):
+        raise UsageError(f"--vary {text}: {key} is no number that varies continuously; {EXPECTED}")
+    return float(value)
+
+
+def _checked(text: str, key: str, ends: Sequence[float]) -> Unknown:
+    low, high = ends
+    if not low < high:
+        raise UsageError(f"--vary {text}: the end of a range must be greater than its start; {EXPECTED}")
+    return Unknown(key, low, high)
+
+
+def _require_different(unknowns: Sequence[Unknown], overrides: Sequence[str]) -> None:
+    keys = [one.key for one in unknowns]
+    given = {text.partition("=")[0].strip() for text in overrides}
+    if len(keys) > MOST:
+        raise UsageError(f"{len(keys)} unknowns; a fit takes at most {MOST}")
+    for key in keys:
+        if keys.count(key) > 1 or key in given:
+            raise UsageError(f"{key} is given twice; give each key once, with --vary or with --set")
