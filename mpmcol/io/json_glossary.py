@@ -6,6 +6,7 @@ content of another table are in CONTENTS.
 
 from __future__ import annotations
 
+from mpmcol.io.fit_glossary import FIT
 from mpmcol.io.glossary import MEASURE, NAMES, RESULT, SLOPES, TABLE, Names
 from mpmcol.provenance import DEPENDENCIES
 
@@ -280,6 +281,7 @@ OUTPUTS: dict[str, Names] = {  # command or file -> its names
     "sweep --json": _SWEEP,
     "sweep --dry-run --json": _FORECAST,
     "sweep.json": _PLAN_FILE,
+    "fit --json": FIT,
     "status --json": _STATUS,
     "verify --json": _VERIFY,
     "paper --json": _PAPER,

@@ -13,7 +13,7 @@ from mpmcol.errors import UsageError
 from mpmcol.io.results import Results
 from mpmcol.measure import Measurement
 from mpmcol.studies.fit.quantities import Target, measured_deposit, scalars_of
-from mpmcol.studies.fit.unknowns import Unknown, settings
+from mpmcol.studies.fit.unknowns import SPACING, Unknown, settings
 from mpmcol.studies.pareto.recommend import Recommendation, options, recommend
 from mpmcol.studies.pareto.score import BETA, ZETA
 from mpmcol.studies.pareto.studied import studied_error
@@ -22,7 +22,6 @@ from mpmcol.sweep.engine import KeptPool, unsuccessful
 from mpmcol.sweep.runner import SweepObserver, run_sweep
 from mpmcol.sweep.runs import PlannedRun, plan_run
 
-SPACING = "grid.spacing"
 FINER = 0.03  # relative difference of the spacings of repeated runs, at least one cell in r_i
 ACCURACIES = (0.2, 0.1)  # of the search, on coarse grids
 ONE_SIDED = 1.645  # standard errors that 90 % of a normal distribution do not exceed in magnitude

@@ -17,7 +17,7 @@ from mpmcol.studies.fit.unknowns import Unknown
 DEGENERATE = 0.95  # magnitude of a correlation from which on two unknowns cannot be separated
 UNIFORM = 1.0 / sqrt(12.0)  # standard deviation of an unknown of which only the range is known, in ranges
 FURTHER_ERROR = 0.03  # relative standard error that is assumed of a further measurement
-WORTH = 0.7  # ratio of standard errors from which on a further measurement is proposed
+USEFUL = 0.7  # ratio of standard errors from which on a further measurement is proposed
 END = 1e-3  # of the range: distance from an end at which a value counts as the end
 
 
@@ -53,10 +53,10 @@ def _undetermined(unknowns: Sequence[Unknown], targets: Sequence[Target], soluti
 
 
 def _better(targets: Sequence[Target], solution: Solution) -> str:
-    """The further quantity that would reduce the largest standard error most, if one is worth it."""
+    """The further quantity that would reduce the largest standard error most, if one reduces it enough."""
     errors = {name: error for name in QUANTITIES if (error := _error_with(name, targets, solution)) is not None}
     now = np.inf if solution.precision is None else float(solution.precision.errors.max())
-    if not errors or min(errors.values()) > WORTH * now:
+    if not errors or min(errors.values()) > USEFUL * now:
         return "; no other quantity of the deposit would determine them much better"
     best = min(errors, key=lambda name: errors[name])
     return (

@@ -23,7 +23,7 @@ from mpmcol.studies.fit.surface import (
 
 MOST_STEPS = 6  # of the search, at each level
 CONVERGED = 0.5  # change of the unknowns, in their standard errors, at which the search ends
-LEAST_CHANGE = 1e-3  # of the range, that is worth a run
+LEAST_CHANGE = 1e-3  # smallest change, in the range, for which runs are computed
 LEAST_ERROR = 0.005  # relative standard deviation of a run, at least
 CAUSES = ("measurement", "grid", "scatter")
 

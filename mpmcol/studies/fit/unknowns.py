@@ -13,8 +13,11 @@ from mpmcol.case.fields import number_of
 from mpmcol.case.reference import field_at
 from mpmcol.case.values import leaf_values
 from mpmcol.errors import UsageError
+from mpmcol.studies.runs import CFL
 
 MOST = 3
+SPACING = "grid.spacing"
+OWN_KEYS = (SPACING, CFL)  # in which repeated runs differ
 DIGITS = 6  # of the values at which runs are computed
 EXPECTED = "expected KEY=LOW:HIGH, for example material.friction_deg=20:45"
 
@@ -51,7 +54,7 @@ def parse_unknowns(texts: Sequence[str], source: str | Path, overrides: Sequence
     """The unknowns given as KEY=LOW:HIGH; both ends must be valid values of the case.
 
     Raises:
-        UsageError: a text is not of this form, a key is no number, or is given twice, or there are too many.
+        UsageError: a text is not of this form, a key is not a real number, or is given twice, or there are too many.
         CaseError: a value is invalid.
     """
     unknowns: list[Unknown] = []
@@ -80,8 +83,8 @@ def settings(unknowns: Sequence[Unknown], shares: np.ndarray) -> list[str]:
 def _value(text: str, key: str, end: str, source: str | Path, overrides: Sequence[str]) -> float:
     """A value of a key in the unit of the key. Raises CaseError if it is invalid."""
     value = leaf_values(load_case(source, [*overrides, f"{key}={end}"])).get(key)
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not np.isfinite(value):
-        raise UsageError(f"--vary {text}: {key} is no number that varies continuously; {EXPECTED}")
+    if not isinstance(value, float) or not np.isfinite(value):
+        raise UsageError(f"--vary {text}: {key} is not a real number; {EXPECTED}")
     return float(value)
 
 
@@ -98,5 +101,7 @@ def _require_different(unknowns: Sequence[Unknown], overrides: Sequence[str]) ->
     if len(keys) > MOST:
         raise UsageError(f"{len(keys)} unknowns; a fit takes at most {MOST}")
     for key in keys:
+        if key in OWN_KEYS:
+            raise UsageError(f"a fit varies {key} itself, between repeated runs; choose other keys")
         if keys.count(key) > 1 or key in given:
             raise UsageError(f"{key} is given twice; give each key once, with --vary or with --set")

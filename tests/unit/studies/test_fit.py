@@ -1,0 +1,312 @@
+"""Fits: response surface, least squares, precision and remarks against closed forms, without runs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from mpmcol.errors import CaseError, UsageError
+from mpmcol.measure import Measurement
+from mpmcol.studies.fit import require_enough
+from mpmcol.studies.fit.forward import Evaluation, Level, levels_for
+from mpmcol.studies.fit.identify import remarks
+from mpmcol.studies.fit.quantities import (
+    ASSUMED_ERROR,
+    FRONT,
+    Target,
+    grid_covariance,
+    parse_targets,
+    read_profile,
+    targets_of,
+)
+from mpmcol.studies.fit.search import Search, Solution
+from mpmcol.studies.fit.surface import best_point, corrected, design, fit_surface, misfit, pooled_variance, precision
+from mpmcol.studies.fit.unknowns import Unknown, parse_unknowns, settings
+
+FRICTION, FLOOR = Unknown("material.friction_deg", 20.0, 40.0), Unknown("friction.floor", 0.1, 0.5)
+COARSE = Level("level1", (), 10.0, None, "")
+FINE = Level("level2", ("grid.spacing=0.001",), 40.0, {"runout": 0.02, "height": 0.01}, "")
+
+
+def deposit(zeta: float, beta: float, repose: float = 20.0) -> Measurement:
+    """A triangular deposit of a column with r_i = h_i = 1 m."""
+    front = 1.0 + zeta
+    x = np.arange(0.05, 1.1 * front, 0.1)
+    return Measurement(
+        front={FRONT: front}, zeta={FRONT: zeta}, spread=0.0, height=beta, beta=beta, area_factor=0.5,
+        repose_angle_deg=repose, undisturbed_radius=0.3,
+        profile_x=x, profile_y=np.maximum(beta * (1.0 - x / front), 0.0),
+    )  # fmt: skip
+
+
+class Synthetic:
+    """Takes the place of runs: zeta and beta by a formula of the unknowns, with a shift on the coarse grid."""
+
+    repeats = 2
+    at_rest = True
+
+    def __init__(
+        self, unknowns: Sequence[Unknown], targets: Sequence[Target], formula: Callable[..., tuple[float, ...]],
+        scatter: float = 0.0,
+    ) -> None:  # fmt: skip
+        self.unknowns, self.targets, self.formula, self.scatter = tuple(unknowns), tuple(targets), formula, scatter
+        self.calls: list[str] = []
+
+    def evaluate(self, level: Level, shares: Sequence[np.ndarray]) -> list[Evaluation]:
+        return [self._evaluation(level, one) for one in shares]
+
+    def _evaluation(self, level: Level, shares: np.ndarray) -> Evaluation:
+        self.calls.append(level.name)
+        values = [one.at(float(share)) for one, share in zip(self.unknowns, shares, strict=True)]
+        shift = 0.85 if level == COARSE else 1.0
+        zeta, *others = self.formula(*values)
+        deposits = tuple(
+            deposit(shift * zeta * (1.0 + sign * self.scatter), *others)
+            for sign in np.linspace(-1.0, 1.0, self.repeats)
+        )
+        found = np.array([np.concatenate([target.of(one) for target in self.targets]) for one in deposits])
+        return Evaluation(level, shares, found, deposits, (Path("a"), Path("b")), self.at_rest, 1.0)
+
+
+def runout_of(friction: float) -> tuple[float, float]:
+    """Zeta and beta of a column, monotone and curved."""
+    return 1.8 * np.exp(-0.04 * (friction - 20.0)), 0.4 + 0.02 * (friction - 20.0)
+
+
+def solve(forward: Any, levels: Sequence[Level] = (COARSE,)) -> Solution:
+    search = Search(forward, 1.0, lambda line: None)
+    shares = search.begin(levels[0])
+    for level in levels:
+        solution = search.run(level, shares)
+        shares = solution.shares
+    return solution
+
+
+def test_a_surface_has_the_values_and_slopes_of_a_quadratic_function() -> None:
+    u = design(2)
+    y = np.column_stack((1.0 + 2.0 * u[:, 0] + 3.0 * u[:, 0] ** 2 - u[:, 1], u[:, 1] ** 2))
+    surface, at = fit_surface(u, y, np.array([0.2, 0.7])), np.array([0.3, 0.6])
+    assert surface.value(at) == pytest.approx([1.0 + 0.6 + 0.27 - 0.6, 0.36])
+    assert surface.gradient(at) == pytest.approx(np.array([[2.0 + 1.8, -1.0], [0.0, 1.2]]))
+
+
+def test_a_surface_is_shifted_by_one_point_and_turned_by_several() -> None:
+    u = design(1)
+    surface, centre = fit_surface(u, 2.0 * u, np.array([0.5])), np.array([0.5])
+    shifted, weight = corrected(surface, np.array([[0.5]]), np.array([[1.3]]), np.array([1e-8]), centre)
+    assert shifted.value(centre) == pytest.approx([1.3]) and weight == pytest.approx(1.0)
+    assert shifted.gradient(centre) == pytest.approx(np.array([[2.0]]))
+    points = np.array([[0.4], [0.6]])
+    turned, _ = corrected(surface, points, 1.0 + 3.0 * points, np.array([1e-10]), centre)
+    assert turned.gradient(centre) == pytest.approx(np.array([[3.0]]), rel=1e-4)
+    noisy, _ = corrected(surface, points, 1.0 + 3.0 * points, np.array([1e6]), centre)
+    assert noisy.gradient(centre) == pytest.approx(np.array([[2.0]]), rel=1e-4)  # less than the scatter of the values
+
+
+def test_the_best_point_lies_in_the_ranges() -> None:
+    u = design(1)
+    surface = fit_surface(u, 2.0 * u, np.array([0.5]))
+    inside = best_point(surface, np.array([0.9]), np.array([0.5]), np.eye(1))
+    beyond = best_point(surface, np.array([0.9]), np.array([5.0]), np.eye(1))
+    assert inside == pytest.approx([0.25], abs=1e-6) and beyond == pytest.approx([1.0], abs=1e-6)
+
+
+def test_standard_errors_are_those_of_linear_least_squares() -> None:
+    """Two independent measurements of one unknown, with slopes 2 and 1: weights are inverse variances."""
+    gradient = np.array([[2.0], [1.0]])
+    causes = {"measurement": np.diag([0.04, 0.0]), "scatter": np.diag([0.0, 0.01])}
+    found = precision(gradient, causes)
+    assert found is not None
+    assert found.errors == pytest.approx([(4.0 / 0.04 + 1.0 / 0.01) ** -0.5])
+    assert np.hypot(found.part("measurement"), found.part("scatter")) == pytest.approx(found.errors)
+
+
+def test_unknowns_that_act_alike_are_not_determined() -> None:
+    assert precision(np.array([[1.0, 2.0], [2.0, 4.0]]), {"scatter": np.eye(2)}) is None
+    assert precision(np.array([[0.0]]), {"scatter": np.eye(1)}) is None
+
+
+def test_pooled_variance_and_misfit_by_hand() -> None:
+    variance, freedom = pooled_variance([np.array([[1.0], [3.0]]), np.array([[5.0], [5.0]])])
+    assert (variance, freedom) == (pytest.approx([1.0]), 2)
+    assert misfit(np.array([2.0, 0.0]), np.diag([4.0, 1.0])) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("friction", [21.5, 28.5, 33.0, 39.0])
+def test_one_unknown_is_recovered(friction: float) -> None:
+    zeta, beta = runout_of(friction)
+    forward = Synthetic([FRICTION], targets_of({"zeta": (zeta, 1e-3), "beta": (beta, 1e-3)}), runout_of)
+    found = solve(forward, [COARSE, FINE])
+    assert FRICTION.at(found.shares[0]) == pytest.approx(friction, abs=0.1)
+    assert forward.calls.count("level2") <= 3  # the surface of the coarse grid needs a correction only
+
+
+def test_a_coarse_grid_alone_gives_another_value() -> None:
+    """So the correction by the finer grid is what makes the value right."""
+    zeta, _ = runout_of(30.0)
+    forward = Synthetic([FRICTION], targets_of({"zeta": (zeta, 1e-3)}), runout_of)
+    assert FRICTION.at(solve(forward).shares[0]) == pytest.approx(30.0 + np.log(0.85) / 0.04, abs=0.2)
+
+
+def test_two_unknowns_are_recovered_with_their_correlation() -> None:
+    def formula(friction: float, floor: float) -> tuple[float, float]:
+        return 1.8 - 0.03 * (friction - 20.0) - 0.8 * floor, 0.4 + 0.02 * (friction - 20.0) + 0.1 * floor
+
+    measured = dict(zip(("zeta", "beta"), ((value, 0.01) for value in formula(27.0, 0.35)), strict=True))
+    forward = Synthetic([FRICTION, FLOOR], targets_of(measured), formula)
+    found = solve(forward, [COARSE, FINE])
+    assert [one.at(float(u)) for one, u in zip(forward.unknowns, found.shares, strict=True)] == [
+        pytest.approx(27.0, abs=0.1), pytest.approx(0.35, abs=0.01),
+    ]  # fmt: skip
+    assert found.precision is not None
+    slopes = found.surface.gradient(found.shares)
+    by_hand = np.linalg.inv(slopes.T @ np.linalg.inv(sum(found.causes.values())) @ slopes)
+    assert found.precision.covariance == pytest.approx(by_hand)
+
+
+def test_the_standard_error_covers_the_scatter_of_the_runs() -> None:
+    zeta, _ = runout_of(30.0)
+    quiet, noisy = (
+        solve(Synthetic([FRICTION], targets_of({"zeta": (zeta, 1e-3)}), runout_of, scatter), [COARSE, FINE])
+        for scatter in (0.005, 0.05)
+    )
+    assert quiet.precision is not None and noisy.precision is not None
+    assert noisy.precision.part("scatter")[0] > 5.0 * quiet.precision.part("scatter")[0]
+
+
+def remarks_of(forward: Any) -> str:
+    return "\n".join(remarks(forward.unknowns, forward.targets, solve(forward)))
+
+
+def test_a_value_at_the_end_of_its_range_is_reported() -> None:
+    assert "at the end of its range, 40" in remarks_of(Synthetic([FRICTION], targets_of({"zeta": 0.3}), runout_of))
+
+
+def test_unknowns_that_cannot_be_separated_are_reported_with_what_would() -> None:
+    """Runout and height depend on the sum of both; the repose angle on the friction angle alone."""
+
+    def formula(friction: float, floor: float) -> tuple[float, float, float]:
+        both = 0.03 * (friction - 20.0) + 1.5 * floor
+        return 1.8 - both, 0.4 + 0.4 * both + 0.01 * floor, 0.8 * friction
+
+    forward = Synthetic([FRICTION, FLOOR], targets_of({"zeta": 1.0, "beta": 0.72}), formula)
+    text = remarks_of(forward)
+    assert "cannot be separated by zeta, beta" in text or "do not determine" in text
+    assert "repose (repose angle of the deposit), measured within 3%" in text
+
+
+def test_a_determined_unknown_has_no_remarks() -> None:
+    assert remarks_of(Synthetic([FRICTION], targets_of({"zeta": 1.2}), runout_of)) == ""
+
+
+def test_errors_of_the_grid_act_as_those_of_runout_and_height() -> None:
+    """By a finite difference: a deposit with 1 % more runout, and one with 1 % more height."""
+    targets = [
+        *targets_of({"zeta": 1.0, "beta": 0.5}),
+        Target("profile", "m", *np.zeros((2, 4)), np.linspace(0.3, 1.5, 4)),
+    ]
+    base, r_i = deposit(1.0, 0.5), 1.0
+
+    def values(one: Measurement) -> np.ndarray:
+        return np.concatenate([target.of(one) for target in targets])
+
+    modes = np.vstack([target.grid_modes(base, r_i) for target in targets])
+    longer, higher = (
+        (values(deposit(1.01, 0.5)) - values(base)) / 0.01,
+        (values(deposit(1.0, 0.505)) - values(base)) / 0.01,
+    )
+    assert modes[:, 0] == pytest.approx(longer, rel=0.05, abs=1e-6)
+    assert modes[:, 1] == pytest.approx(higher, rel=0.05, abs=1e-6)
+    covariance = grid_covariance(targets, base, r_i, {"runout": 0.1, "height": 0.0})
+    assert covariance == pytest.approx(0.01 * np.outer(modes[:, 0], modes[:, 0]))
+
+
+def test_measured_values_are_read_with_their_errors() -> None:
+    zeta, repose = parse_targets("zeta = 1.37+-0.05, repose=31deg")
+    assert (zeta.values[0], zeta.errors[0], zeta.is_stated) == (1.37, 0.05, True)
+    assert (repose.values[0], repose.errors[0], repose.is_stated) == (31.0, pytest.approx(31.0 * ASSUMED_ERROR), False)
+    (radius,) = parse_targets("undisturbed_radius=70 mm+-2 mm")
+    assert (radius.values[0], radius.errors[0]) == (0.07, 0.002)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("zeta", "expected NAME=VALUE"),
+        ("zeta=", "expected NAME=VALUE"),
+        ("zeta=1,3", "--to 3: expected NAME=VALUE"),
+        ("runout=1", "no quantity 'runout'; expected one of zeta"),
+        ("zeta=-1", "expected a value > 0"),
+        ("zeta=1+-x", "not a number"),
+        ("zeta=1,zeta=2", "zeta is given twice"),
+        ("beta=2 mm", "cannot be converted"),
+    ],
+)
+def test_wrong_measured_values_are_refused(text: str, message: str) -> None:
+    with pytest.raises(UsageError, match="--to") as refused:
+        parse_targets(text)
+    assert message in str(refused.value)
+
+
+def test_a_profile_is_sampled_at_stations(tmp_path: Path) -> None:
+    path = tmp_path / "deposit.csv"
+    path.write_text("r [mm],z [mm]\n200,0\n0,80\n100,40\n")
+    target = read_profile(path)
+    assert target.x[[0, -1]] == pytest.approx([0.0, 0.2]) and target.values[[0, -1]] == pytest.approx([0.08, 0.0])
+    assert target.errors == pytest.approx(0.0016)
+    path.write_text("r,z,series\n0,1,a\n1,0,a\n2,0,b\n")
+    with pytest.raises(UsageError, match="2 series"):
+        read_profile(path)
+
+
+def test_unknowns_are_checked_with_the_case() -> None:
+    (friction,) = parse_unknowns(["material.friction_deg=20:45"], "channel", [])
+    assert (friction.low, friction.high, friction.name, friction.unit) == (20.0, 45.0, "friction_deg", "deg")
+    assert settings([friction], np.array([0.5])) == ["material.friction_deg=32.5"]
+    (spacing,) = parse_unknowns(["material.cohesion=1 kPa:2 kPa"], "cohesive-column", [])
+    assert (spacing.low, spacing.high) == (1000.0, 2000.0)
+
+
+@pytest.mark.parametrize(
+    ("texts", "overrides", "error", "message"),
+    [
+        (["material.friction_deg"], [], UsageError, "expected KEY=LOW:HIGH"),
+        (["material.friction_deg=30"], [], UsageError, "expected KEY=LOW:HIGH"),
+        (["material.friction_deg=40:30"], [], UsageError, "greater than its start"),
+        (["material.friction_deg=30:100"], [], CaseError, "friction_deg"),
+        (["material.fricton_deg=30:40"], [], CaseError, "friction_deg"),
+        (["geometry.model=plane:full"], [], UsageError, "not a real number"),
+        (["grid.points_per_cell=4:9"], [], UsageError, "not a real number"),
+        (["grid.spacing=1 mm:2 mm"], [], UsageError, "varies grid.spacing itself"),
+        (["material.friction_deg=20:30"] * 2, [], UsageError, "given twice"),
+        (["material.friction_deg=20:30"], ["material.friction_deg=25"], UsageError, "given twice"),
+    ],
+)
+def test_wrong_unknowns_are_refused(
+    texts: list[str], overrides: list[str], error: type[Exception], message: str
+) -> None:
+    with pytest.raises(error) as refused:
+        parse_unknowns(texts, "channel", overrides)
+    assert message in str(refused.value)
+
+
+def test_more_unknowns_than_measured_values_are_refused() -> None:
+    with pytest.raises(UsageError, match=r"2 unknowns .* cannot follow from 1 measured value \(zeta\)"):
+        require_enough([FRICTION, FLOOR], targets_of({"zeta": 1.0}))
+    with pytest.raises(UsageError, match="no unknown"):
+        require_enough([], targets_of({"zeta": 1.0}))
+
+
+def test_levels_end_with_the_accuracy_asked_for() -> None:
+    assert levels_for(0.05) == [0.2, 0.1, 0.05] and levels_for(0.2) == [0.2] and levels_for(None) == [None]
+    assert levels_for(0.08) == [0.2, 0.08]
+
+
+def test_a_case_that_is_not_at_rest_is_reported() -> None:
+    forward = Synthetic([FRICTION], targets_of({"zeta": 1.2}), runout_of)
+    forward.at_rest = False
+    assert "still moved" in remarks_of(forward)
