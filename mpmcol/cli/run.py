@@ -13,7 +13,7 @@ import click
 from click.core import ParameterSource
 
 from mpmcol.cli.accuracy import certify as run_certified
-from mpmcol.cli.accuracy import recommend
+from mpmcol.cli.accuracy import recommend, state_accuracy
 from mpmcol.cli.options import (
     DEFAULT_FOLDER,
     DURATION,
@@ -144,13 +144,14 @@ def run(
         if to_json:
             click.echo(json.dumps(Results(folder).summary))
         raise
+    statement, lines = ({}, []) if accuracy is None else state_accuracy(results, advice, accuracy)
     if to_json:
-        click.echo(json.dumps(results.summary))
+        click.echo(json.dumps(results.summary | ({"accuracy": statement} if statement else {})))
     elif not quiet:
         from mpmcol.cli.run_summary import summary_table
 
         shown = quote(str(folder))
-        click.echo(summary_table(results))
+        click.echo(summary_table(results, lines))
         click.echo(f"results in {shown}; next: mpmcol plot {shown}, mpmcol render {shown}")
     if report:
         report_at_end(folder, overwrite=fresh, quiet=quiet)
