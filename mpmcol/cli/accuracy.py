@@ -26,6 +26,18 @@ def recommend(case: str, overrides: Sequence[str], accuracy: float, silent: bool
     return advice
 
 
+def state_accuracy(
+    results: Results, advice: Recommendation, accuracy: float, bars: Sequence[ErrorBar] = ()
+) -> tuple[dict[str, Any], list[str]]:
+    """The statement of accuracy of a run for JSON and in words; it is also written into the folder of the run."""
+    from mpmcol.studies.statement import make_statement
+    from mpmcol.studies.statement_text import statement_lines, write_statement
+
+    record = make_statement(results, advice, accuracy, bars)
+    write_statement(results.folder, record)
+    return record, statement_lines(record)
+
+
 def certify(
     case: str,
     overrides: Sequence[str],
@@ -55,10 +67,11 @@ def certify(
     results = Results(out)
     records = {bar.quantity: _record(bar, results) for bar in bars}
     atomic_write(out / ERROR_BARS_FILE, (json.dumps(records, indent=1) + "\n").encode())
+    statement, lines = state_accuracy(results, advice, accuracy, bars)
     if to_json:
-        click.echo(json.dumps(results.summary | {"error_bars": records}))
+        click.echo(json.dumps(results.summary | {"error_bars": records, "accuracy": statement}))
     elif not quiet:
-        click.echo(summary_table(results))
+        click.echo(summary_table(results, lines))
         click.echo("\ndiscretisation errors, without the error of the model:")
         advised = narrower_bars(case, overrides, accuracy)
         click.echo("\n".join(line for bar in bars for line in _lines(bar, records[bar.quantity], accuracy, advised)))

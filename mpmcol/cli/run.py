@@ -13,7 +13,7 @@ import click
 from click.core import ParameterSource
 
 from mpmcol.cli.accuracy import certify as run_certified
-from mpmcol.cli.accuracy import recommend
+from mpmcol.cli.accuracy import recommend, state_accuracy
 from mpmcol.cli.options import (
     DEFAULT_FOLDER,
     DURATION,
@@ -91,9 +91,10 @@ def run(
     the gate, released, and simulated until it is at rest. mpmcol measure, plot and render read the results folder.
 
     With --accuracy, the cheapest configuration that was within this error in mpmcol pareto is used. These are
-    discretisation errors, without the error of the model. With --certify the case is run three times each on this grid
-    and two coarser ones, and on a finer grid too if an error bar is wider than the accuracy; runout and height are
-    extrapolated to zero spacing.
+    discretisation errors, without the error of the model. The run ends with a statement, also in accuracy.json:
+    intervals of runout and height for finer grids and for experiments, and what they hold. With --certify the case is
+    run three times each on this grid and two coarser ones, and on a finer grid too if an error bar is wider than the
+    accuracy; runout and height are extrapolated to zero spacing.
 
     Ctrl-C, the signals of schedulers and --max-wall stop the run with a checkpoint (exit code 75); a second Ctrl-C
     aborts it. Repeating the command resumes a stopped or killed run, with results that are identical to those of an
@@ -144,13 +145,14 @@ def run(
         if to_json:
             click.echo(json.dumps(Results(folder).summary))
         raise
+    statement, lines = ({}, []) if accuracy is None else state_accuracy(results, advice, accuracy)
     if to_json:
-        click.echo(json.dumps(results.summary))
+        click.echo(json.dumps(results.summary | ({"accuracy": statement} if statement else {})))
     elif not quiet:
         from mpmcol.cli.run_summary import summary_table
 
         shown = quote(str(folder))
-        click.echo(summary_table(results))
+        click.echo(summary_table(results, lines))
         click.echo(f"results in {shown}; next: mpmcol plot {shown}, mpmcol render {shown}")
     if report:
         report_at_end(folder, overwrite=fresh, quiet=quiet)

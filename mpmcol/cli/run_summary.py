@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from mpmcol.case import experiment_of
@@ -19,9 +19,10 @@ FRONT_TEXT = {
 }
 
 
-def summary_table(results: Results) -> str:
-    """Runout and height with their errors, the cost of the run, and its judgement."""
-    return "\n".join([*_measured(results), "", *_cost(results.summary), "", *judge(results)])
+def summary_table(results: Results, accuracy: Sequence[str] = ()) -> str:
+    """Runout and height with their errors, the cost of the run, its judgement, and its statement of accuracy if any."""
+    judged = judge(results, with_grid=not accuracy)
+    return "\n".join([*_measured(results), "", *_cost(results.summary), "", *judged, *accuracy])
 
 
 def _measured(results: Results) -> Iterator[str]:

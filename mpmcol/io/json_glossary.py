@@ -6,6 +6,7 @@ content of another table are in CONTENTS.
 
 from __future__ import annotations
 
+from mpmcol.io.accuracy_glossary import ACCURACY, ERROR_BARS
 from mpmcol.io.fit_glossary import FIT
 from mpmcol.io.glossary import MEASURE, NAMES, RESULT, SLOPES, TABLE, Names
 from mpmcol.provenance import DEPENDENCIES
@@ -29,22 +30,6 @@ _SPREAD: Names = {
     "median": ("ns", "median of repeated timings, per point and step"),
     "min": ("ns", "shortest of them"),
     "max": ("ns", "longest of them"),
-}
-_ERROR_BARS: Names = {
-    "error_bars.QUANTITY": ("", "a quantity extrapolated to zero spacing (--certify); error_bars.json has the same"),
-    "error_bars.QUANTITY.quantity": ("", "name of the quantity"),
-    "error_bars.QUANTITY.means": ("", "mean of the repeated runs by r_i/h, coarsest first"),
-    "error_bars.QUANTITY.means.CELLS": ("", "mean of the repeated runs at this r_i/h"),
-    "error_bars.QUANTITY.scatter": ("", "standard deviation of one run, over all spacings"),
-    "error_bars.QUANTITY.value": ("", "value extrapolated to zero spacing"),
-    "error_bars.QUANTITY.from_order": ("", "half the difference of extrapolations with the lowest and highest order"),
-    "error_bars.QUANTITY.from_misfit": ("", "two standard errors of the extrapolation"),
-    "error_bars.QUANTITY.error": ("", "half-width of the error bar: both parts, at least 1 % of the value"),
-    "error_bars.QUANTITY.cause": ("", "what determines the width of the bar"),
-    "error_bars.QUANTITY.law": ("", "value that the experiment of the case leads to expect; null without one"),
-    "error_bars.QUANTITY.law.experiment": ("", "who made the experiment"),
-    "error_bars.QUANTITY.law.expected": ("", "value by the law of the experiment"),
-    "error_bars.QUANTITY.law.scatter": ("", "relative scatter of the experiment"),
 }
 _ESTIMATE: Names = {
     **{name: NAMES[RESULT][name] for name in ("points", "column_points", "dt", "warnings")},
@@ -214,6 +199,7 @@ _PARETO: Names = {
     "rows.QUANTITY scatter": ("", "relative standard deviation of one run"),
     "rows.QUANTITY p90": ("", "relative error that about 90 % of the runs do not exceed"),
     "rows.QUANTITY bound": ("", "largest p90 of the configuration on this and finer grids"),
+    "rows.QUANTITY reference": ("", "grid-converged value of the case"),
     "rows.QUANTITY reference uncertainty": ("", "relative uncertainty of the grid-converged value"),
     "rows.QUANTITY pareto-optimal": ("", "whether no cheaper configuration has a smaller bound"),
     "rows.message": ("", "why runs are not done"),
@@ -276,7 +262,7 @@ _MAP: Names = {
 }
 
 OUTPUTS: dict[str, Names] = {  # command or file -> its names
-    "run --json": _ERROR_BARS,
+    "run --json": ERROR_BARS | ACCURACY,
     "run --dry-run --json": _ESTIMATE,
     "sweep --json": _SWEEP,
     "sweep --dry-run --json": _FORECAST,

@@ -13,6 +13,7 @@ RESUMED_AT = "resumed_at"  # comment in CASE_FILE: time since release at which t
 # Files that may be in the folder before the run starts: its input case and its log.
 GIVEN_CASE_FILE, LOG_FILE = "case.toml", "run.log"
 ERROR_BARS_FILE, REPEATS_FOLDER = "error_bars.json", "repeats"  # of `mpmcol run --certify`
+ACCURACY_FILE = "accuracy.json"  # of `mpmcol run --accuracy`
 REPORT_FILE = "report.html"  # of `mpmcol report`
 CHART_FILES = (
     "profile.png", "front.png", "energy.png", "profile.svg", "front.svg", "energy.svg", "collapse.gif", "collapse.mp4",
@@ -20,6 +21,6 @@ CHART_FILES = (
 )  # fmt: skip
 # All files of a run, as patterns. The case is last, so that a partly emptied folder is still recognised as a run's.
 OWN_FILES = (
-    ERROR_BARS_FILE, REPORT_FILE, RESULT_FILE, CHECKSUM_FILE, HISTORY_FILE, PRESSURE_FILE, *INDEX_FILES,
+    ERROR_BARS_FILE, ACCURACY_FILE, REPORT_FILE, RESULT_FILE, CHECKSUM_FILE, HISTORY_FILE, PRESSURE_FILE, *INDEX_FILES,
     SNAPSHOT_FOLDER, *CHART_FILES, *CHECKPOINT_FILES, CASE_FILE,
 )  # fmt: skip

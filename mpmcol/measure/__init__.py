@@ -27,7 +27,7 @@ from mpmcol.measure.erosion import Erosion, measure_erosion
 from mpmcol.measure.front import FRONTS, fronts, pile_height, profiles
 from mpmcol.measure.sections import Array, Section, split
 from mpmcol.measure.shape import ColumnShape
-from mpmcol.measure.slope import repose_angle
+from mpmcol.measure.slope import friction_from_repose, repose_angle
 from mpmcol.measure.surface import UNDISTURBED, failure_line, undisturbed_radius
 
 __all__ = [
@@ -39,6 +39,7 @@ __all__ = [
     "Measurement",
     "deposit_profile",
     "failure_line",
+    "friction_from_repose",
     "measure",
     "measure_erosion",
     "repose_angle",

@@ -1,9 +1,10 @@
-"""Slope of a deposit."""
+"""Slope of a deposit, and the friction angle that it corresponds to."""
 
 from __future__ import annotations
 
 import numpy as np
 
+from mpmcol.errors import UsageError
 from mpmcol.measure.sections import Array
 
 FLANK = 0.2, 0.8  # of the height: without the rounded top and the thin front
@@ -34,3 +35,23 @@ def repose_angle(profile_x: Array, profile_y: Array) -> float | None:
     flank = np.arange(flank[0], end)
     slope = np.polyfit(x[flank], profile_y[top:][flank], 1)[0]
     return float(np.degrees(np.arctan(-slope)))
+
+
+def friction_from_repose(repose_deg: float) -> float:
+    """Friction angle of a material whose steepest slope at rest has this angle: sin(phi) = tan(repose), degrees.
+
+    In plane strain without dilatancy a Mohr-Coulomb material mobilises tau / sigma = sin(phi) in simple shear (Davis
+    1968), so that a slope parallel to the direction of shear is at rest up to tan(repose) = sin(phi). A deposit of a
+    collapse is flatter than this limit, since it decelerates before it comes to rest: from its angle of repose phi is
+    underestimated, by 9 to 15 degrees for columns of a = 1 to 3 (table in the README of this folder).
+
+    Args:
+        repose_deg: inclination of the surface to the horizontal, degrees.
+
+    Raises UsageError unless the angle is between 0 and 45 degrees: no friction angle mobilises tan(repose) > 1.
+    """
+    if not 0.0 < repose_deg < 45.0:
+        raise UsageError(
+            f"angle of repose {repose_deg:g} deg: expected an angle between 0 and 45 deg to the horizontal"
+        )
+    return float(np.degrees(np.arcsin(np.tan(np.radians(repose_deg)))))

@@ -20,6 +20,7 @@ from mpmcol.report.model import Page, Section
 from mpmcol.report.pictures import animation, chart_pictures, comparison_pictures, deposit_picture
 from mpmcol.report.provenance import case_differences, case_files, version_table
 from mpmcol.studies.judgement import judge
+from mpmcol.studies.statement_text import stored_lines
 from mpmcol.units import length_text
 
 MEASURES, COST, ENERGY = "Deposit", "Size and cost", "Energy and stresses"
@@ -37,7 +38,7 @@ def run_page(results: Results) -> Page:
         facts=_facts(results),
         figures=key_figures(results),
         sections=[
-            Section("Judgement", lines=[line[:1].upper() + line[1:] for line in judge(results)]),
+            Section("Judgement", lines=[line[:1].upper() + line[1:] for line in _judgement(results)]),
             *_warnings([results], [""]),
             Section("Collapse and deposit", pictures=[animation(results), deposit_picture(results)]),
             Section("Measurements", tables=[deposit, *([laws] if laws.rows else [])]),
@@ -61,7 +62,7 @@ def comparison_page(runs: Sequence[Results]) -> Page:
         kind="mpmcol: comparison of runs",
         facts=[f"{name}: {_title(one)}; {'; '.join(_facts(one))}" for name, one in labelled],
         sections=[
-            Section("Judgement", lines=[f"{name}: {line}" for name, one in labelled for line in judge(one)]),
+            Section("Judgement", lines=[f"{name}: {line}" for name, one in labelled for line in _judgement(one)]),
             *_warnings(runs, names),
             Section("Differences of the cases", tables=[case_differences(runs, names)]),
             Section(f"Measurements (differences from {names[0]})", tables=tables),
@@ -71,6 +72,12 @@ def comparison_page(runs: Sequence[Results]) -> Page:
             Section("Versions", tables=[version_table(runs, names)]),
         ],
     )
+
+
+def _judgement(results: Results) -> list[str]:
+    """The judgement of a run, and its statement of accuracy if one was requested."""
+    accuracy = stored_lines(results.folder)
+    return [*judge(results, with_grid=not accuracy), *(line.strip() for line in accuracy)]
 
 
 def _title(results: Results) -> str:

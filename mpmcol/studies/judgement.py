@@ -17,40 +17,50 @@ from mpmcol.units import length_text
 FRONT = "front_height"
 NAMES = {"zeta": "runout", "beta": "height"}
 IN_STUDY = {"zeta": ZETA, "beta": BETA}
+STILL_MOVING = "the column still moved at the end: not compared with experiments"
 
 
-def judge(results: Results) -> list[str]:
-    """Lines on runout, height and the error of the grid of a run that is done."""
+def judge(results: Results, with_grid: bool = True) -> list[str]:
+    """Lines on runout and height of a run that is done; `with_grid` also on the error of the grid."""
     error = studied_error(results.case)
     experiment, reason = applicable_experiment(results.case)
     if not results.summary["at_rest"]:
-        experiment, reason = None, "the column still moved at the end: not compared with experiments"
+        experiment, reason = None, STILL_MOVING
     lines = [_quantity_line(results.summary, quantity, results.case, experiment, error) for quantity in NAMES]
-    return [*lines, *([reason] if reason else []), *_grid_lines(results.case, error)]
+    return [*lines, *([reason] if reason else []), *(_grid_lines(results.case, error) if with_grid else [])]
 
 
 def applicable_experiment(case: Case) -> tuple[Experiment | None, str]:
-    """The experiment with which a case can be compared, first that of the case; or None, and why there is none.
-
-    It has been made with this kind of column, a similar material, and this aspect ratio.
-    """
-    geometry, conditions = case.geometry, conditions_of(case)
+    """The first of `applicable_experiments`; or None, and why there is none."""
+    experiments = applicable_experiments(case)
+    if experiments:
+        return experiments[0], ""
     own = experiment_of(case)
-    kind = column_kind(geometry.model, geometry.column_section)
-    others = [one for one in EXPERIMENTS.values() if one.model == kind and one.kind == "laboratory"]
-    for one in (own, *others):
-        if not one.misfit(conditions) and any(one.expected(quantity, geometry.a) for quantity in NAMES):
-            return one, ""
     if not own.laws:
         return None, own.title
-    reason = own.misfit(conditions) or ", ".join(dict.fromkeys(law.gap(geometry.a) for law in own.laws))
+    reason = own.misfit(conditions_of(case)) or ", ".join(dict.fromkeys(law.gap(case.geometry.a) for law in own.laws))
     return None, f"no published experiment applies; {own.citation}: {reason}"
+
+
+def applicable_experiments(case: Case) -> list[Experiment]:
+    """The experiments with which a case can be compared, first that of the case.
+
+    They have been made with this kind of column, a similar material, and this aspect ratio.
+    """
+    geometry, conditions = case.geometry, conditions_of(case)
+    kind = column_kind(geometry.model, geometry.column_section)
+    others = [one for one in EXPERIMENTS.values() if one.model == kind and one.kind == "laboratory"]
+    return [
+        one
+        for one in dict.fromkeys((experiment_of(case), *others))
+        if not one.misfit(conditions) and any(one.expected(quantity, geometry.a) for quantity in NAMES)
+    ]
 
 
 def _quantity_line(
     summary: Mapping[str, Any], quantity: str, case: Case, experiment: Experiment | None, error: StudiedError | None
 ) -> str:
-    length, value = _measured(summary, quantity, case.geometry.r_i)
+    length, value = measured_value(summary, quantity, case.geometry.r_i)
     text = f"{NAMES[quantity]} {length_text(length)}, {quantity} = {value:.3f}"
     expected = experiment.expected(quantity, case.geometry.a) if experiment else None
     if experiment is None or expected is None:
@@ -75,8 +85,8 @@ def verdict(difference: float, scatter: float, grid: float) -> str:
     return "differs by more than the scatter" + (" and the error of the grid" if grid else "")
 
 
-def _measured(summary: Mapping[str, Any], quantity: str, r_i: float) -> tuple[float, float]:
-    """Length in m and dimensionless value; means around the axis in 3D."""
+def measured_value(summary: Mapping[str, Any], quantity: str, r_i: float) -> tuple[float, float]:
+    """Length in m and dimensionless value of a quantity of NAMES, of a column of radius r_i (m); in 3D the means."""
     if quantity == "beta":
         return float(summary["height"]), float(summary["beta"])
     pair = (summary["front"][FRONT], summary["zeta"][FRONT])

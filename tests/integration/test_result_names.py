@@ -160,6 +160,8 @@ def test_every_key_of_json_files_of_sweeps_and_studies_is_explained() -> None:
         ("error.lube-2004.zeta.front_max", ["relative error"]),
         ("seconds_left", ["unit s", "status --json"]),
         ("error_bars", ["zero spacing", "error_bars.json"]),
+        ("accuracy", ["statement of accuracy", "accuracy.json"]),
+        ("finer_grids", ["what finer grids would give", "run --json"]),
         ("from_order", ["lowest and highest order"]),
         ("findings", ["problems", "verify --json"]),
         ("time", ["[time]", "time.cfl", "time since release", "unit s"]),

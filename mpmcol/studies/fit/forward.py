@@ -24,6 +24,7 @@ from mpmcol.sweep.runs import PlannedRun, plan_run
 
 FINER = 0.03  # relative difference of the spacings of repeated runs, at least one cell in r_i
 ACCURACIES = (0.2, 0.1)  # of the search, on coarse grids
+LEAST_GRID_ERROR = 0.01  # relative: convergence with the spacing is not smooth enough for less
 ONE_SIDED = 1.645  # standard errors that 90 % of a normal distribution do not exceed in magnitude
 
 
@@ -167,17 +168,20 @@ def _level(name: str, advice: Recommendation, unknowns: Sequence[Unknown]) -> Le
     for one in unknowns:
         if one.key in advice.values:
             raise UsageError(f"{one.key} is set by --accuracy; omit --accuracy, or set it and vary another key")
-    errors = {"runout": advice.errors[ZETA] / ONE_SIDED, "height": advice.errors[BETA] / ONE_SIDED}
-    return Level(name, tuple(advice.overrides), advice.cells, errors, str(advice))
+    return Level(name, tuple(advice.overrides), advice.cells, _standard_errors(advice.errors), str(advice))
 
 
 def _own_level(source: str | Path, values: Sequence[str]) -> Level:
     case = load_case(source, values)
     studied, cells = studied_error(case), case.geometry.r_i / case.grid.spacing
-    errors = None
-    if studied is not None:
-        errors = {"runout": studied.errors[ZETA] / ONE_SIDED, "height": studied.errors[BETA] / ONE_SIDED}
+    errors = None if studied is None else _standard_errors(studied.errors)
     return Level("level1", (), cells, errors, f"the grid of the case, r_i/h = {cells:g}")
+
+
+def _standard_errors(bounds: Mapping[str, float]) -> dict[str, float]:
+    """Relative standard errors of runout and height from the errors that 90 % of the runs of the study do not exceed."""
+    names = {"runout": ZETA, "height": BETA}
+    return {name: max(bounds[own] / ONE_SIDED, LEAST_GRID_ERROR) for name, own in names.items()}
 
 
 def _named(run: PlannedRun) -> str:

@@ -76,7 +76,7 @@ def design(n: int) -> np.ndarray:
 
 
 def best_point(surface: Surface, near: np.ndarray, measured: np.ndarray, covariance: np.ndarray) -> np.ndarray:
-    """The unknowns u (n,) in their ranges with the least misfit to `measured` (m,), sought from `near` (n,) and other starts."""
+    """The unknowns u (n,) in their ranges with the least misfit to `measured` (m,); near: first start of the search."""
     from scipy.optimize import least_squares
 
     whiten = np.linalg.inv(np.linalg.cholesky(covariance))

@@ -69,6 +69,7 @@ def table_rows(study: StudyDefinition, references: References, scored: Scored) -
             error = one.errors.get(quantity)
             row |= {f"{quantity} {name}": error and getattr(error, name) for name in ERRORS}
         reference = references.get(configuration.case)
+        row |= {f"{quantity} reference": reference and reference.values[quantity].value for quantity in (ZETA, BETA)}
         for quantity in CRITERIA:
             row[f"{quantity} bound"] = bounds.get((id(one), quantity))
             row[f"{quantity} reference uncertainty"] = reference and reference.uncertainty(quantity)

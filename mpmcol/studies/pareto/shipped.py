@@ -84,9 +84,21 @@ def shipped_study() -> StudyDefinition:
 @cache
 def shipped_configurations() -> tuple[ShippedConfiguration, ...]:
     """Return the configurations of the shipped study that have errors."""
+    return tuple(_configuration(row) for row in _rows() if row[f"{ZETA} bias"])
+
+
+@cache
+def converged_values() -> dict[str, dict[str, float]]:
+    """Return the grid-converged value of each quantity, by case of the shipped study."""
+    values = {row["case"]: {name: row[f"{name} reference"] for name in QUANTITIES} for row in _rows()}
+    return {
+        case: {name: float(text) for name, text in own.items()} for case, own in values.items() if all(own.values())
+    }
+
+
+def _rows() -> csv.DictReader[str]:
     path = shipped_studies()[STUDY].with_suffix(".csv")
-    rows = csv.DictReader(path.read_text(encoding="utf-8").splitlines())
-    return tuple(_configuration(row) for row in rows if row[f"{ZETA} bias"])
+    return csv.DictReader(path.read_text(encoding="utf-8").splitlines())
 
 
 def neighbouring_cases(column: ColumnParameters) -> list[str]:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mpmcol.measure import repose_angle
+from mpmcol.errors import UsageError
+from mpmcol.measure import friction_from_repose, repose_angle
 
 X = 0.005 * (np.arange(60) + 0.5)
 
@@ -28,3 +29,18 @@ def test_a_second_heap_does_not_count() -> None:
 def test_a_block_or_nothing_has_none() -> None:
     assert repose_angle(X, np.where(X < 0.1, 0.05, 0.0)) is None
     assert repose_angle(X, np.zeros_like(X)) is None
+
+
+@pytest.mark.parametrize("friction", [10.0, 33.0, 89.0])
+def test_the_friction_angle_of_the_steepest_slope_at_rest(friction: float) -> None:
+    """On planes parallel to the shear the Mohr circle of plane flow without dilatancy has tau / sigma = sin(phi)."""
+    sine = np.sin(np.radians(friction))
+    centre, radius = 1.0, sine  # s = 1, t = s sin(phi); the planes of largest shear do not change in length
+    steepest = np.degrees(np.arctan2(radius, centre))
+    assert friction_from_repose(steepest) == pytest.approx(friction)
+
+
+@pytest.mark.parametrize("repose", [0.0, -3.0, 45.0, 60.0, float("nan")])
+def test_an_angle_that_no_friction_holds_is_refused(repose: float) -> None:
+    with pytest.raises(UsageError, match="angle of repose .* expected an angle between 0 and 45 deg"):
+        friction_from_repose(repose)

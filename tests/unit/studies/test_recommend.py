@@ -278,9 +278,12 @@ def test_a_certified_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
         "zeta.front_height = " in done.output
         and "against Lube et al. 2004 (1.116, scatter 10%), differs" in done.output
     )
+    assert "grid: error bar of repeated runs up to r_i/h = " in done.output
     assert invoke("verify", str(folder)).exit_code == 0
     again: Any = json.loads(invoke(*arguments, "--json").stdout)
-    bars = again["error_bars"]
+    bars, accuracy = again["error_bars"], again["accuracy"]
+    assert json.loads((folder / "accuracy.json").read_text()) == accuracy
+    assert accuracy["zeta"]["value"] == bars[ZETA]["value"] and accuracy["zeta"]["scatter"] == 0.0
     assert set(bars) == {ZETA, BETA} and bars[ZETA]["error"] > 0.0
     assert json.loads((folder / "error_bars.json").read_text()) == bars
     finest = max(bars[ZETA]["means"], key=float)

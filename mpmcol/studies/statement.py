@@ -1,0 +1,173 @@
+"""Statement of accuracy: runout and height of a run with intervals, and what these hold.
+
+Two intervals are separated: what finer grids would give, and what an experiment would give. Their half-widths are roots
+of the sums of squares of their parts. An interval that lacks a part is not given.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from math import hypot, inf
+from typing import Any
+
+from mpmcol.case import Case, conditions_of
+from mpmcol.experiments import Experiment, mark
+from mpmcol.io.results import Results
+from mpmcol.studies.judgement import (
+    IN_STUDY,
+    NAMES,
+    STILL_MOVING,
+    applicable_experiment,
+    applicable_experiments,
+    measured_value,
+)
+from mpmcol.studies.pareto.certify import ErrorBar
+from mpmcol.studies.pareto.neighbouring import node_scatter
+from mpmcol.studies.pareto.recommend import Recommendation
+from mpmcol.studies.pareto.shipped import converged_values, study_case
+
+CONFIDENCE = 0.9
+TWO_SIDED = 1.645  # standard deviations to either side that hold 90 % of normally distributed values
+
+
+@dataclass(frozen=True)
+class ModelError:
+    """Difference of the model from one experiment, in one quantity."""
+
+    experiment: str  # author and year, marked if unverified
+    expected: float  # value by the law of the experiment for the case
+    scatter: float  # relative standard deviation of the experiment
+    difference: float | None  # relative, of grid-converged values; the largest in the study; None: not studied
+
+    @property
+    def part(self) -> float | None:
+        """Part of the interval, relative to the computed value."""
+        if self.difference is None:
+            return None
+        ratio = 1.0 / (1.0 + self.difference)  # experiment over model
+        return abs(1.0 - ratio) + TWO_SIDED * self.scatter * ratio
+
+
+@dataclass(frozen=True)
+class StatedQuantity:
+    """A quantity with the parts of its intervals, relative to the value."""
+
+    value: float
+    unit_length: float  # m, that of a value of one
+    grid: float
+    scatter: float
+    model: Sequence[ModelError]
+    reason: str  # why there is no interval for experiments; "" if there is one
+
+    @property
+    def model_part(self) -> float | None:
+        """The largest part of all experiments; None without one."""
+        return None if self.reason else max(one.part for one in self.model if one.part is not None)
+
+    def as_dict(self) -> dict[str, Any]:
+        """The record for JSON."""
+        model = self.model_part
+        return {
+            "value": self.value,
+            "length": self.value * self.unit_length,
+            "grid": self.grid,
+            "scatter": self.scatter,
+            "model": model,
+            "finer_grids": self._interval(self.grid, self.scatter),
+            "experiment": None if model is None else self._interval(self.grid, self.scatter, model),
+            "experiments": [asdict(one) for one in self.model],
+            "reason": self.reason,
+        }
+
+    def _interval(self, *parts: float) -> dict[str, float]:
+        width = hypot(*parts) * abs(self.value)
+        low, high = max(self.value - width, 0.0), self.value + width
+        return {
+            "low": low, "high": high, "low_length": low * self.unit_length, "high_length": high * self.unit_length,
+        }  # fmt: skip
+
+
+def make_statement(
+    results: Results, advice: Recommendation, accuracy: float, bars: Sequence[ErrorBar] = ()
+) -> dict[str, Any]:
+    """Return the statement of a finished run as a record for JSON; `mpmcol explain accuracy` explains its keys.
+
+    Args:
+        results: of the run of the recommended configuration.
+        advice: the recommendation that the run was made by.
+        accuracy: the accuracy that was requested.
+        bars: of repeated runs; they replace the error bound of the study, and their values those of the run.
+    """
+    certified = {bar.quantity: bar for bar in bars}
+    quantities = {name: _quantity(name, results, advice, certified.get(IN_STUDY[name])).as_dict() for name in NAMES}
+    return {
+        "requested": accuracy,
+        "confidence": CONFIDENCE,
+        "source": "repeated runs" if bars else "study",
+        "variant": advice.variant,
+        "cells": max(bars[0].means) if bars else advice.cells,
+        "cases": list(advice.cases),
+        "outside_study": list(advice.differences),
+        **quantities,
+    }
+
+
+def _quantity(name: str, results: Results, advice: Recommendation, bar: ErrorBar | None) -> StatedQuantity:
+    case, in_study = results.case, IN_STUDY[name]
+    geometry = case.geometry
+    if bar:
+        value, grid, scatter = bar.value, bar.relative, 0.0  # the misfit of the bar holds the scatter
+    else:
+        _, value = measured_value(results.summary, name, geometry.r_i)
+        grid, scatter = of_value(advice.errors[in_study]), TWO_SIDED * node_scatter(in_study, advice.cells)
+    model = model_errors(name, case, advice.cases) if results.summary["at_rest"] else []
+    reason = _reason(name, results, model)
+    return StatedQuantity(value, geometry.r_i if name == "zeta" else geometry.h_i, grid, scatter, model, reason)
+
+
+def of_value(error: float) -> float:
+    """Error relative to the computed value, from one relative to the converged value c: |v - c| <= e c, c > 0."""
+    return error / (1.0 - error) if error < 1.0 else inf
+
+
+def model_errors(name: str, case: Case, cases: Sequence[str]) -> list[ModelError]:
+    """Return the differences of the model from the laboratory experiments that a case can be compared with.
+
+    They are known for the grid-converged values of those `cases` of the study with which these can be compared as well.
+    """
+    found: dict[tuple[float, float], ModelError] = {}  # records that agree are one experiment
+    for experiment in applicable_experiments(case):
+        law, expected = experiment.law(name), experiment.expected(name, case.geometry.a)
+        if law and expected and experiment.kind == "laboratory":
+            label, difference = f"{experiment.citation}{mark(law.verified)}", _difference(name, experiment, cases)
+            found.setdefault(expected, ModelError(label, expected[0], law.scatter, difference))
+    return list(found.values())
+
+
+def _difference(name: str, experiment: Experiment, cases: Sequence[str]) -> float | None:
+    """The difference by which the interval is widest."""
+    found = [
+        converged_values()[one][IN_STUDY[name]] / expected[0] - 1.0
+        for one in cases
+        if one in converged_values()
+        and not experiment.misfit(conditions_of(study_case(one)))
+        and (expected := experiment.expected(name, study_case(one).geometry.a))
+    ]
+    return max(found, key=lambda difference: ModelError("", 0.0, 0.0, difference).part or 0.0, default=None)
+
+
+def _reason(name: str, results: Results, model: Sequence[ModelError]) -> str:
+    """Why there is no interval for experiments; "" if there is one."""
+    if not results.summary["at_rest"]:
+        return STILL_MOVING
+    experiment, reason = applicable_experiment(results.case)
+    if experiment is None:
+        return reason
+    if not model:
+        law = experiment.law(name)
+        return f"{experiment.citation}: {law.gap(results.case.geometry.a) if law else f'no law for {name}'}"
+    if all(one.difference is None for one in model):
+        known = ", ".join(one.experiment for one in model)
+        return f"the study has no column to compare with {known}: the error of the model is not known"
+    return ""

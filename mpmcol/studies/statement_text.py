@@ -1,0 +1,82 @@
+"""The statement of accuracy in words, and its file beside the result."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from mpmcol.errors import OutputError
+from mpmcol.io.atomic import atomic_write
+from mpmcol.io.names import ACCURACY_FILE
+from mpmcol.io.values import to_json
+from mpmcol.studies.judgement import NAMES
+from mpmcol.units import length_scale, length_text
+
+
+def write_statement(folder: Path, record: Mapping[str, Any]) -> None:
+    """Write the record of `make_statement` into the folder of its run, unless it is there. Raises OutputError."""
+    path, content = folder / ACCURACY_FILE, (to_json(record, indent=1) + "\n").encode()
+    if not path.is_file() or path.read_bytes() != content:
+        atomic_write(path, content)
+
+
+def stored_lines(folder: Path) -> list[str]:
+    """The statement of the run in a folder in words; no lines for a run without a requested accuracy.
+
+    Raises OutputError if its file is damaged.
+    """
+    path = folder / ACCURACY_FILE
+    if not path.exists():
+        return []
+    try:
+        return statement_lines(json.loads(path.read_text("utf-8")))
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise OutputError(
+            f"{path} is damaged ({type(error).__name__}: {error}); repeat the command of the run, which writes it again"
+        ) from None
+
+
+def statement_lines(record: Mapping[str, Any]) -> list[str]:
+    """The statement in words, from its record: five lines."""
+    outside = record["outside_study"]
+    return [
+        *(line for name in NAMES for line in _quantity_lines(name, record[name])),
+        f"confidence {record['confidence']:.0%}; {_source(record)}"
+        + (f"; outside the study, intervals may be too narrow: {'; '.join(outside)}" if outside else ""),
+    ]
+
+
+def _source(record: Mapping[str, Any]) -> str:
+    if record["source"] == "study":
+        variant = f'"{record["variant"]}" at r_i/h = {record["cells"]:g}'
+        return f"grid: error bound of {variant} in the study; scatter: between neighbouring spacings"
+    return f"grid: error bar of repeated runs up to r_i/h = {record['cells']:g}, values extrapolated to zero spacing"
+
+
+def _quantity_lines(name: str, record: Mapping[str, Any]) -> list[str]:
+    scatter = f", scatter {record['scatter']:.1%}" if record["scatter"] else ""
+    value = f"{NAMES[name]} {length_text(record['length'])}, {name} = {record['value']:.3f}"
+    return [
+        f"{value}; finer grids: {_interval_text(record['finer_grids'])}, from grid {record['grid']:.1%}{scatter}",
+        f"  experiments: {_experiments_text(record)}",
+    ]
+
+
+def _experiments_text(record: Mapping[str, Any]) -> str:
+    if record["experiment"] is None:
+        return f"no interval; {record['reason']}"
+    differences = ", ".join(map(_difference_text, record["experiments"]))
+    return f"{_interval_text(record['experiment'])}, from these and model {record['model']:.1%}: {differences}"
+
+
+def _difference_text(record: Mapping[str, Any]) -> str:
+    difference, scatter = record["difference"], f"{record['experiment']} (scatter {record['scatter']:.0%})"
+    return f"not compared with {scatter}" if difference is None else f"{difference:+.1%} against {scatter}"
+
+
+def _interval_text(interval: Mapping[str, float]) -> str:
+    unit, factor = length_scale(interval["high_length"])
+    low, high = factor * interval["low_length"], factor * interval["high_length"]
+    return f"{interval['low']:.3f} to {interval['high']:.3f} ({low:.4g} to {high:.4g} {unit})"

@@ -1,0 +1,187 @@
+"""The statement of accuracy: parts and intervals in closed form, and what is not known is stated."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+from math import hypot
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from mpmcol.case import load_case
+from mpmcol.errors import OutputError
+from mpmcol.studies import statement
+from mpmcol.studies.pareto.certify import error_bar
+from mpmcol.studies.pareto.neighbouring import NODE_SCATTER, node_scatter
+from mpmcol.studies.pareto.recommend import Recommendation
+from mpmcol.studies.pareto.score import BETA, ZETA
+from mpmcol.studies.pareto.shipped import converged_values
+from mpmcol.studies.statement import ModelError, make_statement, of_value
+from mpmcol.studies.statement_text import statement_lines, stored_lines, write_statement
+
+ROOT = Path(__file__).parents[3]
+Z90 = 1.645
+ADVICE = Recommendation("light", 28.0, {}, {ZETA: 0.05, BETA: 0.02}, ["channel, a = 1"], 1.0, [])
+
+
+def stated(
+    *overrides: str, zeta: float = 1.5, advice: Recommendation = ADVICE, at_rest: bool = True, bars: Sequence[Any] = ()
+) -> dict[str, Any]:
+    """The statement of a run of a channel with this result."""
+    case = load_case("channel", ["geometry.aspect=1", *overrides])
+    geometry, beta = case.geometry, 0.9
+    summary: dict[str, Any] = {
+        "front": {"front_height": geometry.r_i * (1.0 + zeta)}, "zeta": {"front_height": zeta},
+        "height": beta * geometry.h_i, "beta": beta, "at_rest": at_rest,
+    }  # fmt: skip
+    results: Any = SimpleNamespace(case=case, summary=summary)
+    return make_statement(results, advice, 0.05, bars)
+
+
+def widths(interval: dict[str, float], value: float) -> tuple[float, float]:
+    return interval["low"] / value - 1.0, interval["high"] / value - 1.0
+
+
+def test_half_widths_are_roots_of_sums_of_squares_centred_on_the_value() -> None:
+    """Two experiments fit; the interval is that of the one from which the model differs more."""
+    record = stated()
+    zeta = record["zeta"]
+    grid, scatter, converged = 0.05 / 0.95, Z90 * NODE_SCATTER[28.0][ZETA], converged_values()["channel, a = 1"][ZETA]
+    numerical = hypot(grid, scatter)
+    assert widths(zeta["finer_grids"], 1.5) == pytest.approx((-numerical, numerical))
+    assert [one["difference"] for one in zeta["experiments"]] == pytest.approx(
+        [converged / 1.6 - 1.0, converged / 1.2 - 1.0]
+    )
+    model = (1.0 - 1.2 / converged) + Z90 * 0.1 * 1.2 / converged
+    whole = hypot(numerical, model)
+    assert widths(zeta["experiment"], 1.5) == pytest.approx((-whole, whole))
+    radius = load_case("channel").geometry.r_i
+    assert zeta["finer_grids"]["low_length"] == pytest.approx(radius * zeta["finer_grids"]["low"])
+    assert zeta["length"] == pytest.approx(1.5 * radius) and record["beta"]["length"] == pytest.approx(0.9 * radius)
+    assert record["beta"]["grid"] == pytest.approx(0.02 / 0.98)
+
+
+@pytest.mark.parametrize("error", [0.05, 0.3])
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_the_interval_reaches_the_converged_value(error: float, sign: float) -> None:
+    """The bound of the study is relative to the converged value, 1.5 here; the interval to the computed one."""
+    value = 1.5 * (1.0 + sign * error)
+    interval = stated(zeta=value, advice=replace(ADVICE, errors={ZETA: error, BETA: error}))["zeta"]["finer_grids"]
+    assert interval["low"] < 1.5 < interval["high"]
+    assert of_value(1.0) == float("inf")
+
+
+@pytest.mark.parametrize("difference", [-0.5, -0.1, 0.0, 0.05, 0.2, 1.0])
+def test_the_part_of_the_model_holds_nine_of_ten_experiments(difference: float) -> None:
+    """At least; a normal distribution about a value from which the model differs."""
+    expected = 1.0 / (1.0 + difference)  # the model computes 1
+    experiments = expected * (1.0 + 0.1 * np.random.default_rng(1).standard_normal(20000))
+    part = ModelError("", 1.0, 0.1, difference).part
+    assert part is not None and 0.89 < np.mean(np.abs(experiments - 1.0) <= part) < 0.96
+
+
+def test_a_difference_that_is_not_known_gives_no_interval(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A column of a friction that the experiments have, beside cases of the study that none of them has."""
+    record = stated(advice=replace(ADVICE, cases=["channel, a = 1, 42 degrees"]))
+    zeta = record["zeta"]
+    assert zeta["experiment"] is None and zeta["model"] is None
+    assert "no column to compare with Lube et al. 2007, Lube et al. 2005: the error of the model" in zeta["reason"]
+    assert "finer_grids" in zeta and f"  experiments: no interval; {zeta['reason']}" in statement_lines(record)
+    both = ["channel, a = 1, 42 degrees", "channel, a = 1"]
+    assert stated(advice=replace(ADVICE, cases=both))["zeta"] == stated()["zeta"]
+
+
+def test_the_widest_difference_of_the_neighbouring_cases_counts() -> None:
+    cases = ["channel, a = 1", "channel, a = 3"]
+    found = stated("geometry.aspect=1.5", advice=replace(ADVICE, cases=cases))["zeta"]["experiments"][0]
+    assert found["expected"] == pytest.approx(2.4)
+    assert found["difference"] == pytest.approx(converged_values()["channel, a = 3"][ZETA] / 4.576 - 1.0, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("overrides", "at_rest", "reason"),
+    [
+        (("material.friction_deg=45",), True, "for friction of 28 to 40 deg; here it is 45 deg"),
+        (("geometry.aspect=30",), True, "no law for a >= 20"),
+        ((), False, "still moved at the end"),
+    ],
+)
+def test_without_an_experiment_the_reason_is_given(overrides: tuple[str, ...], at_rest: bool, reason: str) -> None:
+    record = stated(*overrides, at_rest=at_rest)
+    for name in ("zeta", "beta"):
+        assert record[name]["experiment"] is None and reason in record[name]["reason"]
+        assert record[name]["finer_grids"]["low"] < record[name]["value"]
+    assert sum(reason in line for line in statement_lines(record)) == 2
+
+
+def test_a_quantity_without_a_law_at_this_aspect_ratio_has_its_gap() -> None:
+    cylinder = replace(ADVICE, cases=["cylinder, a = 0.9"])
+    record = stated("geometry.model=axisymmetric", "geometry.aspect=1.3", advice=cylinder)
+    assert record["zeta"]["experiment"] and record["beta"]["reason"] == "Lube et al. 2004: no law for 1 <= a < 1.7"
+
+
+def test_settings_outside_the_study_are_stated() -> None:
+    outside = replace(ADVICE, differences=["a = 10, in the study 1 to 3"])
+    assert statement_lines(stated(advice=outside))[-1].endswith(
+        "outside the study, intervals may be too narrow: a = 10, in the study 1 to 3"
+    )
+    assert "outside" not in statement_lines(stated())[-1]
+
+
+def test_error_bars_replace_the_bound_of_the_study() -> None:
+    bars = [error_bar(quantity, {cells: [1.6 - 2.0 / cells] for cells in (14, 20, 28)}) for quantity in (ZETA, BETA)]
+    record = stated(bars=bars)
+    assert (record["source"], record["cells"]) == ("repeated runs", 28)
+    for bar, name in zip(bars, ("zeta", "beta"), strict=True):
+        interval = record[name]["finer_grids"]
+        assert (record[name]["value"], record[name]["grid"]) == (bar.value, bar.relative)
+        assert (interval["low"], interval["high"]) == pytest.approx((bar.value - bar.error, bar.value + bar.error))
+    lines = statement_lines(record)
+    assert "repeated runs up to r_i/h = 28, values extrapolated" in lines[-1] and "scatter 0" not in "".join(lines)
+
+
+def test_the_statement_in_words() -> None:
+    lines = statement_lines(stated())
+    assert len(lines) == 5
+    assert lines[0] == (
+        "runout 135 mm, zeta = 1.500; finer grids: 1.419 to 1.581 (127.7 to 142.3 mm), from grid 5.3%, scatter 1.3%"
+    )
+    assert lines[1].startswith("  experiments: 0.9") and lines[1].endswith(
+        "and model 39.5%: +3.6% against Lube et al. 2007 (scatter 10%), +38.1% against Lube et al. 2005 (scatter 10%)"
+    )
+    assert "Lube et al. 2007 (unverified) (scatter 5%)" in lines[3]
+    assert lines[4].startswith('confidence 90%; grid: error bound of "light" at r_i/h = 28 in the study; scatter')
+
+
+def test_the_stored_statement_is_the_same_and_is_written_once(tmp_path: Path) -> None:
+    assert stored_lines(tmp_path) == []
+    record, path = stated(), tmp_path / "accuracy.json"
+    write_statement(tmp_path, record)
+    assert stored_lines(tmp_path) == statement_lines(record)
+    before = path.stat().st_ino
+    write_statement(tmp_path, record)
+    assert path.stat().st_ino == before
+    for damaged in ("{", "[]", "{}", path.read_text().replace('"grid"', '"grit"')):
+        path.write_text(damaged)
+        with pytest.raises(OutputError, match=r"accuracy.json is damaged .*; repeat the command of the run"):
+            stored_lines(tmp_path)
+
+
+def test_the_converged_values_are_those_of_the_report() -> None:
+    text = (ROOT / "scripts" / "pareto" / "pareto.md").read_text()
+    for case, values in converged_values().items():
+        for quantity, value in values.items():
+            (shown,) = re.findall(rf"^\| {re.escape(case)} \| {re.escape(quantity)} \| (\S+) \+-", text, re.MULTILINE)
+            assert float(f"{value:.4g}") == float(shown)
+    assert len(converged_values()) == 8
+
+
+def test_the_scatter_of_the_next_coarser_grid_counts() -> None:
+    assert node_scatter(ZETA, 20.0) == node_scatter(ZETA, 27.0) == NODE_SCATTER[20.0][ZETA]
+    assert node_scatter(ZETA, 10.0) == NODE_SCATTER[14.0][ZETA] and node_scatter(BETA, 80.0) == NODE_SCATTER[40.0][BETA]
+    assert statement.TWO_SIDED == Z90
