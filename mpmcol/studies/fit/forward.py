@@ -179,7 +179,7 @@ def _own_level(source: str | Path, values: Sequence[str]) -> Level:
 
 
 def _standard_errors(bounds: Mapping[str, float]) -> dict[str, float]:
-    """Relative standard errors of runout and height from the errors that 90 % of the runs of the study do not exceed."""
+    """Relative standard errors of runout and height from the errors that 90 % of runs of the study do not exceed."""
     names = {"runout": ZETA, "height": BETA}
     return {name: max(bounds[own] / ONE_SIDED, LEAST_GRID_ERROR) for name, own in names.items()}
 
