@@ -10,6 +10,7 @@ import click
 from mpmcol.cli.options import (
     PATH,
     accuracy_option,
+    aspect_option,
     fresh_option,
     jobs_option,
     json_option,
@@ -17,6 +18,7 @@ from mpmcol.cli.options import (
     overrides_option,
     quiet_option,
     threads_option,
+    with_aspect,
 )
 
 
@@ -39,6 +41,7 @@ from mpmcol.cli.options import (
     "--repeats", type=click.IntRange(2, 20), default=2, show_default=True,
     help="Runs for each set of values, which differ in time step and spacing by a few per cent.",
 )  # fmt: skip
+@aspect_option
 @overrides_option
 @accuracy_option()
 @out_option("fits/CASE-KEYS")
@@ -53,6 +56,7 @@ def fit(
     profile: Path | None,
     vary: tuple[str, ...],
     repeats: int,
+    aspect: str | None,
     overrides: tuple[str, ...],
     accuracy: float | None,
     out: Path | None,
@@ -78,6 +82,7 @@ def fit(
     from mpmcol.studies.fit.report import lines, record, write_report
     from mpmcol.studies.fit.unknowns import parse_unknowns
 
+    overrides = with_aspect(overrides, aspect)
     targets = parse_measured(",".join(measured), profile)
     unknowns = parse_unknowns(vary, case, overrides)
     require_enough(unknowns, targets)

@@ -89,6 +89,16 @@ def test_fresh_repeats_all_runs(fitted: Path) -> None:
     assert all(read_status(path.parent).name == "done" for path in before)
 
 
+def test_a_folder_that_holds_something_else_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "notes.txt").write_text("mine")
+    done = invoke(*COMMAND, "--out", str(tmp_path))
+    assert (
+        done.exit_code == 2
+        and "holds no fit" in done.stderr
+        and [one.name for one in tmp_path.iterdir()] == ["notes.txt"]
+    )
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

@@ -41,9 +41,9 @@ def test_json_is_a_flag_and_out_a_folder_everywhere() -> None:
 
 
 def test_commands_that_run_simulations_share_their_options() -> None:
-    for name in ("run", "sweep", "paper", "validate", "stability", "pareto"):
+    for name in ("run", "sweep", "fit", "paper", "validate", "stability", "pareto"):
         assert {"--out", "--fresh", "--jobs", "--json", "--quiet"} <= set(options(name)), name
-    for name in ("run", "sweep", "check", "plan"):
+    for name in ("run", "sweep", "fit", "check", "plan"):
         assert {"--set", "--aspect"} <= set(options(name)), name
 
 

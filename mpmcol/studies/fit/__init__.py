@@ -15,6 +15,7 @@ from mpmcol.studies.fit.quantities import Target
 from mpmcol.studies.fit.search import Notify, Search, Solution
 from mpmcol.studies.fit.unknowns import Unknown
 from mpmcol.sweep.engine import KeptPool
+from mpmcol.sweep.plan import PLAN_FILE
 from mpmcol.sweep.runner import SweepObserver
 
 RUNS = "runs"  # folder of the runs within that of the fit
@@ -58,11 +59,13 @@ def carry_out_fit(
     Runs that have ended are not repeated, so that the same call resumes a fit that was stopped, with equal results.
 
     Raises:
-        UsageError: there are fewer measured values than unknowns, or the study has no configuration for the accuracy.
+        UsageError: there are fewer measured values than unknowns, the study has no configuration for this case, or the
+            folder holds something else.
         CaseError: a value of the case is invalid.
         MpmcolError: no run with some values was successful; it has the exit code of the runs.
     """
     require_enough(unknowns, targets)
+    _require_own(out)
     with KeptPool() as kept:
         forward = Forward(
             source, tuple(overrides), tuple(unknowns), tuple(targets), out / RUNS, repeats, kept,
@@ -78,6 +81,12 @@ def carry_out_fit(
             solution = search.run(level, shares if search.evaluations else search.begin(level))
             shares = solution.shares
     return Fit(source, tuple(overrides), tuple(unknowns), tuple(targets), solution, out)
+
+
+def _require_own(out: Path) -> None:
+    """Raise UsageError if a folder holds something else than a fit."""
+    if out.is_dir() and any(out.iterdir()) and not (out / RUNS / PLAN_FILE).exists():
+        raise UsageError(f"{out} is not empty and holds no fit; use --out for another folder")
 
 
 def require_enough(unknowns: Sequence[Unknown], targets: Sequence[Target]) -> None:

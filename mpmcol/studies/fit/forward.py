@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import ceil
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +24,7 @@ from mpmcol.sweep.runner import SweepObserver, run_sweep
 from mpmcol.sweep.runs import PlannedRun, plan_run
 
 FINER = 0.03  # relative difference of the spacings of repeated runs, at least one cell in r_i
+ROUNDING = 1e-6  # of r_i / h
 ACCURACIES = (0.2, 0.1)  # of the search, on coarse grids
 LEAST_GRID_ERROR = 0.01  # relative: convergence with the spacing is not smooth enough for less
 ONE_SIDED = 1.645  # standard errors that 90 % of a normal distribution do not exceed in magnitude
@@ -109,7 +111,7 @@ class Forward:
         cfl, step = repeated_cfl(base.time.cfl, self.repeats), max(1, round(FINER * level.cells))
         planned = []
         for number in range(self.repeats):
-            h = base.geometry.r_i / (round(level.cells) + number * step)
+            h = base.geometry.r_i / (ceil(level.cells - ROUNDING) + number * step)
             grid = {SPACING: f"{h:.9g}", CFL: cfl[number], SNAPSHOTS: "1"}
             texts = [*self.overrides, *level.overrides, *values, *(f"{key}={text}" for key, text in grid.items())]
             inputs = {one.key: one.at(float(share)) for one, share in zip(self.unknowns, shares, strict=True)}

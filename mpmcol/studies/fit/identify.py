@@ -39,11 +39,11 @@ def _undetermined(unknowns: Sequence[Unknown], targets: Sequence[Target], soluti
     found = solution.precision
     names = ", ".join(target.name for target in targets)
     if found is None:
-        yield f"{names} do not determine {' and '.join(one.key for one in unknowns)}{_better(targets, solution)}"
+        yield f"{' and '.join(one.key for one in unknowns)} not determined by {names}{_better(targets, solution)}"
         return
     for unknown, error in zip(unknowns, found.errors, strict=True):
         if error > UNIFORM:
-            yield f"{names} do not determine {unknown.key} within its range{_better(targets, solution)}"
+            yield f"{unknown.key} is not determined within its range by {names}{_better(targets, solution)}"
     for i, j in combinations(range(len(unknowns)), 2):
         if abs(correlation := found.correlation[i, j]) > DEGENERATE:
             yield (
@@ -69,11 +69,12 @@ def _error_with(name: str, targets: Sequence[Target], solution: Solution) -> flo
     """Largest standard error of the shares with a further quantity; None if it is no new one or does not help."""
     own = [one for one in solution.evaluations if one.level == solution.evaluations[0].level]
     values = np.array([[one.scalars[name]] for one in own])
-    if name in {target.name for target in targets} or not np.isfinite(values).all():
+    value = value_at(own, name, solution.shares)
+    if name in {target.name for target in targets} or not np.isfinite(values).all() or value == 0.0:
         return None
     slope = fit_surface(np.array([one.shares for one in own]), values, solution.shares).gradient(solution.shares)
     gradient = np.vstack((solution.surface.gradient(solution.shares), slope))
-    further = (FURTHER_ERROR * value_at(own, name, solution.shares)) ** 2
+    further = (FURTHER_ERROR * value) ** 2
     causes = {cause: _extended(covariance) for cause, covariance in solution.causes.items()}
     causes["further"] = np.diag([*np.zeros(len(gradient) - 1), further])
     found = precision(gradient, causes)

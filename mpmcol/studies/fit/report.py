@@ -30,7 +30,7 @@ POOR = 4.0  # misfit, in standard errors squared per degree of freedom, from whi
 
 @dataclass(frozen=True)
 class FittedValue:
-    """An unknown with its value, its standard error and the parts of that by cause; None if it is not determined."""
+    """An unknown with its value, its standard error and the parts of that by cause; None if it exceeds the range."""
 
     key: str
     unit: str
@@ -57,8 +57,9 @@ def fitted_values(fit: Fit) -> list[FittedValue]:
     values = []
     for k, unknown in enumerate(fit.unknowns):
         width = (unknown.high - unknown.low) * scale
-        error = None if found is None else float(width * found.errors[k])
-        parts = None if found is None else {cause: float(width * found.part(cause)[k]) for cause in CAUSES}
+        is_known = found is not None and found.errors[k] < 1.0  # of the range
+        error = float(width * found.errors[k]) if found is not None and is_known else None
+        parts = {cause: float(width * found.part(cause)[k]) for cause in CAUSES} if found and is_known else None
         value = unknown.low + float(fit.solution.shares[k]) * (unknown.high - unknown.low)
         values.append(FittedValue(unknown.key, unknown.unit, value, error, parts))
     return values

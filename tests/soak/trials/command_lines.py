@@ -28,7 +28,7 @@ CODES = (0, 2, 5)  # done, wrong command or case, unreadable or unwritable file
 COMPUTATIONS = (
     "mpmcol.setup.model.allocate_grid", "mpmcol.sweep.runner.execute_runs", "mpmcol.studies.runs.execute_runs",
     "mpmcol.failure_modes.run_catalogue", "mpmcol.studies.frame.carry_out", "mpmcol.bench.measure.measure_case",
-    "mpmcol.bench.scaling.measure_scaling",
+    "mpmcol.bench.scaling.measure_scaling", "mpmcol.studies.fit.forward.run_sweep",
 )  # fmt: skip
 NUMBERS = (
     "0", "-1", "1", "3", "2.5", "1e400", "nan", "-inf", "9" * 30, "9" * 5000, "1," + "9" * 5000, "1,,2", "1,x", "٣",
@@ -53,6 +53,9 @@ FITTING: dict[str, tuple[str, ...]] = {
     "overrides": ("geometry.aspect=3", "grid.spacing=5 mm", "grid.spacing=0.01", "stages.gate_speed=1"),
     "settings": ("geometry.aspect=1:3", "material.friction_deg=30,33", "time.cfl=0.4", "geometry.base=elastic,rigid"),
     "aspect": ("1:2", "0.5:7/14", "3"),
+    "measured": ("zeta=1.3", "zeta=1.3+-0.1,beta=0.5", "repose=20deg"),
+    "vary": ("material.friction_deg=20:45", "material.cohesion=0:1 kPa", "friction.floor=0.1:0.5"),
+    "profile": ("points.csv",),
     "slope": ("0:20:5", "10"),
     "folder": ("run", "sweep", "folder"),
     "study": ("quick", "default"),

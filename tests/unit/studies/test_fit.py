@@ -199,6 +199,13 @@ def test_unknowns_that_cannot_be_separated_are_reported_with_what_would() -> Non
     assert "repose (repose angle of the deposit), measured within 3%" in text
 
 
+def test_a_quantity_that_is_zero_is_not_proposed() -> None:
+    def formula(friction: float) -> tuple[float, float, float]:
+        return 1.0, 0.5, 0.0
+
+    assert "no other quantity" in remarks_of(Synthetic([FRICTION], targets_of({"zeta": 1.0}), formula))
+
+
 def test_a_determined_unknown_has_no_remarks() -> None:
     assert remarks_of(Synthetic([FRICTION], targets_of({"zeta": 1.2}), runout_of)) == ""
 
