@@ -7,6 +7,7 @@ content of another table are in CONTENTS.
 from __future__ import annotations
 
 from mpmcol.io.glossary import MEASURE, NAMES, RESULT, SLOPES, TABLE, Names
+from mpmcol.io.uncertainty_glossary import RECORD_NAMES
 from mpmcol.provenance import DEPENDENCIES
 
 _SCHEMA: Names = {"schema": ("", "version of the format")}
@@ -279,6 +280,8 @@ OUTPUTS: dict[str, Names] = {  # command or file -> its names
     "run --dry-run --json": _ESTIMATE,
     "sweep --json": _SWEEP,
     "sweep --dry-run --json": _FORECAST,
+    "sweep --uncertain --json": {**RECORD_NAMES, "folder": _SWEEP["folder"], **_FILES},
+    "uncertainty.json": RECORD_NAMES,
     "sweep.json": _PLAN_FILE,
     "status --json": _STATUS,
     "verify --json": _VERIFY,
