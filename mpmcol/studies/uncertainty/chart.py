@@ -19,6 +19,7 @@ from mpmcol.plotting.styles import RUN_COLOURS
 from mpmcol.setup.column_shape import column_shape
 from mpmcol.studies.uncertainty.analysis import FRONT, Analysis, Passing, Quantity
 from mpmcol.studies.uncertainty.record import label
+from mpmcol.studies.uncertainty.statistics import differ
 from mpmcol.sweep.names import short_names
 
 LABELS = {
@@ -76,16 +77,19 @@ def uncertainty_chart(path: Path, analysis: Analysis) -> list[Path]:
 
 def _draw_histogram(axes: Axes, one: Quantity, passes: Sequence[Passing]) -> None:
     """Counts of runs, with the median and its interval, and the quantiles 5 and 95 %."""
-    axes.hist(one.values, bins="auto" if np.ptp(one.values) else 1, color="0.8", edgecolor="0.4", linewidth=0.6)
+    axes.hist(one.values, bins="auto" if differ(one.values) else 1, color="0.8", edgecolor="0.4", linewidth=0.6)
     statistics = one.statistics
     if statistics.median_interval:
         axes.axvspan(*statistics.median_interval, **INTERVAL)
     axes.axvline(statistics.quantiles["median"], **MEDIAN)
     for name in ("p5", "p95"):
         axes.axvline(statistics.quantiles[name], **TAILS)
+    low, high = axes.get_xlim()
     for passing in passes:
+        if not low - (high - low) < passing.distance < high + (high - low):
+            continue  # the histogram would be narrow beside a line far from it
         axes.axvline(passing.distance, color=RUN_COLOURS[6], linewidth=1.6, linestyle=":")
-        is_right = passing.distance > np.mean(axes.get_xlim())
+        is_right = passing.distance > 0.5 * (low + high)
         axes.annotate(
             f" P = {passing.probability.value:.2g} ", (passing.distance, 0.97), xycoords=("data", "axes fraction"),
             fontsize=LABEL_SIZE, color=RUN_COLOURS[6], va="top", ha="right" if is_right else "left",

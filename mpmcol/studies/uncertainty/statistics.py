@@ -12,6 +12,7 @@ import numpy as np
 
 QUANTILES = {"p5": 0.05, "p25": 0.25, "median": 0.5, "p75": 0.75, "p95": 0.95}
 MEDIAN_CONFIDENCE, PASS_CONFIDENCE = 0.90, 0.95
+ROUND_OFF = 1e-12  # relative
 
 
 @dataclass(frozen=True)
@@ -55,6 +56,11 @@ def statistics_of(values: np.ndarray) -> Statistics:
         quantiles=dict(zip(QUANTILES, map(float, found), strict=True)),
         median_interval=None if ranks is None else (float(ordered[ranks[0] - 1]), float(ordered[ranks[1] - 1])),
     )
+
+
+def differ(values: np.ndarray) -> bool:
+    """Whether values differ by more than round-off."""
+    return bool(np.ptp(values) > ROUND_OFF * np.abs(values).max())
 
 
 def median_ranks(count: int, confidence: float) -> tuple[int, int] | None:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from mpmcol.studies.uncertainty.inputs import UncertainInput
+from mpmcol.studies.uncertainty.statistics import differ
 
 RUNS_PER_TERM = 2  # least number of runs for each coefficient of a surface
 SOBOL_SAMPLES = 4096
@@ -51,9 +52,9 @@ def variance_shares(inputs: Sequence[UncertainInput], x: np.ndarray, y: np.ndarr
     """
     z = np.column_stack([one.distribution.standardised(column) for one, column in zip(inputs, x.T, strict=True)])
     surface = next((name for name in (QUADRATIC, LINEAR) if len(y) >= RUNS_PER_TERM * _terms(z[:1], name).shape[1]), "")
-    spread = float(((y - y.mean()) ** 2).sum())
-    if not surface or spread == 0.0:
+    if not surface or not differ(y):
         return None
+    spread = float(((y - y.mean()) ** 2).sum())
     terms = _terms(z, surface)
     inverse = np.linalg.pinv(terms)
     coefficients = inverse @ y
