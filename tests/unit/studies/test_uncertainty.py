@@ -14,7 +14,7 @@ from mpmcol.errors import CaseError, UsageError
 from mpmcol.studies.pareto.recommend import recommend
 from mpmcol.studies.uncertainty.analysis import analyse
 from mpmcol.studies.uncertainty.inputs import parse_inputs
-from mpmcol.studies.uncertainty.plan import plan_study
+from mpmcol.studies.uncertainty.plan import plan_study, study_name
 from mpmcol.studies.uncertainty.record import as_record, summary_lines
 from mpmcol.studies.uncertainty.report import write_report
 from mpmcol.studies.uncertainty.sampling import CFL_RANGE, draw_sample
@@ -174,7 +174,8 @@ def test_equal_values_have_no_shares() -> None:
     [(4, None), (5, (1, 5)), (8, (2, 7)), (10, (2, 9)), (20, (6, 15)), (25, (8, 18)), (50, (19, 32))],
 )
 def test_ranks_of_the_interval_of_the_median(count: int, ranks: tuple[int, int] | None) -> None:
-    """Ranks for at least 90 % in tables of the sign test, as in Conover, Practical nonparametric statistics."""
+    """Of ten values, the second and the ninth enclose the median with 1 - 2 (1 + 10) / 1024 = 97.9 %, the third and the
+    eighth with 1 - 2 (1 + 10 + 45) / 1024 = 89.1 %, which is too little."""
     assert median_ranks(count, 0.90) == ranks
 
 
@@ -204,6 +205,12 @@ def test_runs_are_planned_with_the_sample_and_names_that_state_it(tmp_path: Path
     for run, friction, cfl in zip(plan.runs, plan.sample.numbers(FRICTION), plan.sample.cfl, strict=True):
         assert (run.case.material.friction_deg, run.case.time.cfl) == (friction, float(cfl))
         assert run.name == f"friction{friction:g}deg-cfl{float(cfl):.6g}"
+
+
+def test_the_default_folder_names_case_keys_and_accuracy() -> None:
+    fixed = [Axis(ASPECT, ("2",)), Axis("method.transfer", ("apic",))]
+    name = study_name("coarse-channel", fixed, inputs_of(*THREE[:2]), 0.05)
+    assert name == "coarse-channel-transfer-apic-friction_deg-density-accuracy0.05-uncertain"
 
 
 def test_all_runs_have_the_grid_for_the_means(tmp_path: Path) -> None:
