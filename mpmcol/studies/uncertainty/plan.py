@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from mpmcol.case import Case, Problem, load_case
 from mpmcol.case.problem import case_error, set_option
 from mpmcol.errors import CaseError, UsageError
-from mpmcol.studies.definition import as_overrides
+from mpmcol.studies.definition import Value, as_overrides, as_text
 from mpmcol.studies.pareto.recommend import Recommendation, recommend
 from mpmcol.studies.runs import CFL
 from mpmcol.studies.uncertainty.inputs import UncertainInput
@@ -81,24 +81,27 @@ def plan_study(
     if found := [*problems, *_conflicts(fixed, inputs)]:
         raise case_error(found)
     overrides = [f"{axis.key}={axis.values[0]}" for axis in fixed]
-    load_case(source, overrides)  # reports problems that do not depend on the sample
-    mean_values = [f"{one.key}={one.distribution.mean:.6g}" for one in inputs]
-    advice = None if accuracy is None else recommend(source, [*overrides, *mean_values], accuracy)
-    configuration = dict(advice.values) if advice else {}
-    if chosen := [one for one in inputs if one.key in configuration]:
-        raise case_error([_chosen(one) for one in chosen])
-    constant = as_overrides(configuration)
-    cfl = load_case(source, [*overrides, *constant]).time.cfl
-    sample = draw_sample(inputs, cfl, samples, seed)
+    base = load_case(source, overrides)  # reports problems that do not depend on the sample
+    sample = draw_sample(inputs, base.time.cfl, samples, seed)
+    configuration: dict[str, Value] = {}
     try:
-        means = load_case(source, [*overrides, *mean_values, *constant])
-        axes = [*(Axis(key, values) for key, values in sample.values.items()), Axis(CFL, sample.cfl)]
-        others = [axis for axis in fixed if axis.key not in (CFL, *configuration)]
-        without_cfl = as_overrides({key: value for key, value in configuration.items() if key != CFL})
-        runs = plan_runs(source, [*others, *axes], out, zipped=True, configure=lambda _: without_cfl)
+        at_means = [*overrides, *(f"{one.key}={one.distribution.mean:.6g}" for one in inputs)]
+        advice = None if accuracy is None else recommend(source, at_means, accuracy)
+        configuration |= advice.values if advice else {}
+        _require_free(inputs, configuration)
+        means = load_case(source, [*at_means, *as_overrides(configuration)])
+        sample = draw_sample(inputs, means.time.cfl, samples, seed)
+        runs = plan_runs(source, _axes(fixed, sample, configuration), out, zipped=True)
     except CaseError as error:
-        raise _refused(source, [*overrides, *constant], inputs, sample) or error from None
+        raise _refused(source, [*overrides, *as_overrides(configuration)], inputs, sample) or error from None
     return UncertaintyPlan(inputs, sample, seed, runs, means, advice, accuracy)
+
+
+def _axes(fixed: Sequence[Axis], sample: Sample, configuration: Mapping[str, Value]) -> list[Axis]:
+    """The keys of all runs: fixed and configured ones have one value, uncertain ones and time.cfl those sampled."""
+    values = {axis.key: axis.values for axis in fixed}
+    values |= {key: (as_text(value),) for key, value in configuration.items()}
+    return [Axis(key, texts) for key, texts in (values | sample.values | {CFL: sample.cfl}).items()]
 
 
 def _require_valid(samples: int, seed: int, accuracy: float | None) -> None:
@@ -131,9 +134,11 @@ def _location(axis: Axis) -> str:
     return set_option(f"{axis.key}={','.join(axis.values)}")
 
 
-def _chosen(one: UncertainInput) -> Problem:
+def _require_free(inputs: Sequence[UncertainInput], configuration: Mapping[str, Value]) -> None:
+    """Refuse uncertain keys that the configuration sets."""
     hint = "remove --accuracy and set the grid by --set grid.spacing=..., or remove the distribution"
-    return Problem(one.option, None, one.key, f"--accuracy chooses {one.key}", hint)
+    if chosen := [one for one in inputs if one.key in configuration]:
+        raise case_error([Problem(one.option, None, one.key, f"--accuracy chooses {one.key}", hint) for one in chosen])
 
 
 def _refused(

@@ -230,6 +230,7 @@ def test_all_runs_have_the_grid_for_the_means(tmp_path: Path) -> None:
         ([THREE[0]], {FRICTION: ("30",)}, None, [f"{FRICTION} is uncertain as well"]),
         ([THREE[0]], {ASPECT: ("1", "2")}, None, ["--set geometry.aspect=1,2: expected one value"]),
         (["grid.spacing=uniform:0.004,0.006"], {}, 0.05, ["--accuracy chooses grid.spacing"]),
+        ([f"{FRICTION}=uniform:86,96"], {}, 0.05, ["sample ", "expected a number >= 0 and <= 89", "uniform:86."]),
         ([THREE[0]], {"grid.spacing": ("-1",)}, None, ["--set grid.spacing=-1: [grid] spacing = -1"]),
     ],
 )
