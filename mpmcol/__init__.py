@@ -19,14 +19,14 @@ __version__ = "0.1.0"
 _HOME = {
     "Case": "mpmcol.case", "Results": "mpmcol.io.results", "fit": "mpmcol.api.fits",
     "load_case": "mpmcol.case", "measure": "mpmcol.api.measured",
-    "plot": "mpmcol.api.pictures", "render": "mpmcol.api.pictures", "report": "mpmcol.api.reports",
-    "run": "mpmcol.simulation.run",
+    "plot": "mpmcol.api.pictures", "propagate": "mpmcol.api.uncertainty", "render": "mpmcol.api.pictures",
+    "report": "mpmcol.api.reports", "run": "mpmcol.simulation.run",
     "shipped_cases": "mpmcol.case", "sweep": "mpmcol.api.sweeps",
 }  # fmt: skip
 _PACKAGES = {"errors", "measure", "report", "sweep"}
 __all__ = [
-    "Case", "Results", "__version__", "errors", "fit", "load_case", "measure", "plot", "render", "report", "run",
-    "shipped_cases", "sweep",
+    "Case", "Results", "__version__", "errors", "fit", "load_case", "measure", "plot", "propagate", "render",
+    "report", "run", "shipped_cases", "sweep",
 ]  # fmt: skip
 
 

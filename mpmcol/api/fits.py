@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from mpmcol.api.arguments import Notify, warn
-from mpmcol.api.sweeps import as_source
+from mpmcol.api.sweeps import name_of, source_of
 from mpmcol.case import Case
 from mpmcol.errors import UsageError
 from mpmcol.io.html import html_table
@@ -17,7 +17,7 @@ from mpmcol.studies.fit import REPEATS, Fit, carry_out_fit, require_enough
 from mpmcol.studies.fit.quantities import Target, parse_targets, read_profile, targets_of
 from mpmcol.studies.fit.report import FittedValue, fitted_values, lines, record, write_report
 from mpmcol.studies.fit.unknowns import Unknown, unknowns_of
-from mpmcol.sweep.names import UNSAFE, safe_name
+from mpmcol.sweep.names import safe_name
 from mpmcol.sweep.runner import SweepObserver
 
 FOLDER = Path("fits")
@@ -82,12 +82,11 @@ def fit(
         OutputError: a file cannot be written.
     """
     with tempfile.TemporaryDirectory() as temporary:
-        source = as_source(case, Path(temporary))
-        name = UNSAFE.sub("_", case.title) or "case" if isinstance(case, Case) else str(case)
+        source = source_of(case, Path(temporary))
         targets = [*targets_of(to), *([] if profile is None else [read_profile(Path(profile))])]
         unknowns = unknowns_of(vary, source, overrides)
         require_enough(unknowns, targets)
-        folder = Path(out) if out is not None else default_folder(name, unknowns)
+        folder = Path(out) if out is not None else default_folder(name_of(case), unknowns)
         found = carry_out_fit(
             source, overrides, unknowns, targets, folder,
             accuracy=accuracy, repeats=repeats, jobs=jobs, threads=threads, fresh=fresh, observer=observer,

@@ -108,11 +108,10 @@ def sweep(
         raise UsageError(f"aspect and values[{ASPECT!r}] are the same key; give one of them")
     if not given:
         raise UsageError("no key to vary; give aspect or values, for example {'material.friction_deg': [30, 33, 36]}")
-    axes = [Axis(key, _texts(key, one)) for key, one in given.items()]
+    axes = [Axis(key, texts_of(key, one)) for key, one in given.items()]
     with tempfile.TemporaryDirectory() as temporary:
-        source = as_source(case, Path(temporary))
-        name = UNSAFE.sub("_", case.title) or "case" if isinstance(case, Case) else str(case)
-        folder = Path(out) if out is not None else Path("sweeps") / sweep_name(name, axes, accuracy)
+        source = source_of(case, Path(temporary))
+        folder = Path(out) if out is not None else Path("sweeps") / sweep_name(name_of(case), axes, accuracy)
         runs = planned_runs(source, axes, folder, zipped=zipped, accuracy=accuracy, notify=notify)
     outcomes = run_sweep(runs, folder, jobs=jobs, threads=threads, fresh=fresh, observer=observer)
     report = write_report(outcomes, folder)
@@ -142,7 +141,7 @@ def planned_runs(
     return runs
 
 
-def _texts(key: str, values: Values) -> tuple[str, ...]:
+def texts_of(key: str, values: Values) -> tuple[str, ...]:
     """Values as `--set` takes them."""
     if isinstance(values, str):
         try:
@@ -158,7 +157,12 @@ def _text(value: str | float) -> str:
     return str(value).lower() if isinstance(value, (bool, np.bool_)) else repr(float(value)).removesuffix(".0")
 
 
-def as_source(case: Case | Path | str, folder: Path) -> Path | str:
+def name_of(case: Case | Path | str) -> str:
+    """The name of a case for a folder."""
+    return UNSAFE.sub("_", case.title) or "case" if isinstance(case, Case) else str(case)
+
+
+def source_of(case: Case | Path | str, folder: Path) -> Path | str:
     """A file or name from which the case can be loaded with other values."""
     if not isinstance(case, Case):
         return case

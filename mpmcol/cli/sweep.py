@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
-from shlex import quote
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -23,11 +23,13 @@ from mpmcol.cli.options import (
     threads_option,
 )
 from mpmcol.cli.report import report_at_end
+from mpmcol.cli.sweep_plan import print_commands, print_forecast
+from mpmcol.cli.uncertain import End, Ending, UncertainOptions, uncertain_options
 
 if TYPE_CHECKING:
+    from mpmcol.sweep.engine import Outcome
+    from mpmcol.sweep.report import SweepReport
     from mpmcol.sweep.runs import PlannedRun
-
-FORECAST_SCHEMA = 1
 
 
 @click.command()
@@ -39,6 +41,7 @@ FORECAST_SCHEMA = 1
 )  # fmt: skip
 @overrides_option
 @click.option("--zip", "zipped", is_flag=True, help="Combine the first values of all keys, then the second, and so on.")
+@uncertain_options
 @accuracy_option()
 @out_option("sweeps/CASE-KEYS")
 @fresh_option
@@ -59,6 +62,7 @@ def sweep(
     slope: str | None,
     overrides: tuple[str, ...],
     zipped: bool,
+    uncertain: UncertainOptions,
     accuracy: float | None,
     out: Path | None,
     fresh: bool,
@@ -83,29 +87,31 @@ def sweep(
     With --accuracy, each run gets the configuration that mpmcol run --accuracy chooses for its column; runs that are
     unlike those of the study, such as a higher column, are named.
 
+    With --uncertain, keys have distributions instead of values: the runs are a sample, and statistics, probabilities
+    and the shares of the inputs in the variance are written as well. All runs then have one configuration.
+
     Each run has its own results folder. Repeating the command completes missing runs. Ctrl-C and SIGTERM stop the runs
     with a checkpoint (exit code 75).
     """
     _check_engine(engine, scheduler, jobs, to_json, report)
-    from mpmcol.api.sweeps import planned_runs
-    from mpmcol.sweep.axes import parse_axes
-    from mpmcol.sweep.names import sweep_name
-
     case = case or ("cylinder" if slope is None else "inclined-channel")
-    axes, problems = parse_axes(aspect, overrides, slope)
-    folder = out or Path("sweeps") / sweep_name(case, axes, accuracy)
-    notes: list[str] = []
-    runs = planned_runs(case, axes, folder, zipped=zipped, accuracy=accuracy, problems=problems, notify=notes.append)
+    end: End = _ending
+    if uncertain.inputs:
+        plan, folder = uncertain.plan(case, aspect, overrides, slope, out=out, accuracy=accuracy)
+        runs, notes, end = plan.runs, plan.lines(), partial(uncertain.ending, plan)
+    else:
+        runs, folder, notes = _planned(case, aspect, overrides, slope, zipped=zipped, out=out, accuracy=accuracy)
     if not quiet:
         click.echo("".join(f"{note}\n" for note in notes), err=True, nl=False)
     if dry_run:
-        _print_forecast(runs, jobs, threads, fresh=fresh, to_json=to_json, quiet=quiet)
+        print_forecast(runs, jobs, threads, fresh=fresh, to_json=to_json, quiet=quiet)
     elif engine == "commands":
-        _print_commands(runs, folder, threads, fresh=fresh, quiet=quiet)
+        print_commands(runs, folder, threads, fresh=fresh, quiet=quiet)
     else:
         code = _execute(
-            runs, folder, jobs=jobs, threads=threads, scheduler=scheduler, fresh=fresh, to_json=to_json, quiet=quiet
-        )
+            runs, folder, end,
+            jobs=jobs, threads=threads, scheduler=scheduler, fresh=fresh, to_json=to_json, quiet=quiet,
+        )  # fmt: skip
         if report:
             report_at_end(folder, overwrite=fresh, quiet=quiet)
         click.get_current_context().exit(code)
@@ -123,9 +129,39 @@ def _check_engine(engine: str, scheduler: str | None, jobs: int | None, to_json:
         raise click.UsageError("--report reports results, and --engine commands runs nothing; omit one of them")
 
 
+def _planned(
+    case: str,
+    aspect: str | None,
+    overrides: Sequence[str],
+    slope: str | None,
+    *,
+    zipped: bool,
+    out: Path | None,
+    accuracy: float | None,
+) -> tuple[list[PlannedRun], Path, list[str]]:
+    """The runs of given values, the folder of the sweep, and notes. Raises CaseError and UsageError."""
+    from mpmcol.api.sweeps import planned_runs
+    from mpmcol.sweep.axes import parse_axes
+    from mpmcol.sweep.names import sweep_name
+
+    axes, problems = parse_axes(aspect, overrides, slope)
+    folder = out or Path("sweeps") / sweep_name(case, axes, accuracy)
+    notes: list[str] = []
+    runs = planned_runs(case, axes, folder, zipped=zipped, accuracy=accuracy, problems=problems, notify=notes.append)
+    return runs, folder, notes
+
+
+def _ending(outcomes: Sequence[Outcome], report: SweepReport) -> Ending:
+    """What is printed at the end: the record for JSON, and lines."""
+    from mpmcol.cli.sweep_display import as_record, summary_lines
+
+    return as_record(report), list(summary_lines(report))
+
+
 def _execute(
     runs: list[PlannedRun],
     out: Path,
+    end: End,
     *,
     jobs: int | None,
     threads: int | None,
@@ -135,7 +171,7 @@ def _execute(
     quiet: bool,
 ) -> int:
     """Execute the runs, and print what came of them; returns the exit code."""
-    from mpmcol.cli.sweep_display import SweepDisplay, as_record, failures, summary_lines
+    from mpmcol.cli.sweep_display import SweepDisplay, failures
     from mpmcol.sweep.engine import exit_code
     from mpmcol.sweep.plan import as_json
     from mpmcol.sweep.report import write_report
@@ -144,72 +180,12 @@ def _execute(
     with SweepDisplay(out, quiet) as display:
         outcomes = run_sweep(runs, out, jobs=jobs, threads=threads, scheduler=scheduler, fresh=fresh, observer=display)
     report = write_report(outcomes, out)
+    record, lines = end(outcomes, report)
     if to_json:
-        click.echo(as_json(as_record(report)))
+        click.echo(as_json(record))
     elif quiet:
         for line in failures(report):
             click.echo(line, err=True)
     else:
-        click.echo("\n".join(summary_lines(report)))
+        click.echo("\n".join(lines))
     return exit_code(outcomes)
-
-
-def _print_forecast(
-    runs: list[PlannedRun], jobs: int | None, threads: int | None, *, fresh: bool, to_json: bool, quiet: bool
-) -> None:
-    from mpmcol.cli.run_display import MEASURING_SPEED
-    from mpmcol.sweep.plan import as_json
-    from mpmcol.sweep.runner import overview, pending_runs
-    from mpmcol.sweep.scheduling import allocate, estimate_seconds, makespan
-    from mpmcol.units import duration_text
-
-    if not quiet:
-        click.echo(MEASURING_SPEED, err=True)
-    pending = runs if fresh else pending_runs(runs)
-    allocation = allocate(pending or runs, jobs, threads)
-    times = estimate_seconds(pending, allocation.threads)
-    seconds = dict(zip((run.folder for run in pending), times, strict=True))
-    total = makespan(times, allocation.jobs)
-    if to_json:
-        rows = [
-            {"folder": run.folder.name, "inputs": run.inputs, "points": run.discretization.most_points,
-             "steps": run.steps, "seconds": seconds.get(run.folder)}
-            for run in runs
-        ]  # fmt: skip
-        counts = {"jobs": allocation.jobs, "threads": allocation.threads, "seconds": total}
-        click.echo(as_json({"schema": FORECAST_SCHEMA, **counts, "runs": rows}))
-        return
-    click.echo("\n".join(_forecast_lines(runs, seconds)))
-    click.echo(overview(runs, pending, allocation))
-    click.echo(f"about {duration_text(total)} in total; nothing was run" if pending else "nothing was run")
-
-
-def _forecast_lines(runs: list[PlannedRun], seconds: dict[Path, float]) -> Iterator[str]:
-    from mpmcol.units import duration_text
-
-    width = max(len(run.name) for run in runs)
-    for run in runs:
-        time: Any = seconds.get(run.folder)
-        cost = "finished" if time is None else f"about {duration_text(time)}"
-        yield f"{run.name:{width}}  {run.discretization.most_points:10,} points  {run.steps:9,} steps  {cost}"
-
-
-def _print_commands(runs: list[PlannedRun], out: Path, threads: int | None, *, fresh: bool, quiet: bool) -> None:
-    """Print the commands on stdout and messages on stderr, so that the commands can be piped."""
-    from mpmcol.sweep.commands import SLURM_FILE, write_commands
-    from mpmcol.sweep.plan import prepare_out, write_plan
-    from mpmcol.sweep.runner import discard_runs, make_plan, pending_runs
-    from mpmcol.sweep.scheduling import Allocation
-
-    if fresh:
-        discard_runs(runs)
-    pending = pending_runs(runs)
-    if not pending:
-        click.echo("all runs are finished; for table and charts repeat the command without --engine", err=True)
-        return
-    allocation = Allocation(len(pending), threads or 1)
-    write_plan(prepare_out(out), make_plan(runs, allocation))
-    click.echo("\n".join(write_commands(pending, allocation.threads, out)))
-    if not quiet:
-        click.echo(f"{len(pending)} runs to execute; with Slurm: sbatch {quote(str(out / SLURM_FILE))}", err=True)
-        click.echo("then, for table and charts, repeat the command without --engine", err=True)

@@ -6,6 +6,8 @@ joined by dots; a part in capitals varies. In 3D a front and its zeta have the p
 
 from __future__ import annotations
 
+from mpmcol.io.uncertainty_glossary import QUANTITY_NAMES, UNCERTAINTY
+
 ENERGY, FORCE, MOMENT, TAU = "J", "N", "N m", "sqrt(h_i/g)"
 ENERGY_UNITS = {  # by model: in headers, and in words
     "plane": ("J/m", "J per metre of width"),
@@ -295,6 +297,7 @@ NAMES: dict[str, Names] = {  # file or command -> its names
     },
     TABLE: {**_TABLE, "status": _RUN["status"], **_DEPOSIT, **_FRONTS, **_SIZES, **_COST},
     SLOPES: _SLOPES,
+    UNCERTAINTY: QUANTITY_NAMES,
     PRESSURE: _PRESSURE,
     ELEMENT: _ELEMENT,
 }

@@ -9,6 +9,7 @@ from __future__ import annotations
 from mpmcol.io.accuracy_glossary import ACCURACY, ERROR_BARS
 from mpmcol.io.fit_glossary import FIT
 from mpmcol.io.glossary import MEASURE, NAMES, RESULT, SLOPES, TABLE, Names
+from mpmcol.io.uncertainty_glossary import RECORD_NAMES
 from mpmcol.provenance import DEPENDENCIES
 
 _SCHEMA: Names = {"schema": ("", "version of the format")}
@@ -266,6 +267,8 @@ OUTPUTS: dict[str, Names] = {  # command or file -> its names
     "run --dry-run --json": _ESTIMATE,
     "sweep --json": _SWEEP,
     "sweep --dry-run --json": _FORECAST,
+    "sweep --uncertain --json": {**RECORD_NAMES, "folder": _SWEEP["folder"], **_FILES},
+    "uncertainty.json": RECORD_NAMES,
     "sweep.json": _PLAN_FILE,
     "fit --json": FIT,
     "status --json": _STATUS,

@@ -15,6 +15,7 @@ from mpmcol.io.columns import without_unit
 from mpmcol.report.model import Page, Section, Table
 from mpmcol.report.pictures import file_picture
 from mpmcol.report.provenance import with_unit
+from mpmcol.report.uncertainty import uncertainty_sections
 from mpmcol.sweep.axes import ASPECT
 from mpmcol.sweep.fits import SLOPES_FILE
 from mpmcol.sweep.plan import read_plan
@@ -58,6 +59,7 @@ def sweep_page(folder: Path) -> Page:
         sections=[
             Section("Judgement", lines=list(_judgement(rows))),
             *([Section("Runs without a result", lines=failures)] if failures else []),
+            *uncertainty_sections(folder, plan),
             Section("Charts", pictures=pictures),
             Section("Runs", tables=tables),
             Section("Versions", tables=[_version_table(rows)]),

@@ -19,7 +19,9 @@ def unexplained_keys(words: Sequence[str], record: Any) -> set[str]:
 
 def output_name(words: Sequence[str]) -> str:
     """The name of the JSON output of a command in the glossary."""
-    kinds = [kind for kind in ("--dry-run", "--map", "--scaling") if kind in words]
+    kinds = [kind for kind in ("--dry-run", "--map", "--scaling", "--uncertain") if kind in words]
+    if "--dry-run" in kinds:  # the forecast of a sweep is that of any sweep
+        kinds = ["--dry-run"]
     return " ".join([words[0], *kinds, "--json"])
 
 

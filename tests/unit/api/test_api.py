@@ -21,7 +21,7 @@ from mpmcol.sweep.task import TaskResult
 from tests.support.runs import TINY
 
 ROOT = Path(mpmcol.__file__).parents[1]
-FUNCTIONS = ("load_case", "measure", "plot", "render", "report", "run", "sweep")
+FUNCTIONS = ("load_case", "measure", "plot", "propagate", "render", "report", "run", "sweep")
 
 
 def test_dir_lists_what_there_is() -> None:

@@ -1,0 +1,140 @@
+"""`mpmcol sweep --uncertain`: runs for a sample of uncertain inputs, with statistics and shares of the variance."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from mpmcol.cli.options import Decorator
+
+if TYPE_CHECKING:
+    from mpmcol.studies.uncertainty.plan import UncertaintyPlan
+    from mpmcol.sweep.engine import Outcome
+    from mpmcol.sweep.report import SweepReport
+
+Ending = tuple[dict[str, Any], Sequence[str]]
+End = Callable[["Sequence[Outcome]", "SweepReport"], Ending]  # what is printed at the end of a sweep
+SAMPLES, SEED = 64, 0
+
+
+class Distance(click.ParamType):
+    """A distance in m, given as 0.35 or "350 mm"."""
+
+    name = "distance"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """Convert to m."""
+        from mpmcol.units import to_unit
+
+        try:
+            distance = to_unit(str(value), "m")
+        except ValueError:
+            distance = float("nan")
+        if not 0.0 < distance < float("inf"):
+            self.fail(f'{value!r}: expected a distance > 0 in m, for example 0.35 or "350 mm"', param, ctx)
+        return distance
+
+
+@dataclass(frozen=True)
+class UncertainOptions:
+    """Options of a sweep with uncertain inputs, as given; without any `inputs` it has none."""
+
+    inputs: tuple[str, ...] = ()
+    samples: int = SAMPLES
+    seed: int = SEED
+    passes: tuple[float, ...] = ()
+
+    def plan(
+        self,
+        case: str,
+        aspect: str | None,
+        overrides: Sequence[str],
+        slope: str | None,
+        *,
+        out: Path | None,
+        accuracy: float | None,
+    ) -> tuple[UncertaintyPlan, Path]:
+        """The planned runs and the folder of the sweep. Raises CaseError and UsageError."""
+        from mpmcol.studies.uncertainty.inputs import parse_inputs
+        from mpmcol.studies.uncertainty.plan import plan_study, study_name
+        from mpmcol.sweep.axes import parse_axes
+
+        fixed, problems = parse_axes(aspect, overrides, slope) if aspect or overrides or slope else ([], [])
+        uncertain, more = parse_inputs(self.inputs)
+        folder = out or Path("sweeps") / study_name(case, fixed, uncertain, accuracy)
+        plan = plan_study(
+            case, fixed, uncertain, folder,
+            samples=self.samples, seed=self.seed, accuracy=accuracy, problems=[*problems, *more],
+        )  # fmt: skip
+        return plan, folder
+
+    def ending(self, plan: UncertaintyPlan, outcomes: Sequence[Outcome], report: SweepReport) -> Ending:
+        """What is printed at the end: the record for JSON, and lines; writes the report."""
+        from mpmcol.cli.sweep_display import failures
+        from mpmcol.studies.uncertainty.analysis import analyse
+        from mpmcol.studies.uncertainty.record import summary_lines
+        from mpmcol.studies.uncertainty.report import write_report
+
+        analysis = analyse(plan, outcomes, self.passes)
+        written = write_report(analysis, report.folder)
+        files = [*written.files, *report.files]
+        lines = [
+            *summary_lines(analysis),
+            *failures(report),
+            f"in {report.folder}: " + ", ".join(path.name for path in files),
+        ]
+        record = {**written.record, "folder": str(report.folder), "files": [str(path) for path in files]}
+        return record, lines
+
+
+def uncertain_options(command: Any) -> Any:
+    """The options for uncertain inputs, which the command receives as one `uncertain` of UncertainOptions."""
+
+    @functools.wraps(command)
+    def combined(
+        *arguments: Any,
+        uncertain: tuple[str, ...],
+        samples: int | None,
+        seed: int | None,
+        passes: tuple[float, ...],
+        **options: Any,
+    ) -> Any:
+        if not uncertain and (samples is not None or seed is not None or passes):
+            raise click.UsageError("--samples, --seed and --passes require --uncertain KEY=DISTRIBUTION")
+        if uncertain and options["zipped"]:
+            raise click.UsageError("--zip combines given values, and --uncertain draws them; omit one of them")
+        given = UncertainOptions(
+            uncertain, SAMPLES if samples is None else samples, SEED if seed is None else seed, passes
+        )
+        return command(*arguments, uncertain=given, **options)
+
+    decorated: Any = combined
+    for option in reversed(list(_options())):
+        decorated = option(decorated)
+    return decorated
+
+
+def _options() -> Iterator[Decorator]:
+    yield click.option(
+        "--uncertain", multiple=True, metavar="KEY=DISTRIBUTION",
+        help="Draw the values of a key: normal:MEAN,SD, lognormal:MEDIAN,FACTOR (68 % are within MEDIAN/FACTOR to "
+        "MEDIAN*FACTOR), uniform:LOW,HIGH or triangular:LOW,MODE,HIGH. May be repeated.",
+    )  # fmt: skip
+    yield click.option(
+        "--samples", metavar="N", type=click.IntRange(5, 10_000),
+        help=f"With --uncertain: number of runs, a Latin hypercube  [default: {SAMPLES}]",
+    )  # fmt: skip
+    yield click.option(
+        "--seed", metavar="N", type=click.IntRange(0, 2**32),
+        help=f"With --uncertain: seed of the hypercube  [default: {SEED}]",
+    )  # fmt: skip
+    yield click.option(
+        "--passes", multiple=True, metavar="DISTANCE", type=Distance(),
+        help="With --uncertain: probability that the front (front_height, m from the wall or axis as front in "
+        "result.json) passes this distance. May be repeated.",
+    )  # fmt: skip

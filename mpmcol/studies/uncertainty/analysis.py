@@ -1,0 +1,119 @@
+"""Analysis of the runs of a sample: statistics of each measured quantity, and probabilities."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from mpmcol.io.columns import unit_of
+from mpmcol.io.glossary import RESULT
+from mpmcol.io.run_status import read_status
+from mpmcol.io.values import flatten
+from mpmcol.studies.uncertainty.plan import UncertaintyPlan
+from mpmcol.studies.uncertainty.statistics import Probability, Statistics, probability_of, statistics_of
+from mpmcol.studies.uncertainty.surface import VarianceShares, variance_shares
+from mpmcol.sweep.engine import Outcome
+
+FRONT = "front.front_height"
+QUANTITIES = ("zeta.front_height", FRONT, "beta", "repose_angle_deg")  # of result.json
+WALL_QUANTITIES = ("peak", "sustained", "moment")  # of each wall in wall_forces
+NORMAL_90 = 1.645  # standard deviations that 90 % of normally distributed errors do not exceed in magnitude
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A measured quantity over the sample.
+
+    values: of the runs that have one, (count,). grid_deviation: standard deviation of the error of the grid, from the
+    study of configurations; None if it was not studied.
+    """
+
+    name: str  # in result.json
+    unit: str
+    values: np.ndarray
+    statistics: Statistics
+    shares: VarianceShares | None
+    grid_deviation: float | None
+
+    @property
+    def grid_share(self) -> float | None:
+        """Variance of the error of the grid over its sum with the variance of the sample."""
+        if self.grid_deviation is None:
+            return None
+        grid, sample = self.grid_deviation**2, self.statistics.standard_deviation**2
+        return grid / (grid + sample) if grid + sample else 0.0
+
+
+@dataclass(frozen=True)
+class Passing:
+    """Probability that the front (`FRONT`) passes a distance from the wall or axis, m."""
+
+    distance: float
+    probability: Probability
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """What the runs of a sample give; quantities with fewer than two values are missing."""
+
+    plan: UncertaintyPlan
+    done: int  # runs that are done, the others are in no statistics
+    not_at_rest: int  # of these, columns that still moved at the end
+    quantities: Sequence[Quantity]
+    passes: Sequence[Passing]
+
+
+def analyse(plan: UncertaintyPlan, outcomes: Sequence[Outcome], distances: Sequence[float] = ()) -> Analysis:
+    """Analyse the outcomes of the planned runs, in their order.
+
+    Args:
+        distances: from the wall or axis, m, of which the probability that the front passes them is asked.
+    """
+    done = [i for i, outcome in enumerate(outcomes) if outcome.status == "done"]
+    results = [read_status(outcomes[i].run.folder).result or {} for i in done]
+    measured = [_measured(result) for result in results]
+    x = np.column_stack([plan.sample.numbers(one.key) for one in plan.inputs])[done]
+    names = dict.fromkeys(name for one in measured for name in one)
+    columns = {name: np.array([one.get(name, np.nan) for one in measured], dtype=np.float64) for name in names}
+    return Analysis(
+        plan=plan,
+        done=len(done),
+        not_at_rest=sum(not result.get("at_rest") for result in results),
+        quantities=[_quantity(plan, name, x, y) for name, y in columns.items() if _is_reported(name, y)],
+        passes=[Passing(one, probability_of(columns[FRONT] > one)) for one in distances if FRONT in columns],
+    )
+
+
+def _measured(result: Mapping[str, Any]) -> dict[str, float]:
+    """The quantities of a run; those of 3D are means around the axis."""
+    flat = dict(flatten(result, unnamed=("mean",)))
+    names = [*QUANTITIES, *_wall_names(result)]
+    return {name: float(flat[name]) for name in names if isinstance(flat.get(name), (int, float))}
+
+
+def _is_reported(name: str, values: np.ndarray) -> bool:
+    """Whether two runs have a value; forces that are zero in all runs, as on a gate without contact, are left out."""
+    found = values[np.isfinite(values)]
+    return len(found) > 1 and (name in QUANTITIES or bool(found.any()))
+
+
+def _wall_names(result: Mapping[str, Any]) -> Iterator[str]:
+    for wall in result.get("wall_forces") or {}:
+        yield from (f"wall_forces.{wall}.{name}" for name in WALL_QUANTITIES)
+
+
+def _quantity(plan: UncertaintyPlan, name: str, x: np.ndarray, y: np.ndarray) -> Quantity:
+    found = np.isfinite(y)
+    statistics = statistics_of(y[found])
+    errors = plan.recommendation.errors if plan.recommendation else {}
+    return Quantity(
+        name=name,
+        unit=unit_of(RESULT, name, plan.means.geometry.model) or "",
+        values=y[found],
+        statistics=statistics,
+        shares=variance_shares(plan.inputs, x[found], y[found], plan.seed),
+        grid_deviation=errors[name] / NORMAL_90 * abs(statistics.mean) if name in errors else None,
+    )

@@ -1,0 +1,69 @@
+"""Uncertain inputs: keys of the case with their distributions, read from the options of the command line."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from mpmcol.case import Problem, key_names
+from mpmcol.case.fields import number_of, shortened
+from mpmcol.case.reference import field_at, hint_for, without_indices
+from mpmcol.studies.runs import CFL
+from mpmcol.studies.uncertainty.distributions import Distribution, parse_distribution
+from mpmcol.units import Number
+
+OPTION = "--uncertain"
+
+
+@dataclass(frozen=True)
+class UncertainInput:
+    """A key of the case, its unit and bounds, and its distribution."""
+
+    key: str
+    number: Number
+    distribution: Distribution
+
+    @property
+    def option(self) -> str:
+        """The option with which it is given."""
+        return f"{OPTION} {self.key}={self.distribution}"
+
+
+def parse_inputs(options: Sequence[str]) -> tuple[list[UncertainInput], list[Problem]]:
+    """Inputs from texts such as "material.friction_deg=normal:33,1.5", and the problems of invalid ones."""
+    inputs: dict[str, UncertainInput] = {}
+    problems: list[Problem] = []
+    for option in options:
+        key, equals, text = option.partition("=")
+        key = ".".join(part.strip() for part in key.split("."))
+        try:
+            if not equals:
+                raise ValueError("expected KEY=DISTRIBUTION, for example material.friction_deg=normal:33,1.5")
+            if key in inputs:
+                raise ValueError(f"{key} is given twice; give one distribution for each key")
+            number = _number_at(key)
+            inputs[key] = UncertainInput(key, number, parse_distribution(text, number))
+        except ValueError as error:
+            problems.append(Problem(f"{OPTION} {shortened(option)}", None, key, str(error), "", about=_about(key)))
+    return list(inputs.values()), problems
+
+
+def _number_at(key: str) -> Number:
+    """Unit and bounds of a key; ValueError if it cannot be uncertain."""
+    path = tuple(key.split("."))
+    if _about(key) == "":
+        raise ValueError(f"there is no key {shortened(key)!r}.{hint_for(key)}")
+    if key == CFL:
+        raise ValueError(
+            f"{CFL} differs between the runs by itself; remove the option, or set its largest value by --set"
+        )
+    number = number_of(field_at(path, ""))
+    if number is None:
+        raise ValueError(f"{key} is not a quantity; expected a key for a number, for example material.friction_deg")
+    return number
+
+
+def _about(key: str) -> str:
+    """The key to look up with `mpmcol explain`; "" if there is none."""
+    known = ".".join(without_indices(tuple(key.split("."))))
+    return known if known in key_names() else ""

@@ -1,0 +1,119 @@
+"""The analysis as a record for JSON, as rows of a table, and as text."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import asdict
+from typing import Any
+
+from mpmcol.provenance import code_version
+from mpmcol.studies.uncertainty.analysis import Analysis, Quantity
+from mpmcol.studies.uncertainty.statistics import QUANTILES
+from mpmcol.sweep.names import short_names
+
+RECORD_SCHEMA = 1
+HEADINGS = ("mean", "sd", "5 %", "25 %", "median", "75 %", "95 %", "90 % interval of median")
+
+
+def as_record(analysis: Analysis) -> dict[str, Any]:
+    """The content of uncertainty.json."""
+    plan = analysis.plan
+    advice = plan.recommendation
+    return {
+        "schema": RECORD_SCHEMA,
+        "title": plan.means.title,
+        "version": code_version(),
+        "seed": plan.seed,
+        "samples": len(plan.runs),
+        "done": analysis.done,
+        "not_at_rest": analysis.not_at_rest,
+        "inputs": [
+            {
+                "key": one.key,
+                "unit": one.number.unit,
+                "distribution": str(one.distribution),
+                "mean": one.distribution.mean,
+                "standard_deviation": one.distribution.standard_deviation,
+            }
+            for one in plan.inputs
+        ],
+        "configuration": advice and {"variant": advice.variant, "cells": advice.cells, "accuracy": plan.accuracy},
+        "quantities": [quantity_row(one) for one in analysis.quantities],
+        "passes": [{"distance": one.distance, **asdict(one.probability)} for one in analysis.passes],
+        "runs": [run.folder.name for run in plan.runs],
+    }
+
+
+def quantity_row(one: Quantity) -> dict[str, Any]:
+    """A quantity as in uncertainty.json; flattened, a row of uncertainty.csv. None where there is no value."""
+    low, high = one.statistics.median_interval or (None, None)
+    statistics = asdict(one.statistics)
+    shares = asdict(one.shares) if one.shares else {}
+    return {
+        "quantity": one.name,
+        "unit": one.unit,
+        **{name: statistics[name] for name in ("count", "mean", "standard_deviation")},
+        **one.statistics.quantiles,
+        "median_lo": low,
+        "median_hi": high,
+        **shares,
+        "grid_standard_deviation": one.grid_deviation,
+        "grid_share": one.grid_share,
+    }
+
+
+def summary_lines(analysis: Analysis) -> Iterator[str]:
+    """Counts, a table of the quantities, probabilities, and shares of the variance."""
+    total = len(analysis.plan.runs)
+    moving = f"; {analysis.not_at_rest} still moved at the end" if analysis.not_at_rest else ""
+    yield f"{analysis.done} of {total} runs of a Latin hypercube (seed {analysis.plan.seed}) are done{moving}"
+    if analysis.done < total:
+        yield "  the others are in no statistics, which they may bias"
+    width = max((len(label(one)) for one in analysis.quantities), default=0)
+    if analysis.quantities:
+        yield " " * width + "".join(f"{heading:>10}" for heading in HEADINGS[:-1]) + f"  {HEADINGS[-1]}"
+    for one in analysis.quantities:
+        yield f"{label(one):{width}}{_numbers(one)}"
+    for passing in analysis.passes:
+        found = passing.probability
+        yield (
+            f"front_height passes {passing.distance:g} m from the wall or axis in {found.met} of {found.count} runs: "
+            f"probability {found.value:.3g} ({found.lo:.3g} to {found.hi:.3g} with 95 %)"
+        )
+    yield from _share_lines(analysis, width)
+
+
+def label(one: Quantity) -> str:
+    """Name of a quantity with its unit."""
+    return one.name if one.unit in ("", "deg") else f"{one.name} [{one.unit}]"
+
+
+def _numbers(one: Quantity) -> str:
+    statistics = one.statistics
+    values = [statistics.mean, statistics.standard_deviation, *(statistics.quantiles[name] for name in QUANTILES)]
+    interval = statistics.median_interval
+    text = f"{interval[0]:.4g} to {interval[1]:.4g}" if interval else "none"
+    return "".join(f"{value:10.4g}" for value in values) + f"  {text}"
+
+
+def _share_lines(analysis: Analysis, width: int) -> Iterator[str]:
+    """A table of the shares of the variance, with the fit of the surface and the error of the grid."""
+    names = short_names(one.key for one in analysis.plan.inputs)
+    split = [(one, one.shares) for one in analysis.quantities if one.shares]
+    if not split:
+        yield "the variance is not split: the runs are too few, or all equal"
+        return
+    columns = [f"{name:>{max(len(name), 12)}}" for name in names.values()]
+    yield f"{'variance, %':{width}}  {'  '.join(columns)}  residual    surface  R2: adjusted  cross-validated  grid"
+    for one, shares in split:
+        inputs = [f"{100.0 * shares.first_order[key]:.0f} ({100.0 * shares.total[key]:.0f})" for key in names]
+        cells = [f"{text:>{len(column)}}" for text, column in zip(inputs, columns, strict=True)]
+        grid = (
+            "not studied" if one.grid_share is None else f"{100.0 * one.grid_share:.0f} (sd {one.grid_deviation:.2g})"
+        )
+        yield (
+            f"{label(one):{width}}  {'  '.join(cells)}  {100.0 * shares.residual:8.0f}  {shares.surface:>9}"
+            f"  {shares.adjusted_r2:12.2f}  {shares.cross_validated_r2:15.2f}  {grid}"
+        )
+    yield "  of each input alone (with interactions); residual: scatter of the runs, and terms that the surface omits;"
+    yield "  grid: variance of its error by the study, over its sum with the variance of the sample"
