@@ -1,0 +1,80 @@
+"""How often the 90 % intervals of fits contain the friction angle of computed deposits.
+
+    python scripts/fit/coverage.py OUT --count 40 --accuracy 20%
+
+Columns with random model, aspect ratio and friction angle are computed on a finer grid with another time step. The
+friction angle is fitted to their runout, and to runout and height, on grids of the accuracy. Writes OUT/coverage.csv as
+the fits end; the same command resumes.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import random
+from pathlib import Path
+
+import mpmcol
+from mpmcol.cli.options import ACCURACY
+from mpmcol.studies.fit.report import CONFIDENCE
+
+FRICTION = "material.friction_deg"
+RANGE = (18.0, 45.0)
+CELLS, POINTS, CFL = 40, 9, 0.43  # of the deposits: r_i/h, points per cell, Courant number
+LIGHT = (
+    "geometry.base=rigid", "method.wall_impulse=true", "stages.initial_stress=k0", "material.youngs_modulus=1.2e6",
+    f"grid.points_per_cell={POINTS}", f"time.cfl={CFL}",
+)  # fmt: skip
+NO_ERROR = 1e-3  # relative standard error of the "measurement"
+QUANTITIES = (("zeta",), ("zeta", "beta"))
+
+
+def deposit(case: str, aspect: float, angle: float, out: Path) -> dict[str, tuple[float, float]]:
+    """Runout and height of a column of known friction, with standard errors."""
+    values = [f"geometry.aspect={aspect}", f"{FRICTION}={angle}", *LIGHT]
+    r_i = mpmcol.load_case(case, values).geometry.r_i
+    measured = mpmcol.run(mpmcol.load_case(case, [*values, f"grid.spacing={r_i / CELLS}"]), out, threads=1).measure()
+    found = {"zeta": measured.zeta["front_height"], "beta": measured.beta}
+    return {name: (value, NO_ERROR * value) for name, value in found.items()}
+
+
+def main() -> None:
+    """Compute and fit; print one line for each, and the share of intervals that hold."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("out", type=Path)
+    parser.add_argument("--count", type=int, default=40)
+    parser.add_argument("--accuracy", default="20%")
+    parser.add_argument("--jobs", type=int)
+    arguments = parser.parse_args()
+    accuracy = ACCURACY.convert(arguments.accuracy, None, None)
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    rows: list[dict[str, object]] = []
+    for number in range(arguments.count):
+        draw = random.Random(number)
+        case, aspect = draw.choice(("channel", "cylinder")), round(draw.uniform(0.6, 1.6), 2)
+        angle = round(draw.uniform(23.0, 41.0), 1)
+        folder = arguments.out / f"{number:02}-{case}-a{aspect:g}-{angle:g}deg"
+        to = deposit(case, aspect, angle, folder / "deposit")
+        for quantities in QUANTITIES:
+            found = mpmcol.fit(
+                case, {one: to[one] for one in quantities}, {FRICTION: RANGE}, overrides=[f"geometry.aspect={aspect}"],
+                accuracy=accuracy, jobs=arguments.jobs, out=folder / "-".join(quantities), notify=lambda line: None,
+            )  # fmt: skip
+            value, error = found.values[0].value, found.values[0].error or RANGE[1] - RANGE[0]
+            holds = abs(value - angle) <= CONFIDENCE * error
+            rows.append(
+                {"case": case, "a": aspect, "quantities": " ".join(quantities), "angle": angle, "fitted": value,
+                 "standard_error": error, "holds": holds, "core_seconds": found.record["core_seconds"]}
+            )  # fmt: skip
+            print(rows[-1], flush=True)
+            with (arguments.out / "coverage.csv").open("w", newline="") as file:
+                writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
+                writer.writeheader()
+                writer.writerows(rows)
+    for quantities in QUANTITIES:
+        own = [row["holds"] for row in rows if row["quantities"] == " ".join(quantities)]
+        print(f"{' and '.join(quantities)}: {sum(map(bool, own))} of {len(own)} intervals hold")
+
+
+if __name__ == "__main__":
+    main()
