@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, ThreadPoolExecutor, wait
 from contextlib import ExitStack, contextmanager, nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from queue import LifoQueue
 
 from mpmcol.errors import Interrupted, MpmcolError, NumericalFailure, OutputError, UsageError
 from mpmcol.io.run_status import read_status
 from mpmcol.provenance import code_version
-from mpmcol.sweep.compile_cache import smallest_per_variant
+from mpmcol.sweep.compile_cache import kernel_variant, smallest_per_variant
 from mpmcol.sweep.runs import PlannedRun, write_case
 from mpmcol.sweep.scheduling import Allocation, allocate
 from mpmcol.sweep.task import Task, TaskResult, execute_task, execute_with
@@ -41,6 +41,7 @@ class Pool:
     """Workers: an executor, the stop request that its tasks poll, and the function that sets its level.
 
     compile: compiles the kernels of some cases, for that number of threads per run, before the first tasks.
+    compiled: variants of kernels for which this was done.
     """
 
     executor: Executor
@@ -49,6 +50,7 @@ class Pool:
     request_stop: Callable[[int], None]
     execute: Callable[[Task, StopRequest], TaskResult] = execute_task
     compile: Callable[[Sequence[str], int], None] | None = None
+    compiled: set[tuple[object, ...]] = field(default_factory=set)
 
 
 def execute_runs(
@@ -83,9 +85,11 @@ def execute_runs(
         return
     allocation = allocation or allocate(pending)
     with nullcontext(pool) if pool else local_pool(allocation.jobs) as opened:
-        if opened.compile and min(allocation.jobs, len(pending)) > 1:
+        new = [run for run in smallest_per_variant(pending) if kernel_variant(run) not in opened.compiled]
+        if opened.compile and new and min(allocation.jobs, len(pending)) > 1:
             notify("compiling kernels that are not in the cache ...")
-            opened.compile([str(write_case(run)) for run in smallest_per_variant(pending)], allocation.threads)
+            opened.compile([str(write_case(run)) for run in new], allocation.threads)
+            opened.compiled.update(map(kernel_variant, new))
         yield from _execute_on(opened, pending, allocation.threads, notify, tick)
 
 

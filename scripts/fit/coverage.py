@@ -51,7 +51,7 @@ def main() -> None:
     rows: list[dict[str, object]] = []
     for number in range(arguments.count):
         draw = random.Random(number)
-        case, aspect = draw.choice(("channel", "cylinder")), round(draw.uniform(0.6, 1.6), 2)
+        case, aspect = draw.choice(("channel", "cylinder")), round(draw.uniform(1.0, 2.0), 2)
         angle = round(draw.uniform(23.0, 41.0), 1)
         folder = arguments.out / f"{number:02}-{case}-a{aspect:g}-{angle:g}deg"
         to = deposit(case, aspect, angle, folder / "deposit")
@@ -64,7 +64,7 @@ def main() -> None:
             holds = abs(value - angle) <= CONFIDENCE * error
             rows.append(
                 {"case": case, "a": aspect, "quantities": " ".join(quantities), "angle": angle, "fitted": value,
-                 "standard_error": error, "holds": holds, "core_seconds": found.record["core_seconds"]}
+                 "standard_error": error, "grid": (found.values[0].parts or {}).get("grid"), "holds": holds, "core_seconds": found.record["core_seconds"]}
             )  # fmt: skip
             print(rows[-1], flush=True)
             with (arguments.out / "coverage.csv").open("w", newline="") as file:

@@ -35,6 +35,7 @@ class Level:
     """A configuration of the case for all runs of a part of the search.
 
     errors: relative standard errors of "runout" and "height" by the grid, from the shipped study; None: not studied.
+    differences: of the case from those of the study, whose errors may not apply to it.
     """
 
     name: str
@@ -42,6 +43,7 @@ class Level:
     cells: float  # r_i / h
     errors: Mapping[str, float] | None
     text: str
+    differences: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -170,7 +172,8 @@ def _level(name: str, advice: Recommendation, unknowns: Sequence[Unknown]) -> Le
     for one in unknowns:
         if one.key in advice.values:
             raise UsageError(f"{one.key} is set by --accuracy; omit --accuracy, or set it and vary another key")
-    return Level(name, tuple(advice.overrides), advice.cells, _standard_errors(advice.errors), str(advice))
+    errors, differences = _standard_errors(advice.errors), tuple(advice.differences)
+    return Level(name, tuple(advice.overrides), advice.cells, errors, str(advice), differences)
 
 
 def _own_level(source: str | Path, values: Sequence[str]) -> Level:

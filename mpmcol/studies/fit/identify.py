@@ -31,6 +31,8 @@ def remarks(unknowns: Sequence[Unknown], targets: Sequence[Target], solution: So
                 "value leads to them; extend the range"
             )
     yield from _undetermined(unknowns, targets, solution)
+    for difference in solution.last.level.differences:
+        yield f"the error of the grid may not apply: {difference}"
     if not solution.last.at_rest:
         yield "a column still moved at the end of a run; raise stages.collapse.max_time_factor"
 

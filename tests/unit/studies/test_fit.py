@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -311,6 +312,14 @@ def test_more_unknowns_than_measured_values_are_refused() -> None:
 def test_levels_end_with_the_accuracy_asked_for() -> None:
     assert levels_for(0.05) == [0.2, 0.1, 0.05] and levels_for(0.2) == [0.2] and levels_for(None) == [None]
     assert levels_for(0.08) == [0.2, 0.08]
+
+
+def test_a_case_unlike_those_of_the_study_is_reported() -> None:
+    unlike = replace(COARSE, differences=("a = 9, in the study 1 to 3",))
+    forward = Synthetic([FRICTION], targets_of({"zeta": 1.2}), runout_of)
+    assert list(remarks(forward.unknowns, forward.targets, solve(forward, [unlike]))) == [
+        "the error of the grid may not apply: a = 9, in the study 1 to 3"
+    ]
 
 
 def test_a_case_that_is_not_at_rest_is_reported() -> None:
