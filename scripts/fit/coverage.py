@@ -64,7 +64,8 @@ def main() -> None:
             holds = abs(value - angle) <= CONFIDENCE * error
             rows.append(
                 {"case": case, "a": aspect, "quantities": " ".join(quantities), "angle": angle, "fitted": value,
-                 "standard_error": error, "grid": (found.values[0].parts or {}).get("grid"), "holds": holds, "core_seconds": found.record["core_seconds"]}
+                 "standard_error": error, "grid": (found.values[0].parts or {}).get("grid"), "holds": holds,
+                 "core_seconds": found.record["core_seconds"]}
             )  # fmt: skip
             print(rows[-1], flush=True)
             with (arguments.out / "coverage.csv").open("w", newline="") as file:
