@@ -17,9 +17,11 @@ from mpmcol.cli.options import (
     out_option,
     overrides_option,
     quiet_option,
+    report_option,
     threads_option,
     with_aspect,
 )
+from mpmcol.cli.report import report_at_end
 
 
 @click.command()
@@ -48,6 +50,7 @@ from mpmcol.cli.options import (
 @fresh_option
 @jobs_option
 @threads_option
+@report_option
 @json_option("values with their standard errors")
 @quiet_option
 def fit(
@@ -63,6 +66,7 @@ def fit(
     fresh: bool,
     jobs: int | None,
     threads: int | None,
+    report: bool,
     to_json: bool,
     quiet: bool,
 ) -> None:
@@ -72,8 +76,8 @@ def fit(
     from the measurement, the grid and the scatter of the runs. Runouts are those of front_height. With --accuracy the
     search runs on a coarse grid of the study, and only the answer on an accurate one; without, on the grid of the case.
 
-    Writes fit.json, evaluations.csv, the fitted case fitted.toml and charts. Repeating the command resumes a fit that
-    was stopped.
+    Writes fit.json, fit.md, evaluations.csv, the fitted case fitted.toml and charts. Repeating the command resumes a
+    fit that was stopped.
     """
     from mpmcol.api.fits import default_folder, parse_measured
     from mpmcol.cli.sweep_display import SweepDisplay
@@ -100,3 +104,5 @@ def fit(
     elif not quiet:
         click.echo("\n".join(lines(found)))
         click.echo(f"in {folder}: {', '.join(path.name for path in files)}")
+    if report:
+        report_at_end(folder, overwrite=fresh, quiet=quiet)

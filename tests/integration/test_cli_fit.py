@@ -47,6 +47,12 @@ def test_a_fit_writes_values_runs_case_and_charts(fitted: Path) -> None:
     assert all((fitted / name).stat().st_size > 10_000 for name in ("fit.png", "profile.png"))
 
 
+def test_a_fit_has_a_report(fitted: Path) -> None:
+    done = invoke("report", str(fitted))
+    page = (fitted / "report.html").read_text()
+    assert done.exit_code == 0 and "Fit: Channel" in page and page.count("<img") == 2 and FRICTION in page
+
+
 def test_repeated_runs_differ_in_spacing_and_time_step(fitted: Path) -> None:
     first, second = (
         mpmcol.Results(next((fitted / "runs").glob(f"level1-friction_deg-32-{number}-*"))).case for number in (1, 2)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import sqrt
 from pathlib import Path
@@ -15,13 +15,17 @@ import numpy as np
 from mpmcol.case import load_case, resolved_toml
 from mpmcol.io.atomic import atomic_write
 from mpmcol.io.values import to_json
+from mpmcol.provenance import environment
 from mpmcol.studies.fit import RUNS, Fit
 from mpmcol.studies.fit.identify import remarks
 from mpmcol.studies.fit.quantities import ASSUMED_ERROR, FRONT, QUANTITIES
 from mpmcol.studies.fit.search import CAUSES
 from mpmcol.studies.fit.unknowns import settings
+from mpmcol.studies.frame import ENVIRONMENT_FILE
+from mpmcol.studies.markdown import document, images
 
 FIT_FILE, EVALUATIONS_FILE, CASE_FILE = "fit.json", "evaluations.csv", "fitted.toml"
+TEXT_FILE = "fit.md"
 CHART_FILE, PROFILE_CHART_FILE = "fit.png", "profile.png"
 FIT_SCHEMA = 1
 CONFIDENCE = 1.645  # standard errors on each side of an interval of 90 %
@@ -130,10 +134,13 @@ def write_report(fit: Fit) -> list[Path]:
     """Write record, table, fitted case and charts; returns the files."""
     from mpmcol.studies.fit.chart import profile_chart, response_chart
 
-    texts = {FIT_FILE: to_json(record(fit)), EVALUATIONS_FILE: _table(fit), CASE_FILE: fitted_case(fit)}
+    charts = [*response_chart(fit, fit.folder / CHART_FILE), *profile_chart(fit, fit.folder / PROFILE_CHART_FILE)]
+    texts = {
+        FIT_FILE: to_json(record(fit)), EVALUATIONS_FILE: _table(fit), CASE_FILE: fitted_case(fit),
+        TEXT_FILE: _text(fit, charts), ENVIRONMENT_FILE: to_json(environment(), indent=1),
+    }  # fmt: skip
     for name, text in texts.items():
         atomic_write(fit.folder / name, text.encode() + (b"" if text.endswith("\n") else b"\n"))
-    charts = [*response_chart(fit, fit.folder / CHART_FILE), *profile_chart(fit, fit.folder / PROFILE_CHART_FILE)]
     return [*(fit.folder / name for name in texts), *charts]
 
 
@@ -142,6 +149,12 @@ def fitted_case(fit: Fit) -> str:
     values = settings(fit.unknowns, fit.solution.shares)
     heading = "".join(f"# {line}\n" for line in map(str, fitted_values(fit)))
     return heading + resolved_toml(load_case(fit.source, [*fit.overrides, *values]))
+
+
+def _text(fit: Fit, charts: Sequence[Path]) -> str:
+    """Content of fit.md: the answer with its charts."""
+    title = load_case(fit.source, fit.overrides).title
+    return document([f"# Fit: {title}"], (f"* {line}" for line in lines(fit)), *([one] for one in images(charts)))
 
 
 def _table(fit: Fit) -> str:
