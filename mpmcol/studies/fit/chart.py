@@ -16,28 +16,26 @@ from mpmcol.plotting.profiles import LengthAxes, set_up_axes
 from mpmcol.studies.fit import Fit
 from mpmcol.studies.fit.forward import Evaluation
 from mpmcol.studies.fit.quantities import PROFILE, Target
+from mpmcol.studies.fit.surface import misfit
 from mpmcol.units import length_scale
 
 SAMPLES = 61
-STYLES: dict[str, dict[str, Any]] = {
-    "coarse": {"color": "C0", "marker": "o", "markerfacecolor": "none"},
-    "fine": {"color": "C1", "marker": "s"},
-}
+COARSE: dict[str, Any] = {"color": "C0", "marker": "o", "markerfacecolor": "none"}
+FINAL: dict[str, Any] = {"color": "C1", "marker": "s"}
 BAND: dict[str, Any] = {"color": "0.85", "zorder": 0}
 
 
 def response_chart(fit: Fit, path: Path) -> list[Path]:
-    """Each scalar quantity (rows) over each unknown (columns), the others at their fitted values."""
+    """Each scalar quantity and the misfit (rows) over each unknown (columns), the others at their fitted values."""
     rows = [(k, target) for k, target in enumerate(fit.targets) if target.name != PROFILE]
-    if not rows:
-        return []
     n = len(fit.unknowns)
-    figure = Figure(figsize=(1.5 + 4.0 * n, 0.9 + 2.8 * len(rows)), layout="constrained")
-    panels = figure.subplots(len(rows), n, squeeze=False)
-    for (number, target), line in zip(rows, panels, strict=True):
+    figure = Figure(figsize=(1.5 + 4.0 * n, 0.9 + 2.4 * (len(rows) + 1)), layout="constrained")
+    panels = figure.subplots(len(rows) + 1, n, squeeze=False)
+    for (number, target), line in zip(rows, panels[:-1], strict=True):
         for k, axes in enumerate(line):
             _response(axes, fit, number, target, k)
     for k, axes in enumerate(panels[-1]):
+        _misfit(axes, fit, k)
         unknown = fit.unknowns[k]
         named = not unknown.unit or unknown.key.endswith(f"_{unknown.unit}")
         axes.set_xlabel(unknown.key if named else f"{unknown.key} ({unknown.unit})")
@@ -80,27 +78,42 @@ def _response(axes: Axes, fit: Fit, number: int, target: Target, k: int) -> None
     """A quantity over an unknown: runs, surface, measured value with its error, solution with its error."""
     solution, unknown = fit.solution, fit.unknowns[k]
     at = sum(len(one.values) for one in fit.targets[:number])
-    coarsest = solution.evaluations[0].level
-    for name, own in (
-        ("coarse", [one for one in solution.evaluations if one.level == coarsest]),
-        ("fine", [one for one in solution.evaluations if one.level != coarsest]),
+    final = solution.last.level
+    for style, own in (
+        (COARSE, [one for one in solution.evaluations if one.level != final]),
+        (FINAL, [one for one in solution.evaluations if one.level == final]),
     ):
-        label = f"runs, r_i/h = {own[0].level.cells:g}" if own else ""
-        x = [unknown.at(float(one.shares[k])) for one in own for _ in one.values]
-        y = [value for one in own for value in one.values[:, at]]
+        label = "runs, r_i/h = " + ", ".join(dict.fromkeys(f"{one.level.cells:.3g}" for one in own))
+        at_run = [unknown.at(float(one.shares[k])) for one in own for _ in one.values]
         if own:
-            axes.plot(x, y, linestyle="none", label=label, **STYLES[name])
-    shares = np.linspace(0.0, 1.0, SAMPLES)
-    points = np.tile(solution.shares, (SAMPLES, 1))
-    points[:, k] = shares
-    shift = solution.fitted[at] - solution.surface.value(solution.shares)[at]
-    curve = [solution.surface.value(point)[at] + shift for point in points]
-    axes.plot(unknown.low + shares * (unknown.high - unknown.low), curve, color="0.3", label="response surface")
+            axes.plot(
+                at_run, np.concatenate([one.values[:, at] for one in own]), linestyle="none", label=label, **style
+            )
+    x, points = _line(fit, k)
+    axes.plot(x, [solution.surface.value(point)[at] for point in points], color="0.3", label="response surface")
     value, error = float(target.values[0]), float(target.errors[0])
     axes.axhspan(value - error, value + error, **BAND)
     axes.axhline(value, color="black", linestyle=":", label="measured, with its standard error")
     _draw_solution(axes, fit, k)
     axes.set_ylabel(target.name + (f" ({target.unit})" if target.unit else ""))
+
+
+def _misfit(axes: Axes, fit: Fit, k: int) -> None:
+    """Misfit by the response surface over an unknown, in standard errors."""
+    solution = fit.solution
+    measured = np.concatenate([target.values for target in fit.targets])
+    total = np.asarray(sum(solution.causes.values()))
+    x, points = _line(fit, k)
+    axes.plot(x, [misfit(solution.surface.value(point) - measured, total) ** 0.5 for point in points], color="0.3")
+    _draw_solution(axes, fit, k)
+    axes.set(ylabel="misfit (standard errors)", ylim=(0.0, None))
+
+
+def _line(fit: Fit, k: int) -> tuple[np.ndarray, np.ndarray]:
+    """Values (SAMPLES,) of an unknown over its range, and the shares (SAMPLES, n) of all, the others as fitted."""
+    points = np.tile(fit.solution.shares, (SAMPLES, 1))
+    points[:, k] = np.linspace(0.0, 1.0, SAMPLES)
+    return fit.unknowns[k].low + points[:, k] * (fit.unknowns[k].high - fit.unknowns[k].low), points
 
 
 def _draw_solution(axes: Axes, fit: Fit, k: int) -> None:
