@@ -70,7 +70,7 @@ def fit(
     to_json: bool,
     quiet: bool,
 ) -> None:
-    """Find values of a case for which the deposit agrees with measurements.
+    """Find values of a case from a measured deposit.
 
     CASE is a TOML file or the name of a shipped case. The answer has a standard error, with the parts of it that come
     from the measurement, the grid and the scatter of the runs. Runouts are those of front_height. With --accuracy the
