@@ -67,12 +67,13 @@ def _quantity_lines(name: str, record: Mapping[str, Any]) -> list[str]:
 def _experiments_text(record: Mapping[str, Any]) -> str:
     if record["experiment"] is None:
         return f"no interval; {record['reason']}"
-    differences = ", ".join(map(_difference_text, record["experiments"]))
-    return f"{_interval_text(record['experiment'])}, from these and model {record['model']:.1%}: {differences}"
+    differences = "; ".join(map(_difference_text, record["experiments"]))
+    model = f"model {record['model']:.1%} (grid-converged {differences})"
+    return f"{_interval_text(record['experiment'])}, from these and {model}"
 
 
 def _difference_text(record: Mapping[str, Any]) -> str:
-    difference, scatter = record["difference"], f"{record['experiment']} (scatter {record['scatter']:.0%})"
+    difference, scatter = record["difference"], f"{record['experiment']}, scatter {record['scatter']:.0%}"
     return f"not compared with {scatter}" if difference is None else f"{difference:+.1%} against {scatter}"
 
 
