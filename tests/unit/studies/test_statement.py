@@ -152,7 +152,8 @@ def test_the_statement_in_words() -> None:
         "runout 135 mm, zeta = 1.500; finer grids: 1.419 to 1.581 (127.7 to 142.3 mm), from grid 5.3%, scatter 1.3%"
     )
     assert lines[1].startswith("  experiments: 0.9") and lines[1].endswith(
-        "and model 39.5%: +3.6% against Lube et al. 2007 (scatter 10%), +38.1% against Lube et al. 2005 (scatter 10%)"
+        "and model 39.5% (grid-converged +3.6% against Lube et al. 2007, scatter 10%; +38.1% against Lube et al. 2005, "
+        "scatter 10%)"
     )
     assert "Lube et al. 2007 (unverified) (scatter 5%)" in lines[3]
     assert lines[4].startswith('confidence 90%; grid: error bound of "light" at r_i/h = 28 in the study; scatter')
