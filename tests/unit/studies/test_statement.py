@@ -155,7 +155,7 @@ def test_the_statement_in_words() -> None:
         "and model 39.5% (grid-converged +3.6% against Lube et al. 2007, scatter 10%; +38.1% against Lube et al. 2005, "
         "scatter 10%)"
     )
-    assert "Lube et al. 2007 (unverified) (scatter 5%)" in lines[3]
+    assert "Lube et al. 2007 (unverified), scatter 5%" in lines[3]
     assert lines[4].startswith('confidence 90%; grid: error bound of "light" at r_i/h = 28 in the study; scatter')
 
 

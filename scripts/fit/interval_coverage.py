@@ -1,9 +1,9 @@
 """How often the 90 % intervals of fits contain the friction angle of computed deposits.
 
-    python scripts/fit/coverage.py OUT --count 40 --accuracy 20%
+    python scripts/fit/interval_coverage.py OUT --count 40 --accuracy 20%
 
 Columns with random model, aspect ratio and friction angle are computed on a finer grid with another time step. The
-friction angle is fitted to their runout, and to runout and height, on grids of the accuracy. Writes OUT/coverage.csv as
+friction angle is fitted to their runout, and to runout and height, on grids of the accuracy. Writes OUT/intervals.csv as
 the fits end; the same command resumes.
 """
 
@@ -68,7 +68,7 @@ def main() -> None:
                  "core_seconds": found.record["core_seconds"]}
             )  # fmt: skip
             print(rows[-1], flush=True)
-            with (arguments.out / "coverage.csv").open("w", newline="") as file:
+            with (arguments.out / "intervals.csv").open("w", newline="") as file:
                 writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
                 writer.writeheader()
                 writer.writerows(rows)
