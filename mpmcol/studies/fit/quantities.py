@@ -49,7 +49,7 @@ QUANTITIES = {
         Quantity("beta", "", "height h_f / h_i", lambda deposit: deposit.beta, height=1.0),
         Quantity(
             "repose", "deg", "repose angle of the deposit", lambda deposit: deposit.repose_angle_deg,
-            runout=-0.5, height=0.5,
+            runout=-0.5, height=0.9,  # tan(repose) ~ h_f / r_f, for r_f of about 2 r_i
         ),
         Quantity("undisturbed_radius", "m", "undisturbed radius", lambda deposit: deposit.undisturbed_radius),
     )

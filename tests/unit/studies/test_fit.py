@@ -233,6 +233,17 @@ def test_errors_of_the_grid_act_as_those_of_runout_and_height() -> None:
     assert covariance == pytest.approx(0.01 * np.outer(modes[:, 0], modes[:, 0]))
 
 
+def test_errors_of_the_grid_act_on_the_repose_angle_as_on_that_of_a_triangle() -> None:
+    (repose,) = targets_of({"repose": 14.0})
+
+    def angle(zeta: float, beta: float) -> float:
+        return float(np.degrees(np.arctan2(beta, 1.0 + zeta)))
+
+    (modes,) = repose.grid_modes(deposit(1.0, 0.5, angle(1.0, 0.5)), 1.0)
+    changes = (angle(1.01, 0.5) - angle(1.0, 0.5)) / 0.01, (angle(1.0, 0.505) - angle(1.0, 0.5)) / 0.01
+    assert modes == pytest.approx(changes, rel=0.1)
+
+
 def test_measured_values_are_read_with_their_errors() -> None:
     zeta, repose = parse_targets("zeta = 1.37+-0.05, repose=31deg")
     assert (zeta.values[0], zeta.errors[0], zeta.is_stated) == (1.37, 0.05, True)
