@@ -13,7 +13,7 @@ from mpmcol.api.sweeps import name_of, source_of
 from mpmcol.case import Case
 from mpmcol.errors import UsageError
 from mpmcol.io.html import html_table
-from mpmcol.studies.fit import REPEATS, Fit, carry_out_fit, require_enough
+from mpmcol.studies.fit import REPEATS, Fit, carry_out_fit
 from mpmcol.studies.fit.quantities import Target, parse_targets, read_profile, targets_of
 from mpmcol.studies.fit.report import FittedValue, fitted_values, lines, record, write_report
 from mpmcol.studies.fit.unknowns import Unknown, unknowns_of
@@ -85,7 +85,6 @@ def fit(
         source = source_of(case, Path(temporary))
         targets = [*targets_of(to), *([] if profile is None else [read_profile(Path(profile))])]
         unknowns = unknowns_of(vary, source, overrides)
-        require_enough(unknowns, targets)
         folder = Path(out) if out is not None else default_folder(name_of(case), unknowns)
         found = carry_out_fit(
             source, overrides, unknowns, targets, folder,

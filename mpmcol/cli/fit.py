@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import click
 
@@ -82,22 +81,19 @@ def fit(
     from mpmcol.api.fits import default_folder, parse_measured
     from mpmcol.cli.sweep_display import SweepDisplay
     from mpmcol.io.values import to_json as as_json
-    from mpmcol.studies.fit import RUNS, carry_out_fit, require_enough
+    from mpmcol.studies.fit import RUNS, carry_out_fit
     from mpmcol.studies.fit.report import lines, record, write_report
     from mpmcol.studies.fit.unknowns import parse_unknowns
 
     overrides = with_aspect(overrides, aspect)
     targets = parse_measured(",".join(measured), profile)
     unknowns = parse_unknowns(vary, case, overrides)
-    require_enough(unknowns, targets)
     folder = out or default_folder(case, unknowns)
-    options: dict[str, Any] = {
-        "accuracy": accuracy, "repeats": repeats, "jobs": jobs, "threads": threads, "fresh": fresh,
-    }  # fmt: skip
     with SweepDisplay(folder / RUNS, quiet) as display:
         found = carry_out_fit(
-            case, overrides, unknowns, targets, folder, **options, observer=display, notify=display.notify
-        )
+            case, overrides, unknowns, targets, folder, accuracy=accuracy, repeats=repeats,
+            jobs=jobs, threads=threads, fresh=fresh, observer=display, notify=display.notify,
+        )  # fmt: skip
     files = write_report(found)
     if to_json:
         click.echo(as_json(record(found)))

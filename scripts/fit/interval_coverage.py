@@ -3,8 +3,8 @@
     python scripts/fit/interval_coverage.py OUT --count 40 --accuracy 20%
 
 Columns with random model, aspect ratio and friction angle are computed on a finer grid with another time step. The
-friction angle is fitted to their runout, and to runout and height, on grids of the accuracy. Writes OUT/intervals.csv as
-the fits end; the same command resumes.
+friction angle is fitted to their runout, and to runout and height, on grids of the accuracy. Writes OUT/intervals.csv
+as the fits end; the same command resumes.
 """
 
 from __future__ import annotations
