@@ -9,6 +9,7 @@ import numpy as np
 
 ORDERS = np.linspace(0.5, 2.0, 31)  # candidate orders of convergence
 MIN_SPACINGS = 3
+NORMAL_90 = 1.645  # standard deviations to either side of the mean that hold 90 % of normally distributed values
 MAX_RATIO = 3.05  # of a spacing to the finest one: coarser grids are not yet in the asymptotic range
 
 

@@ -14,6 +14,7 @@ from typing import Any
 from mpmcol.case import Case, conditions_of
 from mpmcol.experiments import Experiment, mark
 from mpmcol.io.results import Results
+from mpmcol.studies.convergence import NORMAL_90
 from mpmcol.studies.judgement import (
     IN_STUDY,
     NAMES,
@@ -28,7 +29,6 @@ from mpmcol.studies.pareto.recommend import Recommendation
 from mpmcol.studies.pareto.shipped import converged_values, study_case
 
 CONFIDENCE = 0.9
-TWO_SIDED = 1.645  # standard deviations to either side that hold 90 % of normally distributed values
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class ModelError:
         if self.difference is None:
             return None
         ratio = 1.0 / (1.0 + self.difference)  # experiment over model
-        return abs(1.0 - ratio) + TWO_SIDED * self.scatter * ratio
+        return abs(1.0 - ratio) + NORMAL_90 * self.scatter * ratio
 
 
 @dataclass(frozen=True)
@@ -120,7 +120,7 @@ def _quantity(name: str, results: Results, advice: Recommendation, bar: ErrorBar
         value, grid, scatter = bar.value, bar.relative, 0.0  # the misfit of the bar holds the scatter
     else:
         _, value = measured_value(results.summary, name, geometry.r_i)
-        grid, scatter = of_value(advice.errors[in_study]), TWO_SIDED * node_scatter(in_study, advice.cells)
+        grid, scatter = of_value(advice.errors[in_study]), NORMAL_90 * node_scatter(in_study, advice.cells)
     model = model_errors(name, case, advice.cases) if results.summary["at_rest"] else []
     reason = _reason(name, results, model)
     return StatedQuantity(value, geometry.r_i if name == "zeta" else geometry.h_i, grid, scatter, model, reason)

@@ -16,7 +16,7 @@ from pathlib import Path
 
 import mpmcol
 from mpmcol.cli.options import ACCURACY
-from mpmcol.studies.fit.report import CONFIDENCE
+from mpmcol.studies.convergence import NORMAL_90
 
 FRICTION = "material.friction_deg"
 RANGE = (18.0, 45.0)
@@ -61,7 +61,7 @@ def main() -> None:
                 accuracy=accuracy, jobs=arguments.jobs, out=folder / "-".join(quantities), notify=lambda line: None,
             )  # fmt: skip
             value, error = found.values[0].value, found.values[0].error or RANGE[1] - RANGE[0]
-            holds = abs(value - angle) <= CONFIDENCE * error
+            holds = abs(value - angle) <= NORMAL_90 * error
             rows.append(
                 {"case": case, "a": aspect, "quantities": " ".join(quantities), "angle": angle, "fitted": value,
                  "standard_error": error, "grid": (found.values[0].parts or {}).get("grid"), "holds": holds,

@@ -13,6 +13,7 @@ from mpmcol.case import load_case
 from mpmcol.errors import UsageError
 from mpmcol.io.results import Results
 from mpmcol.measure import Measurement
+from mpmcol.studies.convergence import NORMAL_90
 from mpmcol.studies.fit.quantities import Target, measured_deposit, scalars_of
 from mpmcol.studies.fit.unknowns import SPACING, Unknown, settings
 from mpmcol.studies.pareto.recommend import Recommendation, options, recommend
@@ -27,7 +28,6 @@ FINER = 0.03  # relative difference of the spacings of repeated runs, at least o
 ROUNDING = 1e-6  # of r_i / h
 ACCURACIES = (0.2, 0.1)  # of the search, on coarse grids
 LEAST_GRID_ERROR = 0.01  # relative: convergence with the spacing is not smooth enough for less
-ONE_SIDED = 1.645  # standard errors that 90 % of a normal distribution do not exceed in magnitude
 
 
 @dataclass(frozen=True)
@@ -186,7 +186,7 @@ def _own_level(source: str | Path, values: Sequence[str]) -> Level:
 def _standard_errors(bounds: Mapping[str, float]) -> dict[str, float]:
     """Relative standard errors of runout and height from the errors that 90 % of runs of the study do not exceed."""
     names = {"runout": ZETA, "height": BETA}
-    return {name: max(bounds[own] / ONE_SIDED, LEAST_GRID_ERROR) for name, own in names.items()}
+    return {name: max(bounds[own] / NORMAL_90, LEAST_GRID_ERROR) for name, own in names.items()}
 
 
 def _named(run: PlannedRun) -> str:

@@ -16,6 +16,7 @@ from mpmcol.case import load_case, resolved_toml
 from mpmcol.io.atomic import atomic_write
 from mpmcol.io.values import to_json
 from mpmcol.provenance import environment
+from mpmcol.studies.convergence import NORMAL_90
 from mpmcol.studies.fit import RUNS, Fit
 from mpmcol.studies.fit.identify import remarks
 from mpmcol.studies.fit.quantities import ASSUMED_ERROR, FRONT, QUANTITIES
@@ -28,7 +29,6 @@ FIT_FILE, EVALUATIONS_FILE, CASE_FILE = "fit.json", "evaluations.csv", "fitted.t
 TEXT_FILE = "fit.md"
 CHART_FILE, PROFILE_CHART_FILE = "fit.png", "profile.png"
 FIT_SCHEMA = 1
-CONFIDENCE = 1.645  # standard errors on each side of an interval of 90 %
 POOR = 4.0  # misfit, in standard errors squared per degree of freedom, from which on it is reported
 
 
@@ -47,7 +47,7 @@ class FittedValue:
         if self.error is None or self.parts is None:
             return f"{self.key} = {self.value:.4g}{unit}, not determined"
         parts = ", ".join(f"{cause} {part:.2g}" for cause, part in self.parts.items())
-        half = CONFIDENCE * self.error
+        half = NORMAL_90 * self.error
         low, high = self.value - half, self.value + half
         return (
             f"{self.key} = {self.value:.4g} +- {self.error:.2g}{unit} (standard error; 90 %: {low:.4g} to {high:.4g}; "

@@ -12,6 +12,7 @@ from mpmcol.io.columns import unit_of
 from mpmcol.io.glossary import RESULT
 from mpmcol.io.run_status import read_status
 from mpmcol.io.values import flatten
+from mpmcol.studies.convergence import NORMAL_90
 from mpmcol.studies.uncertainty.plan import UncertaintyPlan
 from mpmcol.studies.uncertainty.statistics import Probability, Statistics, probability_of, statistics_of
 from mpmcol.studies.uncertainty.surface import VarianceShares, variance_shares
@@ -20,7 +21,6 @@ from mpmcol.sweep.engine import Outcome
 FRONT = "front.front_height"
 QUANTITIES = ("zeta.front_height", FRONT, "beta", "repose_angle_deg")  # of result.json
 WALL_QUANTITIES = ("peak", "sustained", "moment")  # of each wall in wall_forces
-NORMAL_90 = 1.645  # standard deviations that 90 % of normally distributed errors do not exceed in magnitude
 
 
 @dataclass(frozen=True)
