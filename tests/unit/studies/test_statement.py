@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from math import hypot
 from pathlib import Path
+from statistics import NormalDist
 from types import SimpleNamespace
 from typing import Any
 
@@ -15,7 +16,7 @@ import pytest
 
 from mpmcol.case import load_case
 from mpmcol.errors import OutputError
-from mpmcol.studies import statement
+from mpmcol.studies.convergence import NORMAL_90
 from mpmcol.studies.pareto.certify import error_bar
 from mpmcol.studies.pareto.neighbouring import NODE_SCATTER, node_scatter
 from mpmcol.studies.pareto.recommend import Recommendation
@@ -185,4 +186,4 @@ def test_the_converged_values_are_those_of_the_report() -> None:
 def test_the_scatter_of_the_next_coarser_grid_counts() -> None:
     assert node_scatter(ZETA, 20.0) == node_scatter(ZETA, 27.0) == NODE_SCATTER[20.0][ZETA]
     assert node_scatter(ZETA, 10.0) == NODE_SCATTER[14.0][ZETA] and node_scatter(BETA, 80.0) == NODE_SCATTER[40.0][BETA]
-    assert statement.TWO_SIDED == Z90
+    assert NORMAL_90 == Z90 == pytest.approx(NormalDist().inv_cdf(0.95), rel=1e-3)
