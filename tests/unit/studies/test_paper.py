@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import csv
+from collections import defaultdict
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -19,6 +21,8 @@ from mpmcol.studies.paper import FIGURES, PaperStudy, factors, fig5, fig6, fig7,
 from mpmcol.studies.paper.report import Comparison, FigureResult, error_summary, markdown, rounded_csv, series_row
 from mpmcol.studies.runs import CompletedRun, StudyRun
 from tests.support.cli import invoke
+
+PAPER = Path(__file__).parents[3] / "scripts" / "paper"
 
 
 def completed(a: float, h: float, zeta: float, beta: float = 0.5) -> CompletedRun:
@@ -97,6 +101,29 @@ def test_the_error_of_a_change_includes_those_of_both_means() -> None:
     assert row["zeta.front_max change"] == pytest.approx(0.1)
     assert row["zeta.front_max change +-"] == pytest.approx(np.hypot(single / 1.0, single / 1.1))
     assert factors.effect_row(("c", 1.0, 1.0), "factor", [], base)["beta change"] is None
+
+
+@pytest.mark.parametrize("folder", ["", "filtered"])
+def test_the_effects_in_the_documentation_are_those_computed(folder: str) -> None:
+    with (PAPER / folder / "factors.csv").open() as file:
+        rows = [row for row in csv.DictReader(file) if row["factor"] != factors.UNCHANGED]
+    documented = (PAPER / "README.md").read_text().splitlines()
+    lines: dict[tuple[bool, str], list[str]] = defaultdict(list)
+    for row in rows:
+        lines["-" in row["case"], row["factor"]].append(effect_cell(row))
+    missing = [
+        line for key, cells in lines.items() if (line := f"| {' | '.join([key[1], *cells])} |") not in documented
+    ]
+    assert len(lines) >= len(factors.FACTORS) - 1 and not missing
+
+
+def effect_cell(row: Mapping[str, str]) -> str:
+    """An effect as the documentation gives it: zeta, its standard error and beta, per cent."""
+    if row["runs"] == "0":
+        return "diverges (0 of 4 end)"
+    names = ("zeta.front_height change", "zeta.front_height change +-", "beta change")
+    zeta, error, beta = (100.0 * float(row[name]) for name in names)
+    return f"{zeta:+.1f} +- {error:.1f}, {beta:+.1f}"
 
 
 def test_failed_runs_are_left_out() -> None:
