@@ -159,7 +159,7 @@ def run(
 
 
 def _check_certify(accuracy: float | None) -> None:
-    """Refuse options that --certify, a sweep of repeated runs, cannot have."""
+    """Refuse options that --certify, a sweep over spacings, cannot have."""
     if accuracy is None:
         raise click.UsageError("--certify requires --accuracy, which chooses the grid")
     context = click.get_current_context()

@@ -24,7 +24,6 @@ from mpmcol.studies.judgement import (
     measured_value,
 )
 from mpmcol.studies.pareto.certify import ErrorBar
-from mpmcol.studies.pareto.neighbouring import node_scatter
 from mpmcol.studies.pareto.recommend import Recommendation
 from mpmcol.studies.pareto.shipped import converged_values, study_case
 
@@ -97,16 +96,16 @@ def make_statement(
         results: of the run of the recommended configuration.
         advice: the recommendation that the run was made by.
         accuracy: the accuracy that was requested.
-        bars: of repeated runs; they replace the error bound of the study, and their values those of the run.
+        bars: of runs at several spacings; they replace the error bound of the study, and their values those of the run.
     """
     certified = {bar.quantity: bar for bar in bars}
     quantities = {name: _quantity(name, results, advice, certified.get(IN_STUDY[name])).as_dict() for name in NAMES}
     return {
         "requested": accuracy,
         "confidence": CONFIDENCE,
-        "source": "repeated runs" if bars else "study",
+        "source": "several spacings" if bars else "study",
         "variant": advice.variant,
-        "cells": max(bars[0].means) if bars else advice.cells,
+        "cells": max(bars[0].runs) if bars else advice.cells,
         "cases": list(advice.cases),
         "outside_study": list(advice.differences),
         **quantities,
@@ -117,10 +116,10 @@ def _quantity(name: str, results: Results, advice: Recommendation, bar: ErrorBar
     case, in_study = results.case, IN_STUDY[name]
     geometry = case.geometry
     if bar:
-        value, grid, scatter = bar.value, bar.relative, 0.0  # the misfit of the bar holds the scatter
+        value, grid, scatter = bar.value, bar.relative, 0.0  # the misfit of the bar contains the scatter
     else:
         _, value = measured_value(results.summary, name, geometry.r_i)
-        grid, scatter = of_value(advice.errors[in_study]), NORMAL_90 * node_scatter(in_study, advice.cells)
+        grid, scatter = of_value(advice.errors[in_study]), NORMAL_90 * advice.scatter[in_study]
     model = model_errors(name, case, advice.cases) if results.summary["at_rest"] else []
     reason = _reason(name, results, model)
     return StatedQuantity(value, geometry.r_i if name == "zeta" else geometry.h_i, grid, scatter, model, reason)

@@ -54,8 +54,7 @@ def make_reference(variants: Sequence[Levels]) -> ConvergedReference | None:
 
 
 def _converged(levels: Levels) -> dict[str, ConvergedValue]:
-    found = {
-        quantity: converged_value({1.0 / cells: [run.row[quantity] for run in runs] for cells, runs in levels.items()})
-        for quantity in QUANTITIES
-    }
+    rows = [run.row for runs in levels.values() for run in runs]
+    spacings = [row["spacing_used"] for row in rows]
+    found = {quantity: converged_value(spacings, [row[quantity] for row in rows]) for quantity in QUANTITIES}
     return {quantity: value for quantity, value in found.items() if value}

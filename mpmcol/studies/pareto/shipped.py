@@ -42,6 +42,7 @@ class ShippedConfiguration:
     cells: float  # r_i / h
     seconds_per_point_step: float  # of one core
     bias: Mapping[str, float]  # error of the mean of its runs, by quantity, relative to the grid-converged value
+    scatter: Mapping[str, float]  # relative standard deviation between neighbouring spacings, by quantity
     bounds: Mapping[str, float] | None  # `ErrorBound` plus uncertainty of the reference; None: too few spacings
 
 
@@ -65,6 +66,8 @@ def unstudied(case: Case) -> str:
         return f"geometry.slope_deg = {geometry.slope_deg:g}: the errors were studied on a horizontal base"
     if geometry.base == "granular":
         return 'geometry.base = "granular": the errors were studied on elastic and rigid bases'
+    if case.walls:
+        return "walls: the errors were studied for columns that spread freely"
     if case.layers:
         return "layers: the errors were studied for columns of one material"
     for name, value in case.friction:
@@ -156,6 +159,7 @@ def _configuration(row: Mapping[str, Any]) -> ShippedConfiguration:
         cells=float(row["cells"]),
         seconds_per_point_step=float(row["core_seconds"]) / float(row["point_steps"]),
         bias={quantity: float(row[f"{quantity} bias"]) for quantity in QUANTITIES},
+        scatter={quantity: float(row[f"{quantity} scatter"]) for quantity in QUANTITIES},
         bounds={quantity: _bound(row, quantity) for quantity in QUANTITIES} if row[f"{ZETA} bound"] else None,
     )
 

@@ -95,7 +95,7 @@ class StudyDefinition(DefinitionTable):
 
 @dataclass(frozen=True)
 class Configuration:
-    """One case with one scheme variant at one spacing; each run has one cell fewer in the radius than the one before."""
+    """One case with one scheme variant at one spacing; each further run has one cell fewer in the radius."""
 
     case: str
     variant: str

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import csv
 import json
+from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -25,7 +27,7 @@ from mpmcol.studies.pareto.study import (
     shipped_studies,
     variant_values,
 )
-from mpmcol.studies.runs import study_run
+from mpmcol.studies.runs import CompletedRun, study_run
 from tests.support.cli import invoke
 
 STUDY = """
@@ -82,12 +84,20 @@ def test_the_front_has_no_dominated_failed_unfinished_or_single_configurations()
     assert [(one.variant, one.cells) for one in front] == [("a", 10), ("a", 20), ("a", 40)]
 
 
-def test_effects_are_relative_to_the_baseline(tmp_path: Path) -> None:
+def test_effects_are_mean_ratios_of_runs_at_equal_spacings(tmp_path: Path) -> None:
     study = load_study(str(write(tmp_path)))
-    (effect,) = effects(
-        study, [scored("plain", 4, 2.0, -0.2), scored("nine", 4, 5.0, -0.1), scored("nine", 5, 9.0, 0.0)]
-    )
-    assert effect.cost_ratio == 2.5 and effect.change[ZETA][0] == pytest.approx(0.9 / 0.8 - 1.0)
+    plain = completed_at({0.25: 1.0, 0.3: 2.0}, scored("plain", 4, 2.0, 0.0))
+    nine = completed_at({0.25: 1.1, 0.3: 2.6, 0.4: 9.0}, scored("nine", 4, 5.0, 0.0))
+    (effect,) = effects(study, [plain, nine, scored("nine", 5, 9.0, 0.0)])
+    assert effect.cost_ratio == 2.5 and effect.change[ZETA] == pytest.approx((0.2, 0.1))
+
+
+def completed_at(values: Mapping[float, float], one: ScoredConfiguration) -> ScoredConfiguration:
+    """The configuration with completed runs: spacing -> zeta and beta."""
+    runs = [CompletedRun({"spacing_used": h, ZETA: value, BETA: value}, Path("nowhere")) for h, value in values.items()]
+    with_runs = replace(one, runs=runs)
+    with_runs.__dict__["cost"] = one.cost
+    return with_runs
 
 
 def test_areas_between_profiles() -> None:
@@ -113,6 +123,7 @@ OTHER_CASE = "[cases.high]\nextends = 'cylinder'\naspect = 1\n[variants.plain]\n
         ("[variants.plain]", OTHER_CASE, "reference: the case 'high' is not computed with plain"),
         ("title =", "titel =", "titel: Extra inputs are not permitted"),
         ("schema = 1", "schema = ", "tiny.toml:2: not valid TOML: Invalid value"),
+        ("aspect = 0.9", "aspect = 0.9\nvariants = ['none']", "cases.low: there is no variant 'none'"),
         ("cells = [5, 6, 7]", "cells = [5, 1e9]", "cells.1: Input should be less than or equal to 1000"),
     ],
 )
@@ -138,6 +149,18 @@ def test_shipped_studies_have_valid_cases() -> None:
 def test_a_case_may_leave_out_the_finest_spacings(tmp_path: Path) -> None:
     study = load_study(str(write(tmp_path, "aspect = 0.9", "aspect = 0.9\nfinest = 6")))
     assert [one.cells for one in configurations_of(study) if one.variant == "plain"] == [5, 6]
+
+
+def test_a_case_may_list_its_variants(tmp_path: Path) -> None:
+    study = load_study(str(write(tmp_path, "aspect = 0.9", "aspect = 0.9\nvariants = ['plain', 'nine']")))
+    assert {one.variant for one in configurations_of(study)} == {"plain", "nine"}
+
+
+def test_the_runs_of_a_configuration_differ_by_a_cell(tmp_path: Path) -> None:
+    study = load_study(str(write(tmp_path)))
+    for one in configurations_of(study):
+        r_i = load_case("lube-cylinder").geometry.r_i
+        assert [r_i / run.h for run in one.runs] == pytest.approx([one.cells, one.cells - 1.0])
 
 
 def test_softness_gives_a_modulus_that_is_never_raised() -> None:

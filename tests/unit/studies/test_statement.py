@@ -18,7 +18,6 @@ from mpmcol.case import load_case
 from mpmcol.errors import OutputError
 from mpmcol.studies.convergence import NORMAL_90
 from mpmcol.studies.pareto.certify import error_bar
-from mpmcol.studies.pareto.neighbouring import NODE_SCATTER, node_scatter
 from mpmcol.studies.pareto.recommend import Recommendation
 from mpmcol.studies.pareto.score import BETA, ZETA
 from mpmcol.studies.pareto.shipped import converged_values
@@ -27,7 +26,8 @@ from mpmcol.studies.statement_text import statement_lines, stored_lines, write_s
 
 ROOT = Path(__file__).parents[3]
 Z90 = 1.645
-ADVICE = Recommendation("light", 28.0, {}, {ZETA: 0.05, BETA: 0.02}, ["channel, a = 1"], 1.0, [])
+SCATTER = {ZETA: 0.008, BETA: 0.001}
+ADVICE = Recommendation("light", 28.0, 28.0, {}, {ZETA: 0.05, BETA: 0.02}, SCATTER, ["channel, a = 1"], 1.0, [])
 
 
 def stated(
@@ -52,7 +52,7 @@ def test_half_widths_are_roots_of_sums_of_squares_centred_on_the_value() -> None
     """Two experiments fit; the interval is that of the one from which the model differs more."""
     record = stated()
     zeta = record["zeta"]
-    grid, scatter, converged = 0.05 / 0.95, Z90 * NODE_SCATTER[28.0][ZETA], converged_values()["channel, a = 1"][ZETA]
+    grid, scatter, converged = 0.05 / 0.95, Z90 * SCATTER[ZETA], converged_values()["channel, a = 1"][ZETA]
     numerical = hypot(grid, scatter)
     assert widths(zeta["finer_grids"], 1.5) == pytest.approx((-numerical, numerical))
     assert [one["difference"] for one in zeta["experiments"]] == pytest.approx(
@@ -135,15 +135,15 @@ def test_settings_outside_the_study_are_stated() -> None:
 
 
 def test_error_bars_replace_the_bound_of_the_study() -> None:
-    bars = [error_bar(quantity, {cells: [1.6 - 2.0 / cells] for cells in (14, 20, 28)}) for quantity in (ZETA, BETA)]
+    bars = [error_bar(quantity, {cells: 1.6 - 2.0 / cells for cells in (14, 20, 28)}) for quantity in (ZETA, BETA)]
     record = stated(bars=bars)
-    assert (record["source"], record["cells"]) == ("repeated runs", 28)
+    assert (record["source"], record["cells"]) == ("several spacings", 28)
     for bar, name in zip(bars, ("zeta", "beta"), strict=True):
         interval = record[name]["finer_grids"]
         assert (record[name]["value"], record[name]["grid"]) == (bar.value, bar.relative)
         assert (interval["low"], interval["high"]) == pytest.approx((bar.value - bar.error, bar.value + bar.error))
     lines = statement_lines(record)
-    assert "repeated runs up to r_i/h = 28, values extrapolated" in lines[-1] and "scatter 0" not in "".join(lines)
+    assert "error bar of runs up to r_i/h = 28, values extrapolated" in lines[-1] and "scatter 0" not in "".join(lines)
 
 
 def test_the_statement_in_words() -> None:
@@ -183,7 +183,5 @@ def test_the_converged_values_are_those_of_the_report() -> None:
     assert len(converged_values()) == 8
 
 
-def test_the_scatter_of_the_next_coarser_grid_counts() -> None:
-    assert node_scatter(ZETA, 20.0) == node_scatter(ZETA, 27.0) == NODE_SCATTER[20.0][ZETA]
-    assert node_scatter(ZETA, 10.0) == NODE_SCATTER[14.0][ZETA] and node_scatter(BETA, 80.0) == NODE_SCATTER[40.0][BETA]
+def test_intervals_are_of_90_percent() -> None:
     assert NORMAL_90 == Z90 == pytest.approx(NormalDist().inv_cdf(0.95), rel=1e-3)
