@@ -14,9 +14,11 @@ from mpmcol.case import Case
 from mpmcol.errors import UsageError
 from mpmcol.io.html import html_table
 from mpmcol.studies.fit import REPEATS, Fit, carry_out_fit
+from mpmcol.studies.fit.agreement import Agreement
 from mpmcol.studies.fit.quantities import Target, parse_targets, read_profile, targets_of
-from mpmcol.studies.fit.report import FittedValue, fitted_values, lines, record, write_report
+from mpmcol.studies.fit.report import lines, record, write_report
 from mpmcol.studies.fit.unknowns import Unknown, unknowns_of
+from mpmcol.studies.fit.values import FittedValue, fitted_values
 from mpmcol.sweep.names import safe_name
 from mpmcol.sweep.runner import SweepObserver
 
@@ -30,16 +32,19 @@ class FitResults:
 
     folder: Path
     values: list[FittedValue]
+    agreement: Agreement  # the measurements beside the computed values, and whether these reproduce them
     record: dict[str, Any]  # content of fit.json
     text: list[str]  # the answer in words
     files: list[Path]
 
     def __repr__(self) -> str:
-        return f"<FitResults {str(self.folder)!r}: {'; '.join(map(str, self.values))}>"
+        texts = [*map(str, self.values), *map(str, self.agreement.comparisons)]
+        return f"<FitResults {str(self.folder)!r}: {'; '.join(texts)}>"
 
     def _repr_html_(self) -> str:
         rows = [[one.key, one.value, one.error] for one in self.values]
-        return html_table(["unknown", "value", "standard error"], rows)
+        texts = [[str(one)] for one in self.agreement.comparisons]
+        return html_table(["unknown", "value", "standard error"], rows) + html_table(["measurement"], texts)
 
 
 def fit(
@@ -110,4 +115,6 @@ def default_folder(case: str, unknowns: Sequence[Unknown]) -> Path:
 
 
 def _results(found: Fit) -> FitResults:
-    return FitResults(found.folder, fitted_values(found), record(found), list(lines(found)), write_report(found))
+    return FitResults(
+        found.folder, fitted_values(found), found.agreement, record(found), list(lines(found)), write_report(found)
+    )
