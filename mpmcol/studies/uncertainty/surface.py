@@ -14,6 +14,8 @@ from mpmcol.studies.uncertainty.statistics import differ
 
 RUNS_PER_TERM = 2  # least number of runs for each coefficient of a surface
 SOBOL_SAMPLES = 4096
+LEAST_R2 = 0.0  # cross-validated, below which a run is predicted worse than by the mean: shares are not given
+RELIABLE_R2 = 0.5  # cross-validated, below which shares are given as not reliable
 QUADRATIC, LINEAR = "quadratic", "linear"
 
 
@@ -32,6 +34,21 @@ class VarianceShares:
     first_order: dict[str, float]  # by key: share of the input alone
     total: dict[str, float]  # by key: with its interactions
     residual: float  # share of scatter, and of terms that the surface omits
+
+    @property
+    def is_given(self) -> bool:
+        """Whether the surface describes the runs well enough to state shares."""
+        return self.cross_validated_r2 >= LEAST_R2
+
+    @property
+    def note(self) -> str:
+        """What is to be known about the shares; "" if the surface describes the runs."""
+        found = f"cross-validated R2 {self.cross_validated_r2:.2f}: the runs are too few, or scatter"
+        if not self.is_given:
+            return f"the surface does not describe the runs, and shares are not given ({found})"
+        if self.cross_validated_r2 < RELIABLE_R2:
+            return f"the surface describes the runs poorly, and the shares are not reliable ({found})"
+        return ""
 
 
 def variance_shares(inputs: Sequence[UncertainInput], x: np.ndarray, y: np.ndarray, seed: int) -> VarianceShares | None:

@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 from unittest.mock import ANY
 
@@ -18,6 +19,7 @@ from mpmcol.measure import Measurement
 from mpmcol.studies.convergence import NORMAL_90
 from mpmcol.studies.fit import Fit, require_enough
 from mpmcol.studies.fit.agreement import agreement_of, largest_misfit
+from mpmcol.studies.fit.course import course_of
 from mpmcol.studies.fit.forward import Evaluation, Level, levels_for
 from mpmcol.studies.fit.identify import remarks
 from mpmcol.studies.fit.quantities import (
@@ -344,6 +346,22 @@ def test_a_quantity_of_the_course_can_be_fitted() -> None:
         "the error of the grid in stop_time is not known, and in no standard error"
     ]
     assert fitted(forward, solution)[0].parts == {"measurement": pytest.approx(1.0), "grid": None, "scatter": ANY}
+
+
+def test_quantities_of_the_course_by_hand() -> None:
+    """The front moves with 1 m in sqrt(h_i/g) = 0.5 s until 2.5 of these; the height falls by 0.1 m in each."""
+    time = np.linspace(-0.5, 2.0, 26)
+    front = 2.0 + np.clip(2.0 * time, 0.0, 2.5)
+    history = {
+        "stage": np.where(time < 0.0, "equilibrate", "collapse"), "time": time, "front_height": front,
+        "height": 4.0 - 0.2 * np.maximum(time, 0.0),
+    }  # fmt: skip
+    shape, geometry = SimpleNamespace(h_i=4.0, r_i=2.0, spacing=0.01), SimpleNamespace(gravity=16.0)
+    results: Any = SimpleNamespace(history=history, shape=shape, case=SimpleNamespace(geometry=geometry))
+    assert course_of(results) == {
+        "zeta_at_1": pytest.approx(0.5), "zeta_at_2": pytest.approx(1.0), "beta_at_1": pytest.approx(0.975),
+        "beta_at_2": pytest.approx(0.95), "stop_time": pytest.approx(2.6, abs=0.21),
+    }  # fmt: skip
 
 
 def test_a_quantity_that_is_zero_is_not_proposed() -> None:
