@@ -27,8 +27,9 @@ from mpmcol.cli.report import report_at_end
 @click.argument("case")
 @click.option(
     "--to", "measured", multiple=True, metavar="NAME=VALUE[+-ERROR],...",
-    help="Measured values with their standard errors: zeta, beta, repose (deg), undisturbed_radius (m), for example "
-    "zeta=1.37+-0.05,beta=0.55. Without an error 2 % are assumed.",
+    help="Measured values with their standard errors: zeta, beta, repose (deg), undisturbed_radius (m), "
+    "and in time zeta_at_1, zeta_at_2, beta_at_1, beta_at_2 (at 1 and 2 sqrt(h_i/g)), stop_time (sqrt(h_i/g)), for "
+    "example zeta=1.37+-0.05,beta=0.55. Without an error 2 % are assumed.",
 )  # fmt: skip
 @click.option(
     "--profile", metavar="FILE", type=PATH,
