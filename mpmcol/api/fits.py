@@ -67,9 +67,10 @@ def fit(
 
     Args:
         case: from `load_case`, or a TOML file or the name of a shipped case.
-        to: measured values by name (zeta, beta, repose in degrees, undisturbed_radius in m; at 1 and 2 sqrt(h_i/g) after
-            the release zeta_at_1, zeta_at_2, beta_at_1, beta_at_2; stop_time in sqrt(h_i/g)), each a number or a number
-            and its standard error, for example {"zeta": (1.37, 0.05)}. Without one 2 % are assumed, as for a profile.
+        to: measured values by name (zeta, beta, repose in degrees, undisturbed_radius in m; at 1 and 2 sqrt(h_i/g)
+            after the release zeta_at_1, zeta_at_2, beta_at_1, beta_at_2; stop_time in sqrt(h_i/g)), each a number or a
+            number and its standard error, for example {"zeta": (1.37, 0.05)}. Without one 2 % are assumed, as for a
+            profile.
         vary: unknown keys with the ends of their ranges, for example {"material.friction_deg": (20, 45)}.
         profile: CSV file of the measured profile, with the columns "r" and "z" in m.
         overrides: further values of the case, as "KEY=VALUE".
