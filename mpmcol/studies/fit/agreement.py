@@ -44,14 +44,14 @@ class Comparison:
         if len(self.computed) == 1:
             return (
                 f"{target.name}: measured {target.values[0]:.4g} +- {target.errors[0]:.2g}{unit}, computed "
-                f"{self.computed[0]:.4g}{unit}, difference {self.differences[0]:+.1f} standard errors"
+                f"{self.computed[0]:.4g}{unit}, difference {signed(self.differences[0])} standard errors"
             )
         k = int(np.abs(self.differences).argmax())
         root = np.sqrt(np.mean((self.computed - target.values) ** 2))
         return (
             f"{target.name}: measured and computed differ by {1e3 * root:.3g} mm (root mean square), most at r = "
             f"{target.x[k]:.3g} m: measured {1e3 * target.values[k]:.3g} mm, computed {1e3 * self.computed[k]:.3g} mm, "
-            f"difference {self.differences[k]:+.1f} standard errors"
+            f"difference {signed(self.differences[k])} standard errors"
         )
 
     @property
@@ -160,3 +160,8 @@ def largest_misfit(freedom: int) -> float:
     from scipy.stats import chi2  # here, since it takes long to import
 
     return float(chi2.isf(chi2.sf(LIMIT**2, 1), freedom))
+
+
+def signed(difference: float) -> str:
+    """A difference in standard errors with one decimal; zero without a minus."""
+    return f"{round(float(difference), 1) + 0.0:+.1f}"

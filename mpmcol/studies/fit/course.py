@@ -13,7 +13,7 @@ TIMES = (1.0, 2.0)  # since release, in sqrt(h_i/g)
 COURSE = {
     **{f"zeta_at_{time:g}": f"runout at {time:g} sqrt(h_i/g) after the release" for time in TIMES},
     **{f"beta_at_{time:g}": f"height at {time:g} sqrt(h_i/g) after the release" for time in TIMES},
-    "stop_time": "time at which the front stops",
+    "stop_time": "time at which the front stops, in sqrt(h_i/g)",
 }
 COURSE_UNITS = {"stop_time": "sqrt(h_i/g)"}
 

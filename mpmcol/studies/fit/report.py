@@ -13,7 +13,7 @@ from mpmcol.io.atomic import atomic_write
 from mpmcol.io.values import to_json
 from mpmcol.provenance import environment
 from mpmcol.studies.fit import RUNS, Fit
-from mpmcol.studies.fit.agreement import Comparison
+from mpmcol.studies.fit.agreement import Comparison, signed
 from mpmcol.studies.fit.identify import remarks
 from mpmcol.studies.fit.quantities import ASSUMED_ERROR, FRONT, MEANINGS, unit_of
 from mpmcol.studies.fit.unknowns import settings
@@ -130,7 +130,7 @@ def _measured_rows(fit: Fit) -> Iterator[list[str]]:
                 f"{measured:.4g}",
                 f"{error:.2g}",
                 f"{computed:.4g}",
-                f"{difference:+.1f}",
+                signed(difference),
             ]
 
 

@@ -274,6 +274,20 @@ def test_agreeing_measurements_leave_the_errors() -> None:
     assert (agreement.scale, agreement.quantile, agreement.statement) == (1.0, NORMAL_90, "")
 
 
+@pytest.mark.parametrize("names", [("zeta",), ("zeta", "beta")])
+def test_intervals_contain_the_value_as_often_as_stated(names: tuple[str, ...]) -> None:
+    """Deposits whose measured values scatter by their standard errors, over the whole range: 90 % of 80 intervals."""
+    draw, level, held = np.random.default_rng(5), Level("level1", ("own",), 40.0, None, ""), 0
+    for _ in range(80):
+        friction = draw.uniform(FRICTION.low, FRICTION.high)
+        exact = dict(zip(("zeta", "beta"), slope(friction), strict=True))
+        measured = {name: (exact[name] * (1.0 + 0.05 * draw.normal()), 0.05 * exact[name]) for name in names}
+        forward = Synthetic([FRICTION], targets_of(measured), slope)
+        (value,) = fitted(forward, solve(forward, [level]))
+        held += value.interval is not None and value.interval[0] <= friction <= value.interval[1]
+    assert 66 <= held < 80  # 72 +- 2.7 by the binomial distribution
+
+
 def test_limits_of_the_misfit() -> None:
     """Two standard errors for one value; for two, chi squared has the tail exp(-x / 2)."""
     tail = math.erfc(2.0 / math.sqrt(2.0))
