@@ -30,8 +30,11 @@ QUANTITY_NAMES = {  # columns of uncertainty.csv; values in the unit of the quan
     "total.INPUT": ("", "share of an input with its interactions (total Sobol index); null as first_order"),
     "residual": (
         "",
-        "1 - adjusted_r2: share of the scatter of runs and of terms that the surface omits, not separated; null as "
-        "first_order",
+        "1 - adjusted_r2: share of the scatter of runs and of terms that the surface omits; null as first_order",
+    ),
+    "scatter": (
+        "",
+        "share of the scatter about a smooth function of the input, by neighbouring values; null for several inputs",
     ),
     "note": ("", "why shares are not given or not reliable; null if cross_validated_r2 is at least 0.5"),
     "grid_standard_deviation": ("", "standard deviation of the error of the grid by the study; null if not studied"),

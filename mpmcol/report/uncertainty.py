@@ -19,7 +19,8 @@ STATISTICS = {
     "median": "median", "p75": "75 %", "p95": "95 %",
 }  # fmt: skip
 FIT = {
-    "residual": "scatter and terms that the surface omits", "adjusted_r2": "adjusted R2",
+    "residual": "scatter and terms that the surface omits", "scatter": "of it scatter",
+    "adjusted_r2": "adjusted R2",
     "cross_validated_r2": "cross-validated R2", "grid_share": "error of the grid, over its sum with the variance",
 }  # fmt: skip
 PROBABILITY = {

@@ -67,7 +67,10 @@ def _shares_row(shares: VarianceShares) -> dict[str, Any]:
     """Fit of the surface and shares; these are None where they are not given."""
     row = asdict(shares)
     if not shares.is_given:
-        row |= {name: dict.fromkeys(row[name]) for name in ("first_order", "total")} | {"residual": None}
+        row |= {name: dict.fromkeys(row[name]) for name in ("first_order", "total")} | {
+            "residual": None,
+            "scatter": None,
+        }
     return {**row, "note": shares.note or None}
 
 
@@ -99,6 +102,14 @@ def _share_text(shares: VarianceShares, key: str) -> str:
     return f"{100.0 * shares.first_order[key]:.0f} ({100.0 * shares.total[key]:.0f})"
 
 
+def _residual_text(shares: VarianceShares) -> str:
+    """Share of the residual and, in brackets, of the scatter in it, per cent."""
+    if not shares.is_given:
+        return "-"
+    scatter = "" if shares.scatter is None else f" ({100.0 * shares.scatter:.0f})"
+    return f"{100.0 * shares.residual:.0f}{scatter}"
+
+
 def label(one: Quantity) -> str:
     """Name of a quantity with its unit."""
     return one.name if one.unit in ("", "deg") else f"{one.name} [{one.unit}]"
@@ -120,19 +131,19 @@ def _share_lines(analysis: Analysis, width: int) -> Iterator[str]:
         yield "the variance is not split: the runs are too few, or all equal"
         return
     columns = [f"{name:>{max(len(name), 12)}}" for name in names.values()]
-    yield f"{'variance, %':{width}}  {'  '.join(columns)}  residual    surface  R2: adjusted  cross-validated  grid"
+    fit = "residual (scatter)    surface  R2: adjusted  cross-validated"
+    yield f"{'variance, %':{width}}  {'  '.join(columns)}  {fit}  grid"
     for one, shares in split:
         inputs = [_share_text(shares, key) for key in names]
         cells = [f"{text:>{len(column)}}" for text, column in zip(inputs, columns, strict=True)]
         grid = (
             "not studied" if one.grid_share is None else f"{100.0 * one.grid_share:.0f} (sd {one.grid_deviation:.2g})"
         )
-        residual = f"{100.0 * shares.residual:.0f}" if shares.is_given else "-"
         yield (
-            f"{label(one):{width}}  {'  '.join(cells)}  {residual:>8}  {shares.surface:>9}"
+            f"{label(one):{width}}  {'  '.join(cells)}  {_residual_text(shares):>18}  {shares.surface:>9}"
             f"  {shares.adjusted_r2:12.2f}  {shares.cross_validated_r2:15.2f}  {grid}"
         )
     yield from (f"  {label(one)}: {shares.note}" for one, shares in split if shares.note)
     yield "  of each input alone (with interactions); residual: scatter of the runs and terms that the surface omits,"
-    yield "  which one run for each set of values does not separate;"
+    yield "  which are separated for a single input only;"
     yield "  grid: variance of its error by the study, over its sum with the variance of the sample"

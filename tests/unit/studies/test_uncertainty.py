@@ -23,7 +23,7 @@ from mpmcol.studies.uncertainty.record import as_record, summary_lines
 from mpmcol.studies.uncertainty.report import write_report
 from mpmcol.studies.uncertainty.sampling import CFL_RANGE, draw_sample
 from mpmcol.studies.uncertainty.statistics import median_ranks, probability_of, statistics_of
-from mpmcol.studies.uncertainty.surface import variance_shares
+from mpmcol.studies.uncertainty.surface import neighbour_variance, variance_shares
 from mpmcol.sweep.axes import Axis
 from mpmcol.sweep.table import read_table
 from tests.support.json_keys import names_in, unexplained
@@ -138,6 +138,25 @@ def test_scatter_is_a_share_of_its_own() -> None:
     assert shares and shares.residual == pytest.approx(0.5, abs=0.05)
     assert shares.first_order[FRICTION] == pytest.approx(1.0 - shares.residual)
     assert shares.cross_validated_r2 < shares.adjusted_r2 < shares.r2
+    assert shares.scatter == pytest.approx(0.5, abs=0.07) and shares.scatter <= shares.residual
+
+
+def test_scatter_is_separated_from_terms_that_the_surface_omits() -> None:
+    """A cubic term without scatter: all of the residual is the term. Several inputs: not separated."""
+    inputs = inputs_of(THREE[0])
+    x = sampled(inputs, 64)
+    z = (x[:, 0] - 33.0) / 1.5
+    shares = variance_shares(inputs, x, z**3 - 3.0 * z, seed=0)
+    assert shares and shares.residual > 0.5 and shares.scatter == pytest.approx(0.0, abs=0.02)
+    two = inputs_of(*THREE[:2])
+    several = variance_shares(two, sampled(two, 64), sampled(two, 64)[:, 0], seed=0)
+    assert several and several.scatter is None
+
+
+def test_variance_about_a_line_by_hand() -> None:
+    """Of 0, 1, 0 at equal distances the middle differs by 1 from the mean of the others, with the variance 3/2."""
+    assert neighbour_variance(np.array([0.0, 2.0, 1.0]), np.array([0.0, 0.0, 1.0])) == pytest.approx(2.0 / 3.0)
+    assert neighbour_variance(np.array([0.0, 1.0, 4.0]), np.array([3.0, 5.0, 11.0])) == pytest.approx(0.0, abs=1e-25)
 
 
 def test_pure_scatter_has_no_input() -> None:
