@@ -156,7 +156,9 @@ def test_scatter_is_separated_from_terms_that_the_surface_omits() -> None:
 def test_variance_about_a_line_by_hand() -> None:
     """Of 0, 1, 0 at equal distances the middle differs by 1 from the mean of the others, with the variance 3/2."""
     assert neighbour_variance(np.array([0.0, 2.0, 1.0]), np.array([0.0, 0.0, 1.0])) == pytest.approx(2.0 / 3.0)
-    assert neighbour_variance(np.array([0.0, 1.0, 4.0]), np.array([3.0, 5.0, 11.0])) == pytest.approx(0.0, abs=1e-25)
+    apart = np.array([0.0, 1.0, 4.0])  # the middle counts with weights 3/4 and 1/4
+    assert neighbour_variance(apart, np.array([0.0, 1.0, 0.0])) == pytest.approx(1.0 / 1.625)
+    assert neighbour_variance(apart, np.array([3.0, 5.0, 11.0])) == pytest.approx(0.0, abs=1e-25)
 
 
 def test_pure_scatter_has_no_input() -> None:
