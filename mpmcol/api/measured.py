@@ -14,7 +14,7 @@ from mpmcol.experiments import ProfileScore, Score, profile_scores, score
 from mpmcol.io.glossary import ENERGY_UNITS
 from mpmcol.io.names import HISTORY_FILE
 from mpmcol.io.results import Results, measure_stop_time
-from mpmcol.measure import ColumnShape, Measurement
+from mpmcol.measure import STEEPEST, ColumnShape, Measurement, friction_from_repose
 
 
 @dataclass(frozen=True)
@@ -38,6 +38,18 @@ class Measured:
     def is_deposit(self) -> bool:
         """Whether this is the final deposit, as opposed to a state during the collapse."""
         return self.at_rest and self.is_last
+
+    @property
+    def friction_from_repose(self) -> float | None:
+        """Friction angle that the angle of repose corresponds to, with the bias of `friction_bias`, degrees.
+
+        Of the final deposit of a plane column, whose surface is inclined by less than 45 degrees; otherwise None.
+        """
+        angle = self.measurement.repose_angle_deg
+        if angle is None or not self.is_deposit or self.shape.model != "plane":
+            return None
+        horizontal = angle + self.shape.slope_deg
+        return friction_from_repose(horizontal) if 0.0 < horizontal < STEEPEST else None
 
 
 def measure(run: Results | Path | str, snapshot: int = -1, *, notify: Notify = warn) -> Measured:

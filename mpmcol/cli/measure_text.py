@@ -6,6 +6,7 @@ from itertools import groupby
 from typing import TYPE_CHECKING
 
 from mpmcol.experiments import EXPERIMENTS, find_experiment
+from mpmcol.measure import friction_bias
 from mpmcol.units import length_scale, length_text
 
 if TYPE_CHECKING:
@@ -39,6 +40,7 @@ def _deposit_lines(measured: Measured) -> list[str]:
         f"{'height':<20} {_length(measurement.height, shape)}   beta {measurement.beta:7.3f}",
         f"{'area factor':<20} {measurement.area_factor:9.3f}",
         *([] if angle is None else [f"{'angle of repose':<20} {angle:9.1f} deg{_to_horizontal(angle, shape)}"]),
+        *_friction_line(measured),
         f"{'undisturbed radius':<20} " + ("none" if undisturbed is None else _length(undisturbed, shape)),
         *([] if stop is None else [f"{'front stops at':<20} {stop:9.2f} sqrt(h_i/g)"]),
         *([] if energy is None else [f"{'energy released':<20} {energy:9.3g} {measured.energy_unit}"]),
@@ -51,6 +53,17 @@ def _to_horizontal(angle: float, shape: ColumnShape) -> str:
         return ""
     horizontal = f", {angle + shape.slope_deg:.1f} deg to the horizontal" if shape.dimension == 2 else ""
     return f" to the base{horizontal}"
+
+
+def _friction_line(measured: Measured) -> list[str]:
+    """The friction angle that the angle of repose corresponds to, and how far below that of the material it is."""
+    angle, bias = measured.friction_from_repose, friction_bias(measured.shape)
+    if angle is None:
+        return []
+    known = "its difference from that of the material is not studied for this column and grid"
+    if bias is not None:
+        known = f"{-bias[1]:g} to {-bias[0]:g} deg below that of the material"
+    return [f"{'friction from repose':<20} {angle:9.1f} deg; {known}"]
 
 
 def _front_line(name: str, measured: Measured) -> str:

@@ -201,6 +201,16 @@ _MEASURE: Names = {
     "profile.x": ("m", "bin centres of the height profile from the wall or axis outward"),
     "profile.y": ("m", "height profile: mass over density and area of each bin"),
     "scores": ("", "comparison with every published law for this kind of column"),
+    "friction_from_repose_deg": (
+        "deg",
+        "friction angle that the angle of repose corresponds to, sin(phi) = tan(repose); of a plane deposit at rest, "
+        "otherwise null",
+    ),
+    "friction_from_repose_bias_deg": (
+        "deg",
+        "least and greatest difference of that angle from the friction angle of the material, of channels of a = 1 to "
+        "3 with r_i/h >= 20; null for other columns and coarser grids",
+    ),
     "energy_released": (ENERGY, "potential energy released since the opening of the gate; null before the end"),
 }
 _TABLE: Names = {

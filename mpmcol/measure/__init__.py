@@ -27,11 +27,12 @@ from mpmcol.measure.erosion import Erosion, measure_erosion
 from mpmcol.measure.front import FRONTS, fronts, pile_height, profiles
 from mpmcol.measure.sections import Array, Section, split
 from mpmcol.measure.shape import ColumnShape
-from mpmcol.measure.slope import friction_from_repose, repose_angle
+from mpmcol.measure.slope import STEEPEST, friction_bias, friction_from_repose, repose_angle
 from mpmcol.measure.surface import UNDISTURBED, failure_line, undisturbed_radius
 
 __all__ = [
     "FRONTS",
+    "STEEPEST",
     "UNDISTURBED",
     "Array",
     "ColumnShape",
@@ -39,6 +40,7 @@ __all__ = [
     "Measurement",
     "deposit_profile",
     "failure_line",
+    "friction_bias",
     "friction_from_repose",
     "measure",
     "measure_erosion",

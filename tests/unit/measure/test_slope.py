@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
 from mpmcol.errors import UsageError
-from mpmcol.measure import friction_from_repose, repose_angle
+from mpmcol.measure import ColumnShape, friction_bias, friction_from_repose, repose_angle
 
 X = 0.005 * (np.arange(60) + 0.5)
 
@@ -44,3 +46,22 @@ def test_the_friction_angle_of_the_steepest_slope_at_rest(friction: float) -> No
 def test_an_angle_that_no_friction_holds_is_refused(repose: float) -> None:
     with pytest.raises(UsageError, match="angle of repose .* expected an angle between 0 and 45 deg"):
         friction_from_repose(repose)
+
+
+@pytest.mark.parametrize(
+    ("shape", "bias"),
+    [
+        ({}, (-15.0, -9.0)),
+        ({"h_i": 3.0}, (-15.0, -9.0)),
+        ({"h_i": 3.1}, None),
+        ({"h_i": 0.9}, None),
+        ({"model": "axisymmetric"}, None),
+        ({"spacing": 0.06}, None),
+        ({"slope_deg": 10.0}, None),
+        ({"section": "outline", "outline": ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))}, None),
+    ],
+)
+def test_the_bias_is_known_for_channels_only(shape: dict[str, Any], bias: tuple[float, float] | None) -> None:
+    """The table in the README of the folder has channels of a = 1 to 3: differences of -8.9 to -14.8 degrees."""
+    values: dict[str, Any] = {"model": "plane", "release": "one-sided", "r_i": 1.0, "h_i": 1.0, "spacing": 0.05}
+    assert friction_bias(ColumnShape(**{**values, "density": 1.0, "point_size": 0.05, **shape})) == bias
