@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-from math import asin, degrees, radians, sin, sqrt
+from math import asin, atan, degrees, radians, sin, sqrt
 from pathlib import Path
 
 import numpy as np
@@ -71,12 +71,36 @@ def test_the_rate_raises_the_friction_of_mu_i() -> None:
     assert degrees(asin(0.4)) < found["mobilised_deg"][-1]
 
 
+@pytest.mark.parametrize("path", ["plane-strain", "triaxial", "shear", "extension"])
+@pytest.mark.parametrize("rate", [0.01, 20.0])
+def test_mu_i_with_equal_coefficients_is_drucker_prager(path: str, rate: float) -> None:
+    """The state after each step of the compiled update, at any rate."""
+    elastic = "density = 1600.0, youngs_modulus = 10e6, poissons_ratio = 0.2, cohesion = 50.0"
+    grains = "I_0 = 0.3, grain_diameter = 1e-3, grain_density = 2500.0"
+    angle = degrees(atan(0.4))
+    cone = driven(f"law = 'drucker-prager', {elastic}, friction_deg = {angle}, match = 'tangent'", path, 0.02, rate)
+    same, other = (
+        driven(f"law = 'mu-i', {elastic}, mu_s = 0.4, mu_2 = {x}, {grains}", path, 0.02, rate) for x in (0.4, 0.5)
+    )
+    for name, expected in cone.items():
+        np.testing.assert_allclose(same[name], expected, rtol=1e-9, atol=1e-9 * np.abs(expected).max())
+    if path != "extension" and rate > 1.0:
+        assert abs(other["shear"][-1] / cone["shear"][-1] - 1.0) > 0.01
+
+
 def test_the_command_writes_chart_and_table(tmp_path: Path) -> None:
     result = invoke("element", "coarse-channel", "--strain", "0.01", "--steps", "50", "--out", tmp_path / "new")
     assert result.exit_code == 0 and "largest mobilised friction angle 33 deg" in result.output
     assert (tmp_path / "new/element.png").stat().st_size > 5000
     rows = list(csv.reader((tmp_path / "new/element.csv").read_text().splitlines()))
     assert len(rows) == 52 and rows[0][:2] == ["strain", "stress.xx [Pa]"]
+
+
+def test_extension_prints_the_tensile_strength(tmp_path: Path) -> None:
+    keys = ("--set", "material.tension=1.5 kPa", "--test", "extension", "--out", tmp_path / "new")
+    result = invoke("element", "cohesive-column", *keys)
+    assert result.exit_code == 0 and "tensile strength (largest mean tension) 1500 Pa" in result.output
+    assert "opening strain at the end 0.04" in result.output and "friction angle" not in result.output
 
 
 @pytest.mark.parametrize(

@@ -65,17 +65,49 @@ def test_percentiles_are_those_of_the_flowing_mass_of_the_column() -> None:
     assert (found["I_p5"], found["I_median"], found["I_p95"]) == pytest.approx((0.01, 0.01, 0.1), rel=0.03)
     assert found["mu_p95"] == pytest.approx(mu_i.friction_of(np.array(0.1), CASE.material), rel=0.01)
     assert found["ill_posed"] == pytest.approx(0.6)
-    assert "60 % of the flow is outside" in next(flow.notes())
+    assert "60 % of the flow of the column is outside" in next(flow.notes())
 
     other = FlowHistogram(CASE)
     other.set_memory(flow.memory())
     assert other.as_dict() == found
 
 
+def test_bed_and_layers_have_percentiles_of_their_own() -> None:
+    """The layer has another mu_2; the column's own material does not flow."""
+    layers = "layers=[{from = 0.0, to = 0.05, material = {mu_2 = 0.9}}]"
+    case = mpmcol.load_case("granular-bed", [MATERIAL, layers])
+    points = sheared(np.array([0.01] * 10 + [0.1] * 10 + [1e-5] * 5))
+    points.kind[:10], points.kind[10:20] = BASE, BASE + 1
+    flow = FlowHistogram(case)
+    flow.add(points)
+    found = flow.of_others()
+    assert flow.as_dict() is None and found is not None and list(found) == ["base", "layer-1"]
+    assert found["base"]["I_median"] == pytest.approx(0.01, rel=0.03)
+    layer = case.layers[0].material
+    params = mu_i.make_params(layer)
+    number = mu_i.inertial_number(np.array([-800.0]), 800.0 * mu_i.friction_of(np.array([0.1]), CASE.material), params)
+    assert found["layer-1"]["I_median"] == pytest.approx(number[0], rel=0.03)
+    assert found["layer-1"]["mu_median"] == pytest.approx(mu_i.friction_of(number, layer)[0], rel=0.01)
+    assert [note for note in flow.notes() if "flow of the base is outside" in note]
+
+    other = FlowHistogram(case)
+    other.set_memory(flow.memory())
+    assert other.of_others() == found
+
+
+def test_a_bed_of_mu_i_is_reported_under_a_column_of_another_law() -> None:
+    case = mpmcol.load_case("granular-bed", [MATERIAL.replace("material=", "base_material=")])
+    points = sheared(np.array([0.1] * 10))
+    points.kind[:5] = BASE
+    flow = FlowHistogram(case)
+    flow.add(points)
+    assert flow.as_dict() is None and list(flow.of_others() or {}) == ["base"]
+
+
 def test_other_laws_have_neither_inertial_numbers_nor_percentiles() -> None:
     case = mpmcol.load_case("coarse-channel")
     flow, points = FlowHistogram(case), sheared(np.array([0.1]))
     flow.add(points)
-    assert (flow.as_dict(), flow.memory(), list(flow.notes())) == (None, [], [])
+    assert (flow.as_dict(), flow.of_others(), flow.memory(), list(flow.notes())) == (None, None, [], [])
     assert derived_quantities(case, points) == {}
     np.testing.assert_allclose(derived_quantities(CASE, points)["inertial_number"], 0.1)
