@@ -7,8 +7,8 @@ I = I_0 (tan th - mu_s) / (mu_2 - tan th), and the velocity is
 
 with the densities rho of the material and rho_s of the grains (GDR MiDi 2004, doi:10.1140/epje/i2003-10153-0). The
 layer of eight cells is infinite (a grid that is periodic along x) under the gravity of a case with this
-geometry.slope_deg. It starts at 90 % of these velocities and approaches them in some seconds. Later, on a finer grid, or at 30 degrees,
-waves arise from the noise of the stresses and end the uniform flow.
+geometry.slope_deg. It starts at 90 % of these velocities and approaches them in some seconds. Later, on a finer grid,
+or at 30 degrees, waves arise from the noise of the stresses and end the uniform flow.
 """
 
 from __future__ import annotations

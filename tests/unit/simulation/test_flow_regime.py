@@ -14,6 +14,7 @@ from mpmcol.simulation.flow_regime import FlowHistogram
 BEADS = {"mu_s": 0.48, "mu_2": 0.73, "I_0": 0.279, "grain_diameter": 0.7e-3, "grain_density": 2500.0}
 KEYS = ", ".join(f"{key} = {value}" for key, value in BEADS.items())
 MATERIAL = f"material={{law = 'mu-i', density = 1550.0, youngs_modulus = 10e6, poissons_ratio = 0.2, {KEYS}}}"
+INTACT = (0.0, 0.0)
 CASE = mpmcol.load_case("coarse-channel", [MATERIAL])
 
 
@@ -33,16 +34,16 @@ def test_the_inertial_number_is_that_of_the_step() -> None:
     _, shear, _, _, yields = mu_i.return_map(mean, trial, (0.0, 0.0), params, dt)
     shear = np.where(yields > 0.0, shear, trial)
     expected = (trial - shear) / (params.shear_modulus * dt) * 0.7e-3 * np.sqrt(2500.0 / -mean)
-    np.testing.assert_allclose(mu_i.inertial_number(mean, shear, params), expected, rtol=1e-9)
+    np.testing.assert_allclose(mu_i.inertial_number(mean, shear, INTACT, params), expected, rtol=1e-9)
     assert expected[-1] == 0.0
 
 
 def test_without_flow_pressure_or_dependence_on_the_rate_it_is_zero() -> None:
     params = mu_i.make_params(CASE.material)
     mean, shear = np.array([0.0, 10.0, -100.0, -100.0]), np.array([0.0, 0.0, 48.0, 80.0])
-    np.testing.assert_array_equal(mu_i.inertial_number(mean, shear, params)[:3], 0.0)
-    assert mu_i.inertial_number(mean, shear, params)[3] > 1e10  # above mu_2
-    np.testing.assert_array_equal(mu_i.inertial_number(mean, shear, params._replace(mu_excess=0.0)), 0.0)
+    np.testing.assert_array_equal(mu_i.inertial_number(mean, shear, INTACT, params)[:3], 0.0)
+    assert mu_i.inertial_number(mean, shear, INTACT, params)[3] > 1e10  # above mu_2
+    np.testing.assert_array_equal(mu_i.inertial_number(mean, shear, INTACT, params._replace(mu_excess=0.0)), 0.0)
 
 
 def test_the_equations_are_well_posed_at_intermediate_rates() -> None:
@@ -85,7 +86,8 @@ def test_bed_and_layers_have_percentiles_of_their_own() -> None:
     assert found["base"]["I_median"] == pytest.approx(0.01, rel=0.03)
     layer = case.layers[0].material
     params = mu_i.make_params(layer)
-    number = mu_i.inertial_number(np.array([-800.0]), 800.0 * mu_i.friction_of(np.array([0.1]), CASE.material), params)
+    shear = 800.0 * mu_i.friction_of(np.array([0.1]), CASE.material)
+    number = mu_i.inertial_number(np.array([-800.0]), shear, INTACT, params)
     assert found["layer-1"]["I_median"] == pytest.approx(number[0], rel=0.03)
     assert found["layer-1"]["mu_median"] == pytest.approx(mu_i.friction_of(number, layer)[0], rel=0.01)
     assert [note for note in flow.notes() if "flow of the base is outside" in note]
