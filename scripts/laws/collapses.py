@@ -25,7 +25,7 @@ GRAINS = "mu_s=0.32, mu_2=0.60, I_0=0.4, grain_density=2500.0"  # Lagree et al. 
 CONSTANT = GRAINS.replace("mu_2=0.60", "mu_2=0.32")
 MU_S = degrees(asin(0.32))  # friction angle with mu = 0.32 in plane strain
 
-CFL = (0.24, 0.26, 0.28, 0.30)  # runs that differ in the time step only
+CFL = (0.24, 0.26, 0.28, 0.30, 0.44, 0.46, 0.48, 0.50)  # runs that differ in the time step only
 
 
 class Run(NamedTuple):
@@ -55,9 +55,9 @@ def strength() -> Iterator[Run]:
 
 def scatter() -> Iterator[Run]:
     """Mohr-Coulomb and Drucker-Prager of equal strength in plane strain, with other time steps."""
-    for h in (0.006, 0.005, 0.004):
+    for h, count in ((0.006, 8), (0.005, 8), (0.004, 4)):
         for law in ("mohr-coulomb", "drucker-prager"):
-            for cfl in CFL:
+            for cfl in CFL[:count]:
                 name = f"{law}-18.66-{1e3 * h:g}mm-cfl{cfl}"
                 yield Run(name, 2.0, h, material(law, f"friction_deg={MU_S}"), cfl)
 
