@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
+
 import numpy as np
 import pytest
 
 import mpmcol
+from mpmcol.cli.run_summary import _flows
 from mpmcol.mpm.constitutive import mu_i
 from mpmcol.mpm.particles import BASE, Points
 from mpmcol.simulation.derived import derived_quantities
-from mpmcol.simulation.flow_regime import FlowHistogram
+from mpmcol.simulation.flow_regime import FlowHistogram, FlowRegime
 
 BEADS = {"mu_s": 0.48, "mu_2": 0.73, "I_0": 0.279, "grain_diameter": 0.7e-3, "grain_density": 2500.0}
 KEYS = ", ".join(f"{key} = {value}" for key, value in BEADS.items())
@@ -95,6 +98,14 @@ def test_bed_and_layers_have_percentiles_of_their_own() -> None:
     other = FlowHistogram(case)
     other.set_memory(flow.memory())
     assert other.of_others() == found
+
+
+def test_the_summary_has_a_line_for_each_material_and_names_the_percentiles() -> None:
+    flow = asdict(FlowRegime(0.01, 0.02, 0.3, 0.4, 0.45, 0.5, 0.0))
+    lines = list(_flows({"flow": flow, "flow_by_material": {"base": flow}}))
+    assert [line.partition(":")[0] for line in lines] == ["flow of the column", "flow of the base"]
+    assert "I 0.01 to 0.3, median 0.02; mu 0.400 to 0.500" in lines[0] and "percentiles 5 to 95" in lines[0]
+    assert not list(_flows({"flow": None, "flow_by_material": None}))
 
 
 def test_a_bed_of_mu_i_is_reported_under_a_column_of_another_law() -> None:
