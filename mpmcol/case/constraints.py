@@ -72,6 +72,11 @@ def _of_material(table: str) -> Iterator[Constraint]:
         lambda friction, cohesion: friction != 0.0 or cohesion != 0.0,
         "needs a cohesion, not {1}: material without both has no strength",
     )
+    yield Constraint(
+        (f"{table}.failure_strain", f"{table}.friction_deg", f"{table}.law"),
+        lambda failure, friction, law: failure in (None, math.inf) or friction != 0.0 or law != "drucker-prager",
+        "has no meaning with {1} and {2}, which has no apex: remove it",
+    )
     for friction in ("friction_deg", "friction_peak_deg"):
         yield Constraint(
             (f"{table}.tension", f"{table}.cohesion", f"{table}.{friction}"),

@@ -31,7 +31,8 @@ _ANSWERS = {
         "grain_diameter and grain_density; there is no viscosity"
     ),
     "mu(?!_[s2])|friction_coefficient|coefficient_of_friction|internal_friction|phi|friction_angle": (
-        "friction is given as an angle: material.friction_deg, atan(mu) for a coefficient mu"
+        "friction is given as an angle: material.friction_deg, atan(mu) for a coefficient mu; of law mu-i as the "
+        "coefficients mu_s and mu_2"
     ),
     "tensile|cutoff|capillary|cohesive": (
         "the tensile strength is material.tension, of the Mohr-Coulomb laws, at most material.cohesion / "

@@ -142,6 +142,11 @@ class Case(Table):
         """Materials by kind of the points: column, base, layers of the column."""
         return (self.material, self.base_material, *(layer.material for layer in self.layers))
 
+    @property
+    def material_names(self) -> tuple[str, ...]:
+        """Names of `materials` in messages and results."""
+        return ("column", "base", *(f"layer-{number}" for number in range(1, len(self.layers) + 1)))
+
     @model_validator(mode="after")
     def _check_constraints(self) -> Case:
         found = [f"{violation.key} {violation.message}" for violation in violations(leaf_values(self))]

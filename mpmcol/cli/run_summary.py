@@ -50,11 +50,18 @@ def _measured(results: Results) -> Iterator[str]:
     if erosion := summary.get("erosion"):
         mass = f"{erosion['eroded_mass']:.3g} {summary['energy_unit'].replace('J', 'kg', 1)}"
         yield f"bed: {mass} moved, down to a depth of {length_text(erosion['eroded_depth'])}"
-    if flow := summary.get("flow"):
-        numbers = f"I {flow['I_p5']:.2g} to {flow['I_p95']:.2g}, median {flow['I_median']:.2g}"
-        friction = f"mu {flow['mu_p5']:.3f} to {flow['mu_p95']:.3f}, median {flow['mu_median']:.3f}"
-        yield f"flow: {numbers}; {friction} (percentiles 5 and 95)"
+    yield from _flows(summary)
     yield from _impacts(summary, shape.model)
+
+
+def _flows(summary: dict[str, Any]) -> Iterator[str]:
+    """Range of I and mu of each material with the mu(I) law."""
+    flows = {"column": summary.get("flow"), **(summary.get("flow_by_material") or {})}
+    for name, flow in flows.items():
+        if flow:
+            numbers = f"I {flow['I_p5']:.2g} to {flow['I_p95']:.2g}, median {flow['I_median']:.2g}"
+            friction = f"mu {flow['mu_p5']:.3f} to {flow['mu_p95']:.3f}, median {flow['mu_median']:.3f}"
+            yield f"flow of the {name}: {numbers}; {friction} (percentiles 5 to 95 of its mass and time with I > 1e-3)"
 
 
 def _impacts(summary: dict[str, Any], model: str) -> Iterator[str]:

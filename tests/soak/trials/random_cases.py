@@ -189,6 +189,8 @@ def _material(draw: random.Random) -> str:
         }
         values |= {"grain_diameter": _log_uniform(draw, 1e-4, 1e-2), "grain_density": draw.uniform(2000.0, 3000.0)}
         values |= {"cohesion": cohesion}
+    if law in CONES and cohesion:
+        values |= {"failure_strain": (0.0, 0.1, "inf")[int(cohesion) % 3]}
     return "{ " + ", ".join(f"{key} = {value}" for key, value in values.items()) + " }"
 
 

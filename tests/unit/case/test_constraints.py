@@ -194,3 +194,11 @@ def test_friction_changes_the_hash_only_where_it_is_given(write: Write) -> None:
         for more in ([], ["output.wall_forces=true"], ["friction.floor=0.4"], ["friction.floor=0.3"])
     )
     assert others[0] == base and len({base, *others}) == 3
+
+
+def test_a_cone_without_friction_has_no_apex_at_which_it_could_fail() -> None:
+    elastic = "density=1800.0, youngs_modulus=5e6, poissons_ratio=0.3"
+    clay = f"material={{law='drucker-prager', {elastic}, friction_deg=0.0, cohesion=1e3, failure_strain=%s}}"
+    (problem,) = problems_of("coarse-channel", clay % "0.0")
+    assert "which has no apex" in problem.message and "failure_strain" in str(problem)
+    load_case("coarse-channel", [clay % "inf"])
