@@ -18,7 +18,7 @@ from mpmcol.case.materials import (
     with_inherited_keys,
     with_law_of_column,
 )
-from mpmcol.case.slope import slope_factor
+from mpmcol.case.slope import case_slope_factor
 from mpmcol.case.tables import (
     GridTable,
     MethodTable,
@@ -127,10 +127,10 @@ class Case(Table):
         if material is None or geometry is None or not isinstance(given, dict):
             return given
         filled = {"k0": _active_ratio(material), **given}
-        floor = friction.floor if (friction := info.data.get("friction")) else None
+        slow = case_slope_factor(cls.model_construct(**info.data))  # keys that are invalid have their defaults
         defaults: dict[str, dict[str, Any]] = {
             "equilibrate": {"law": material.law if given.get("gate", True) else "elastic"},
-            "collapse": {"max_time_factor": MAX_TIME_FACTOR * slope_factor(geometry.slope_deg, material, floor)},
+            "collapse": {"max_time_factor": MAX_TIME_FACTOR * slow},
         }
         for stage, values in defaults.items():
             if isinstance(own := given.get(stage, {}), dict):

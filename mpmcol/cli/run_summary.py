@@ -49,7 +49,8 @@ def _measured(results: Results) -> Iterator[str]:
     yield _line(f"beta, height {place}", f"{factor * summary['height']:.4g}", summary["beta"], comparison)
     if erosion := summary.get("erosion"):
         mass = f"{erosion['eroded_mass']:.3g} {summary['energy_unit'].replace('J', 'kg', 1)}"
-        yield f"bed: {mass} moved, down to a depth of {length_text(erosion['eroded_depth'])}"
+        whole = ", its whole thickness" if erosion["eroded_depth"] > shape.bed - 0.5 * shape.point_size else ""
+        yield f"bed: {mass} moved, down to a depth of {length_text(erosion['eroded_depth'])}{whole}"
     if flow := summary.get("flow"):
         numbers = f"I {flow['I_p5']:.2g} to {flow['I_p95']:.2g}, median {flow['I_median']:.2g}"
         friction = f"mu {flow['mu_p5']:.3f} to {flow['mu_p95']:.3f}, median {flow['mu_median']:.3f}"

@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from mpmcol.case import Case, load_case
-from mpmcol.case.slope import slope_factor
+from mpmcol.case.slope import case_slope_factor
 from mpmcol.errors import NumericalFailure, UsageError
 from mpmcol.experiments import expected_runout
 from mpmcol.io.results import Results
@@ -211,10 +211,7 @@ def inconsistencies(case: Case, results: Results) -> Iterator[str]:
     if not np.isfinite([*front.values(), measured.beta]).all():
         yield f"runout {front} and height {measured.beta} are not finite"
     usual = expected_runout(geometry.model, geometry.a, geometry.section)
-    if (
-        not front["front_connected"]
-        <= MOST_ZETA * usual * slope_factor(geometry.slope_deg, case.material, case.friction.floor) + 1.0
-    ):
+    if not front["front_connected"] <= MOST_ZETA * usual * case_slope_factor(case) + 1.0:
         yield f"its front is at {front['front_connected']:.3g} r_i"
     is_reported = any("detached particles" in warning for warning in results.summary["warnings"])
     if front["front_max"] > 2.0 * max(front["front_connected"], 0.0) + STRAY and not is_reported:
