@@ -62,7 +62,7 @@ def _impacts(summary: dict[str, Any], model: str) -> Iterator[str]:
     """Peak and final forces on walls, in runs that record them."""
     force_unit, moment_unit = FORCE_UNITS[model], MOMENT_UNITS[model]
     for wall, force in (summary.get("wall_forces") or {}).items():
-        if wall != "floor" and force["peak"] > 0.0:
+        if force["peak"] > 0.0:
             sustained = "" if force["sustained"] is None else f", {force['sustained']:.3g} over 0.2 sqrt(h_i/g)"
             moment = f", moment at most {force['moment']:.3g} {moment_unit}" if "moment" in force else ""
             yield (
