@@ -16,7 +16,7 @@ from mpmcol.case.constraints import ViolatedConstraint, violations
 from mpmcol.case.materials import default_base_law, with_inherited_keys
 from mpmcol.case.not_modelled import answer_to
 from mpmcol.case.problem import MOST_COUNTED, Problem, set_option
-from mpmcol.case.reference import MATERIALS, field_at, fields_at, heading, key_names
+from mpmcol.case.reference import MATERIALS, field_at, fields_at, heading, key_names, without_indices
 from mpmcol.case.source import CaseInput
 from mpmcol.case.toml_lines import KeyPath, value_at
 from mpmcol.mpm.constitutive import LAWS
@@ -91,7 +91,8 @@ def _key_path(error: ErrorDetails) -> KeyPath:
         parts.pop()
     before = [None, *parts]
     location = tuple(str(part) for last, part in zip(before, parts, strict=False) if last not in _WITH_LAW)
-    return (*location, "law") if error["type"].startswith("union_tag") else location
+    inside = error.get("ctx", {}).get("inside", ())  # of an array of tables that is checked as a whole
+    return (*location, "law") if error["type"].startswith("union_tag") else (*location, *inside)
 
 
 def _nearest_key(key: KeyPath, law: str) -> KeyPath | None:
@@ -105,13 +106,16 @@ def _nearest_key(key: KeyPath, law: str) -> KeyPath | None:
 def _problem(given: CaseInput, key: KeyPath, message: str, hint: str, about: KeyPath) -> Problem:
     override, source = given.override_of(key), given.source_of(key)
     line, text = source.location(key)
+    name = ".".join(without_indices(about))
     if override:
-        return Problem(set_option(override.argument), None, ".".join(key), message, hint, "", ".".join(about))
-    return Problem(source.name, line, ".".join(key), message, hint, text, ".".join(about))
+        return Problem(set_option(override.argument), None, ".".join(key), message, hint, "", name)
+    return Problem(source.name, line, ".".join(key), message, hint, text, name)
 
 
 def _qualified(key: KeyPath, field: FieldInfo | None = None) -> str:
     *table, name = key
+    if name.isdecimal():
+        return _table_name(key).rstrip(":")
     if field and fields.expected(field) == "a table":
         return f"[{'.'.join(key)}]"
     return f"{_table_name(tuple(table))} {name}" if table else name
@@ -169,7 +173,8 @@ def _bad_value(given: CaseInput, key: KeyPath, error: ErrorDetails, law: str) ->
     reason = error["msg"] if error["type"] in ("quantity", "value_error") else f"expected {expected}"
     near = fields.nearest(value, map(str, fields.allowed(field))) if isinstance(value, str) else None
     is_float = isinstance(value, float) and not fields.number_of(field)  # where 4.0 is wrong and 4 is right
-    message = f"{_qualified(key)} = {value if is_float else fields.shown(value)}{item}: {reason}"
+    stated = "" if key[-1].isdecimal() else f" = {value if is_float else fields.shown(value)}"
+    message = f"{_qualified(key)}{stated}{item}: {reason}"
     return _problem(given, key, message, f'did you mean "{near}"?' if near else "", key)
 
 

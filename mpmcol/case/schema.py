@@ -115,7 +115,9 @@ class Case(Table):
     def _check_walls(cls, walls: tuple[WallTable, ...], info: ValidationInfo) -> tuple[WallTable, ...]:
         geometry, method = info.data.get("geometry"), info.data.get("method")
         if geometry is not None and method is not None:
-            check_walls(walls, geometry, method.wall_impulse)
+            grid = info.data.get("grid")
+            h = geometry.fitted_spacing(grid.spacing) if grid else None
+            check_walls(walls, geometry, method.wall_impulse, h)
         return walls
 
     @field_validator("stages", mode="before")

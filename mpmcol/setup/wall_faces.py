@@ -38,7 +38,8 @@ class WallFace:
 class WallFoot:
     """Where the moment on a wall is about: its foot on the column's side, at the level of the base.
 
-    Of the floor it is about the wall, axis or plane of symmetry at x = 0, at the level of the floor. The foot of a gate in three dimensions is the line around the column; each part of the gate overturns about its own.
+    That on the floor is about the wall, axis or plane of symmetry at x = 0, at the level of the floor. The foot of a
+    gate in three dimensions is the line around the column; each part of the gate overturns about its own.
     """
 
     wall: int
@@ -58,7 +59,7 @@ def contact_positions(model: Model) -> np.ndarray:
 
 
 def wall_feet(discretization: Discretization, positions: np.ndarray) -> tuple[WallFoot, ...]:
-    """The feet of floor, gate, back wall and all walls of [[walls]], with the positions (n, d) of the nodes of the table."""
+    """The feet of floor, gate, back wall and [[walls]], with the positions (n, d) of the nodes of the table."""
     spans = {box.name: _ends(discretization, box.low[0], box.high[0]) for box in discretization.wall_boxes}
     feet = {name: (low, 1.0) if low + high > 0.0 else (high, -1.0) for name, (low, high) in spans.items()}
     feet |= {BACK_WALL: (0.0, -1.0), FLOOR: (0.0, 1.0)}
