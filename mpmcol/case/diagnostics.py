@@ -158,8 +158,10 @@ def _correct_place(key: KeyPath, law: str) -> str:
     laws = [other for other in LAWS if name in fields_at(("material",), other)]
     if tuple(table) in MATERIALS and laws:
         return f"not a key of law {law}, but of {' and '.join(laws)}"
+    if name in fields_at((*table, "material"), law):
+        return f"a key of its material: material = {{ {name} = ... }}"
     tables = [path.rpartition(".")[0] for path in key_names() if path.rpartition(".")[2] == name]
-    return f"move this key to [{tables[0]}]" if tables and tables[0] else ""
+    return f"move this key to {heading(tuple(tables[0].split('.')))}" if tables and tables[0] else ""
 
 
 def _bad_value(given: CaseInput, key: KeyPath, error: ErrorDetails, law: str) -> Problem:
@@ -171,11 +173,22 @@ def _bad_value(given: CaseInput, key: KeyPath, error: ErrorDetails, law: str) ->
     value, last = value_at(given.tables, key), error["loc"][-1]
     item = f", item {last + 1}: {fields.shown(error['input'])}" if isinstance(last, int) else ""
     reason = error["msg"] if error["type"] in ("quantity", "value_error") else f"expected {expected}"
-    near = fields.nearest(value, map(str, fields.allowed(field))) if isinstance(value, str) else None
     is_float = isinstance(value, float) and not fields.number_of(field)  # where 4.0 is wrong and 4 is right
     stated = "" if key[-1].isdecimal() else f" = {value if is_float else fields.shown(value)}"
     message = f"{_qualified(key)}{stated}{item}: {reason}"
-    return _problem(given, key, message, f'did you mean "{near}"?' if near else "", key)
+    return _problem(given, key, message, _value_hint(key, field, value), key)
+
+
+def _value_hint(key: KeyPath, field: FieldInfo, value: Any) -> str:
+    """What an invalid value is likely to mean; "" if that is unknown."""
+    if fields.item_table(field) and isinstance(value, dict):
+        return f"write [[{key[-1]}]], in double brackets, once for each of them"
+    if not isinstance(value, str):
+        return ""
+    if fields.is_quoted(value, field):
+        return f"write {value} without quotes"
+    near = fields.nearest(value, map(str, fields.allowed(field)))
+    return f'did you mean "{near}"?' if near and near != value else ""
 
 
 def _valid_values(

@@ -13,6 +13,7 @@ from mpmcol.case.geometry import GeometryTable
 from mpmcol.case.materials import (
     LayerTable,
     Material,
+    check_laws,
     check_layers,
     with_column_material,
     with_inherited_keys,
@@ -94,6 +95,8 @@ class Case(Table):
         material = info.data.get("material")
         if not isinstance(layers, list):
             return layers
+        if material is not None:
+            check_laws(layers, material.law)
         return tuple(with_column_material(layer, material.model_dump() if material else {}) for layer in layers)
 
     @field_validator("layers", mode="after")
@@ -101,7 +104,7 @@ class Case(Table):
     def _check_layers(cls, layers: tuple[LayerTable, ...], info: ValidationInfo) -> tuple[LayerTable, ...]:
         geometry, material = info.data.get("geometry"), info.data.get("material")
         if geometry is not None and material is not None and layers:
-            check_layers(layers, material.law, geometry)
+            check_layers(layers, geometry)
         return layers
 
     @field_validator("walls", mode="before")

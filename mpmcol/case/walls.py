@@ -25,7 +25,7 @@ Span = tuple[float | None, float | None]
 class WallTable(Table):
     """A rigid wall: a box on the base, from which material may separate."""
 
-    name: str = option("its name in results: letters, digits and hyphens; default: wall-1, wall-2, ...")
+    name: str = option("its name in results: letters, digits and hyphens; default: wall-1, wall-2, ...", "")
     from_: Annotated[float, Field(alias="from")] = quantity(
         "its face at the smaller x, distance from the wall, plane of symmetry or axis at x = 0", "m"
     )
