@@ -11,6 +11,7 @@ from typing import Annotated, Any
 from pydantic import Field
 from pydantic_core import PydanticCustomError
 
+from mpmcol.case.fields import shortened
 from mpmcol.case.friction import coefficient
 from mpmcol.case.geometry import GeometryTable
 from mpmcol.units import Table, counted, option, quantity
@@ -74,7 +75,7 @@ def check_walls(walls: tuple[WallTable, ...], geometry: GeometryTable, wall_impu
         raise _refusal("walls need their reaction: set method.wall_impulse = true")
     for number, wall in enumerate(walls):
         for key, problem in (*_problems(wall, geometry), *(_thin_parts(wall, geometry.model, h) if h else ())):
-            raise _refusal(f"wall {wall.name}: {problem}", number, key)
+            raise _refusal(f"wall {shortened(wall.name)}: {problem}", number, key)
     for (_, one), (number, other) in combinations(enumerate(walls), 2):
         if one.name == other.name:
             raise _refusal(f"two walls have the name {one.name}", number)

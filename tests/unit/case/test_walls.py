@@ -95,6 +95,12 @@ def test_the_refusal_of_a_wall_names_its_line(write: Write, given: str, line: in
     assert problem.about in ("walls", "walls.to", "walls.height", "walls.from")
 
 
+def test_the_refusal_of_a_name_is_printable() -> None:
+    with pytest.raises(CaseError) as refused:
+        with_walls('{from=0.18, name="a\\u001b[0m"}')
+    assert "wall a?[0m: expected letters" in str(refused.value) and str(refused.value).replace("\n", "").isprintable()
+
+
 def test_a_wall_in_a_quarter_is_as_thick_as_its_half(write: Write) -> None:
     """The half width is the part that is modelled: one cell of a quarter, two of a full column."""
     wall = "{from=0.194, to=0.2522, height=0.0582, half_width=0.0194}"
