@@ -3,9 +3,9 @@
 The draw covers all models, laws, bases, initial stresses and gates, slopes up to 40 degrees (in 3D 10), friction angles
 of 15 to 45 degrees, also of beds, cohesions up to 1 kPa, Young's moduli of 0.1 to 100 MPa, Poisson's ratios up to 0.49,
 aspect ratios of 0.2 to 35 and r_i / h of 8 to 80; some columns in 2D are heaps and trapezoids, some stand without a
-gate, and walls stand in the way of some. A case that would take longer than SECONDS gets another spacing, and after some
-tries other values altogether. The draw therefore has few fine and few tall columns, fewer of stiff material and in 3D,
-and in 3D hardly any finer than r_i / h = 12.
+gate, and walls stand in the way of some. A case that would take longer than SECONDS gets another spacing, and after
+some tries other values altogether. The draw therefore has few fine and few tall columns, fewer of stiff material and
+in 3D, and in 3D hardly any finer than r_i / h = 12.
 
 The file random_cases-ends.csv beside the folders of the trials has one line for each case: how it ended.
 """
