@@ -138,8 +138,8 @@ CONSTRAINTS = (
     Constraint(
         ("friction.side_walls", "geometry.model"),
         lambda mu, model: mu is None or model == "plane",
-        "needs a channel in plane strain, not {1}: remove it; in 3D the sides of a channel are [[walls]], with side_from "
-        "or side_to and friction",
+        "needs a channel in plane strain, not {1}: remove it; in 3D the sides of a channel are [[walls]] with "
+        "side_from or side_to, and friction",
     ),
     *(
         Constraint(
