@@ -119,7 +119,7 @@ class Case(Table):
         geometry, method = info.data.get("geometry"), info.data.get("method")
         if geometry is not None and method is not None:
             grid = info.data.get("grid")
-            h = geometry.fitted_spacing(grid.spacing) if grid else None
+            h = geometry.fitted_spacing(grid.spacing) if grid and geometry.r_i > 0.0 else None  # NaN without a radius
             check_walls(walls, geometry, method.wall_impulse, h)
         return walls
 

@@ -118,7 +118,8 @@ def rough_floor(case: Case, h: float) -> str | None:
         return None
     return (
         f"friction.floor = {floor:.4g} ({degrees(atan(floor)):.3g} degrees): the column shears at {text} of the "
-        f"pressure before it slides, as on a floor without slip; set less than {mobilised:.3g}, or omit it"
+        "pressure before it slides, nearly as on a floor without slip, with runouts up to 10 % longer; set less than "
+        f"{mobilised:.3g}, or omit it"
     )
 
 

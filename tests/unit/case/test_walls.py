@@ -9,7 +9,7 @@ from mpmcol.errors import CaseError, UsageError
 from mpmcol.setup.discretization import discretize
 from mpmcol.setup.model import build_model
 from mpmcol.setup.time_step import case_limit
-from tests.support.case_files import Write, only_problem
+from tests.support.case_files import GOOD, Write, only_problem
 
 COARSE = ("grid.spacing=0.0075",)
 QUARTER = ("geometry.base=rigid", "method.wall_impulse=true", "stages.initial_stress=k0", "grid.spacing=0.0194")
@@ -93,6 +93,15 @@ def test_the_refusal_of_a_wall_names_its_line(write: Write, given: str, line: in
     problem = only_problem(write(text))
     assert (problem.line, problem.message[: len(message)]) == (line, message)
     assert problem.about in ("walls", "walls.to", "walls.height", "walls.from")
+
+
+def test_a_missing_radius_is_the_only_problem_of_a_case_with_walls(write: Write) -> None:
+    text = GOOD.replace("radius = ", "height = ").replace("aspect = ", "# ")
+    assert "height" in text.partition("[geometry]")[2]
+    problem = only_problem(
+        write(text), "walls=[{from=0.3, to=0.35}]", 'geometry.base="rigid"', "method.wall_impulse=true"
+    )
+    assert "radius is missing" in problem.message
 
 
 def test_the_refusal_of_a_name_is_printable() -> None:
