@@ -137,12 +137,14 @@ CONSTRAINTS = (
     Constraint(
         ("friction.back_wall", "geometry.model", "geometry.release"),
         lambda mu, model, release: mu is None or (model == "plane" and release == "one-sided"),
-        "needs a wall at x = 0, which only a one-sided plane column has, not {1}, {2}: remove it",
+        "needs a wall at x = 0, which only a one-sided plane column has, not {1}, {2}: remove it; in 3D a wall "
+        "with friction is one of [[walls]]",
     ),
     Constraint(
         ("friction.side_walls", "geometry.model"),
         lambda mu, model: mu is None or model == "plane",
-        "needs a channel in plane strain, not {1}: remove it",
+        "needs a channel in plane strain, not {1}: remove it; in 3D the sides of a channel are [[walls]] with "
+        "side_from or side_to, and friction",
     ),
     *(
         Constraint(

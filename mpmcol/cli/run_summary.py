@@ -49,7 +49,8 @@ def _measured(results: Results) -> Iterator[str]:
     yield _line(f"beta, height {place}", f"{factor * summary['height']:.4g}", summary["beta"], comparison)
     if erosion := summary.get("erosion"):
         mass = f"{erosion['eroded_mass']:.3g} {summary['energy_unit'].replace('J', 'kg', 1)}"
-        yield f"bed: {mass} moved, down to a depth of {length_text(erosion['eroded_depth'])}"
+        whole = ", its whole thickness" if erosion["eroded_depth"] > shape.bed - 0.5 * shape.point_size else ""
+        yield f"bed: {mass} moved, down to a depth of {length_text(erosion['eroded_depth'])}{whole}"
     yield from _flows(summary)
     yield from _impacts(summary, shape.model)
 
@@ -68,7 +69,7 @@ def _impacts(summary: dict[str, Any], model: str) -> Iterator[str]:
     """Peak and final forces on walls, in runs that record them."""
     force_unit, moment_unit = FORCE_UNITS[model], MOMENT_UNITS[model]
     for wall, force in (summary.get("wall_forces") or {}).items():
-        if wall != "floor" and force["peak"] > 0.0:
+        if force["peak"] > 0.0:
             sustained = "" if force["sustained"] is None else f", {force['sustained']:.3g} over 0.2 sqrt(h_i/g)"
             moment = f", moment at most {force['moment']:.3g} {moment_unit}" if "moment" in force else ""
             yield (

@@ -118,7 +118,10 @@ _WALL_FORCES: Names = {
     "window": ("s", "time over which the peak force is averaged: at least 5 h/c and a row of the history"),
     "sustained": (FORCE, "as the peak, of the mean over 0.2 sqrt(h_i/g); null if the collapse is shorter"),
     "at_end": (FORCE, "magnitude of the mean force of the last row of the history"),
-    "moment_at_release": (MOMENT, "moment about the foot of the wall before the opening of the gate"),
+    "moment_at_release": (
+        MOMENT,
+        "moment about the foot of the wall, or about x = 0 on the floor, before the opening of the gate",
+    ),
     "moment": (MOMENT, "largest mean moment over `window` that overturns the wall about its foot"),
     "moment_at_end": (MOMENT, "mean moment of the last row of the history"),
 }
@@ -192,7 +195,10 @@ _HISTORY: Names = {
     "J_max": ("", "largest volume ratio J of all points"),
     "open_points": ("", "number of points that have separated"),
     "force.WALL.AXIS": (FORCE, "mean force on a wall since the previous row (output.wall_forces), by component"),
-    "moment.WALL": (MOMENT, "mean moment that overturns a wall about its foot at the level of the base, as the force"),
+    "moment.WALL": (
+        MOMENT,
+        "mean moment that overturns a wall about its foot at the level of the base, or that on the floor about x = 0",
+    ),
     "grid_kinetic": (ENERGY, "kinetic energy at the nodes, by which rest is detected"),
     "unbalanced": ("", "unbalanced force at the nodes over the weight"),
 }

@@ -175,6 +175,11 @@ RIGID = ["geometry.base=rigid", "method.wall_impulse=true"]
         (["method.wall_impulse=false", "output.wall_forces=true"], "needs the reaction of walls"),
         (["geometry.release=two-sided", "friction.back_wall=0.3"], "which only a one-sided plane column has"),
         (["geometry.model=quarter", "friction.back_wall=0"], "which only a one-sided plane column has"),
+        (["geometry.model=quarter", "friction.back_wall=0"], "in 3D a wall with friction is one of [[walls]]"),
+        (
+            ["geometry.model=full", "friction.side_walls=0.3", "friction.channel_width=0.2"],
+            "in 3D the sides of a channel are [[walls]] with side_from or side_to, and friction",
+        ),
         (["friction.side_walls=0.3"], "is given, but friction.channel_width = absent: give both, or neither"),
         (["friction.channel_width=0.2"], "is given, but friction.side_walls = absent: give both, or neither"),
         (
