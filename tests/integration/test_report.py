@@ -22,7 +22,7 @@ from mpmcol.sweep.scheduling import Allocation
 from tests.support.browser import Loaded, load, print_to_pdf
 from tests.support.cli import invoke, set_options
 from tests.support.report_folders import copy_run, write_study
-from tests.support.runs import TINY
+from tests.support.runs import SMALL_CASES, TINY
 
 HOSTILE = "<script>alert(1)</script>"
 LARGEST = 5e6  # bytes
@@ -130,6 +130,15 @@ def test_runs_are_compared_with_the_first(comparison: Path) -> None:
 def test_equal_cases_have_no_differences(finished: Path, run: Path) -> None:
     runs = [Results(finished), Results(run)]
     assert case_differences(runs, ["a", "b"]).rows == [("none", "", "")]
+
+
+def test_runs_of_different_structure_are_compared() -> None:
+    short = ("stages.collapse.max_time_factor=0.3", "output.snapshots=2")
+    for name, overrides in {"dam": SMALL_CASES["walls"][1:], "cohesive-column": ("grid.spacing=0.25",)}.items():
+        assert invoke("run", name, *set_options((*overrides, *short)), "--out", name).exit_code == 0
+    for pair in (("dam", "cohesive-column"), ("cohesive-column", "dam")):
+        page = report_of(*pair, "--out", "pair.html", "--overwrite")
+        assert "walls.0.height (m)" in page and "material.tension (Pa)" in page
 
 
 def test_the_case_as_given_is_shown_if_it_differs(finished: Path, tmp_path: Path) -> None:
