@@ -13,7 +13,7 @@ from mpmcol.case.fields import number_of
 from mpmcol.case.geometry import GeometryTable
 from mpmcol.case.reference import field_at
 from mpmcol.case.values import leaf_values
-from mpmcol.experiments import OUTLINE
+from mpmcol.experiments import OUTLINE, Experiment
 from mpmcol.io.results import Results
 from mpmcol.io.snapshot import Meta
 from mpmcol.measure import ColumnShape
@@ -66,6 +66,11 @@ def common_heading(title: str, runs: Sequence[tuple[Case, ColumnShape]]) -> Head
     """A title without an aspect ratio, and the parameters that all runs have in common."""
     parameters = [_parameters(vars(shape), _material(case)) for case, shape in runs]
     return Heading(_ASPECT.sub("", title), ", ".join(p for p in parameters[0] if all(p in own for own in parameters)))
+
+
+def noted(heading: Heading, experiment: Experiment) -> Heading:
+    """A heading that says why no experiment is drawn."""
+    return heading if experiment.laws else heading._replace(note=experiment.title)
 
 
 def run_title(title: str, model: str, a: float | None) -> str:

@@ -12,13 +12,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from mpmcol.case import experiment_of
+from mpmcol.case import compared_experiment
 from mpmcol.errors import UsageError
-from mpmcol.experiments import Experiment
+from mpmcol.experiments import Experiment, without_laws
 from mpmcol.io.atomic import make_folder
 from mpmcol.io.results import Results
 from mpmcol.measure import Array, ColumnShape, Measurement
-from mpmcol.plotting.captions import common_heading, run_names
+from mpmcol.plotting.captions import common_heading, noted, run_names
 from mpmcol.plotting.charts import TIME_LABEL, draw_band, history_panels
 from mpmcol.plotting.figures import MOST_ENTRIES, Heading, add_heading, legend_below, save_figure
 from mpmcol.plotting.measured_series import MeasuredSeries
@@ -90,8 +90,8 @@ def chart_comparison(
     heading = common_heading(f"Comparison of {len(runs)} runs", [(run.case, run.shape) for run in runs])
     folder = make_folder(out)
     return [
-        *_profiles(folder / "profile.png", compared, experiment, heading, points, svg),
-        *_histories(folder / "front.png", compared, experiment, heading, svg),
+        *_profiles(folder / "profile.png", compared, experiment, noted(heading, experiment), points, svg),
+        *_histories(folder / "front.png", compared, experiment, noted(heading, experiment), svg),
         *_energies(folder / "energy.png", compared, heading, svg),
     ]
 
@@ -129,19 +129,20 @@ def _compared(results: Results, name: str, i: int) -> ComparedRun:
     return ComparedRun(results, name, history, {"color": RUN_COLOURS[i], "linestyle": RUN_LINES[i], "linewidth": 1.6})
 
 
-def _common_experiment(runs: Sequence[Results]) -> Experiment | None:
-    """The experiment of all runs, or None if they have different ones or columns of different aspect ratios."""
-    found = {experiment_of(run.case).name for run in runs}
+def _common_experiment(runs: Sequence[Results]) -> Experiment:
+    """The experiment of all runs; one without laws if they have different ones, or different aspect ratios."""
+    found = list(dict.fromkeys(compared_experiment(run.case) for run in runs))
     shape = runs[0].shape
-    if len(found) > 1 or not all(np.isclose(run.shape.a, shape.a, rtol=0.01) for run in runs):
-        return None
-    return experiment_of(runs[0].case)
+    if len(found) == 1 and all(np.isclose(run.shape.a, shape.a, rtol=0.01) for run in runs):
+        return found[0]
+    without = [one for one in found if not one.laws]
+    return without[0] if without else without_laws("no experiment drawn: these runs are compared with different values")
 
 
 def _profiles(
     path: Path,
     runs: Sequence[ComparedRun],
-    experiment: Experiment | None,
+    experiment: Experiment,
     heading: Heading,
     points: Sequence[MeasuredSeries],
     svg: bool,
@@ -168,7 +169,7 @@ def _profiles(
     for run, deposit in zip(runs, deposits, strict=True):
         scale = factor if same_size else 1.0 / run.shape.r_i
         lines += axes.plot(*outline(deposit, scale), label=run.label, **run.style)
-    known, names = draw_experiment(target, shape, experiment) if experiment and same_size else ([], [])
+    known, names = draw_experiment(target, shape, experiment) if same_size else ([], [])
     measured, series = draw_points(target, points)
     figure.set_size_inches(8.0, min(6.6 * flatness, 8.0) + 2.1)
     add_heading(axes, heading)
@@ -187,15 +188,14 @@ def _set_up_relative(axes: Axes, runs: Sequence[ComparedRun], deposits: Sequence
 
 
 def _histories(
-    path: Path, runs: Sequence[ComparedRun], experiment: Experiment | None, heading: Heading, svg: bool
+    path: Path, runs: Sequence[ComparedRun], experiment: Experiment, heading: Heading, svg: bool
 ) -> list[Path]:
     figure, upper, lower = history_panels(heading)
     for run in runs:
         upper.plot(run.tau, run.history["front_height"] / run.shape.r_i - 1.0, label=run.label, **run.style)
         lower.plot(run.tau, run.history["height"] / run.shape.h_i, **run.style)
     for axes, quantity in ((upper, "zeta"), (lower, "beta")):
-        if experiment:
-            draw_band(axes, experiment, quantity, runs[0].shape.a)
+        draw_band(axes, experiment, quantity, runs[0].shape.a)
     handles, labels = upper.get_legend_handles_labels()
     upper.set(ylabel=r"runout $\zeta$ by front_height (-)")
     legend_below(figure, handles, labels)

@@ -183,7 +183,7 @@ def draw_experiment(target: LengthAxes, shape: ColumnShape, experiment: Experime
     for profile in experiment.profiles if experiment.fits(shape.r_i, shape.h_i) else ():
         if profile.unit == "m" or (zeta and beta):
             scales = (factor, factor) if profile.unit == "m" else (front, height)
-            shown += _draw_profile(target.axes, profile, author_of(profile, experiment), scales)
+            shown += _draw_profile(target.axes, profile, author_of(profile), scales)
             labels.append(str(shown[-1].get_label()))
     return shown, labels
 

@@ -74,7 +74,6 @@ def experiment_style(experiment: Experiment) -> ExperimentStyle:
     return EXPERIMENT_STYLES.get(experiment.citation, ExperimentStyle("0.4"))
 
 
-def author_of(profile: Profile, default: Experiment) -> Experiment:
+def author_of(profile: Profile) -> Experiment:
     """The data set in which a digitised profile was published."""
-    owners = [one for one in EXPERIMENTS.values() if profile in one.profiles and not one.name.startswith("paper-")]
-    return owners[0] if owners else default
+    return EXPERIMENTS[profile.experiment]

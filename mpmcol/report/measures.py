@@ -115,7 +115,8 @@ def comparison_table(names: Sequence[str], runs: Sequence[Sequence[Measure]], ca
 
 def law_table(summary: Mapping[str, Any]) -> Table:
     """Runout (front_height) and height beside every published law that applies."""
-    scores = [one for one in summary["errors"] if one["front_definition"] in ("front_height", "")]
+    errors = summary["errors"] if summary["at_rest"] else ()
+    scores = [one for one in errors if one["front_definition"] in ("front_height", "")]
     columns = (
         "Published by", "Material", "Quantity", "Published", "Computed", "Difference", "Scatter of the experiment",
     )  # fmt: skip

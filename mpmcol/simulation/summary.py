@@ -32,11 +32,12 @@ def summarize(status: str, simulation: Simulation, final: Snapshot) -> dict[str,
     case, model, solver = simulation.case, simulation.model, simulation.solver
     recorder, progress, geometry = simulation.recorder, simulation.progress, simulation.case.geometry
     measured, fall_time = measure_snapshot(final, recorder.shape), simulation.fall_time
+    conditions = conditions_of(case)
     profiles = profile_scores(
         measured.profile_x, measured.profile_y,
-        geometry.model, geometry.r_i, geometry.h_i, geometry.column_section, geometry.slope_deg,
+        geometry.model, geometry.r_i, geometry.h_i, geometry.column_section, conditions,
     )  # fmt: skip
-    scores = score(measured, geometry.a, geometry.model, geometry.column_section, conditions_of(case))
+    scores = score(measured, geometry.a, geometry.model, geometry.column_section, conditions)
     collapse_steps = solver.steps - progress.release_step if progress.stage == "collapse" else 0
     return {
         "schema": RESULT_SCHEMA,

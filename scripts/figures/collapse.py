@@ -70,7 +70,7 @@ def main() -> None:
     figure, panels = plt.subplots(2, 2, figsize=(9.6, 5.6), sharex=True, sharey=True, layout="constrained")
     for index, axes in enumerate(panels.flat):
         points = draw_moment(axes, results, index, largest)
-    zeta = find_experiment("paper-plane", "plane").law("zeta")(geometry.a)  # Eq. 37
+    zeta = find_experiment("lube-2007", "plane").law("zeta")(geometry.a)  # Eq. 37
     axes.axvline(geometry.r_i * (1.0 + zeta) * MM, color="tab:red", ls="--", lw=1.0, label="experiments (Eq. 37)")
     axes.set_title(axes.get_title() + ", at rest", fontsize=11)
     handles, labels = axes.get_legend_handles_labels()

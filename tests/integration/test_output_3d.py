@@ -106,7 +106,7 @@ def test_summary_table_has_the_mean_and_the_range_around_the_axis(run: SimpleNam
 
 def test_profile_chart_shows_the_range_of_the_front_around_the_axis(tmp_path: Path, figures: list[Figure]) -> None:
     final = deposit(QUARTER, 1.3)
-    charts.profile_chart(tmp_path / "p.png", QUARTER, [(0.3, final)], EXPERIMENTS["paper-axisymmetric"])
+    charts.profile_chart(tmp_path / "p.png", QUARTER, [(0.3, final)], EXPERIMENTS["lube-2004"])
     axes = figures[0].axes[0]
     assert axes.get_xlabel() == "radius (mm)" and axes.get_ylabel() == "mean height around the axis (mm)"
     (band,) = (patch for patch in axes.patches if isinstance(patch, Rectangle))
