@@ -35,7 +35,7 @@ def conditions_of(case: Case) -> Conditions:
 
 
 def experiment_of(case: Case) -> Experiment:
-    """The experiment of score.experiment; one without laws, whose title says why, if the case does not resemble it."""
+    """The experiment of score.experiment; if it does not apply, one without laws whose title is the reason."""
     own = _own(case)
     reason = own.misfit(conditions_of(case)) if own.laws else ""
     return without_laws(f"{own.citation} does not apply: {reason}") if reason else own
@@ -53,7 +53,7 @@ def applicable_experiments(case: Case) -> list[Experiment]:
 
 
 def compared_experiment(case: Case) -> Experiment:
-    """The first of `applicable_experiments`; or one without laws, whose title says why there is none."""
+    """The first of `applicable_experiments`; or one without laws, whose title is the reason why there is none."""
     if found := applicable_experiments(case):
         return found[0]
     own = _own(case)

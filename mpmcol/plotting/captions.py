@@ -69,7 +69,7 @@ def common_heading(title: str, runs: Sequence[tuple[Case, ColumnShape]]) -> Head
 
 
 def noted(heading: Heading, experiment: Experiment) -> Heading:
-    """A heading that says why no experiment is drawn."""
+    """A heading with the reason why no experiment is drawn."""
     return heading if experiment.laws else heading._replace(note=experiment.title)
 
 

@@ -67,6 +67,7 @@ ENERGY_STYLES: dict[str, dict[str, Any]] = {  # columns of the history
     "walls": {"label": "dissipated at walls", "linestyle": (0, (8, 3)), "color": "0.3"},
     "wall_friction": {"label": "friction on walls", "linestyle": (0, (4, 1, 1, 1)), "color": "#56b4e9"},
 }
+ENERGY_NAMES = {name: str(style["label"]).removeprefix("dissipated ") for name, style in ENERGY_STYLES.items()}
 
 
 def experiment_style(experiment: Experiment) -> ExperimentStyle:

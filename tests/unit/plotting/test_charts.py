@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 
 from mpmcol.api import measured
 from mpmcol.errors import OutputError, UsageError
-from mpmcol.experiments import EXPERIMENTS
+from mpmcol.experiments import EXPERIMENTS, without_laws
 from mpmcol.io import results
 from mpmcol.plotting import charts, profiles, run_charts
 from mpmcol.plotting.figures import MOST_ENTRIES
@@ -236,6 +236,29 @@ def test_the_height_panel_uses_its_range(run: SyntheticRun, figures: list[Figure
     run_charts.chart_run(run)  # type: ignore[arg-type]
     low, high = figures[1].axes[1].get_ylim()
     assert 0.6 < low < 0.7 and 1.05 < high < 1.15  # from the deposit to the scatter of the experiment
+
+
+def test_a_height_that_hardly_changes_is_not_magnified(tmp_path: Path, figures: list[Figure]) -> None:
+    time = np.linspace(0.0, 1.0, 50)
+    height = SHAPE.h_i * (0.99889 + 1e-6 * np.sin(40.0 * time))
+    charts.front_chart(tmp_path / "f.png", SHAPE, time, {"front_height": time}, height, without_laws("none"))
+    axes = figures[0].axes[1]
+    low, high = axes.get_ylim()
+    assert high - low == pytest.approx(charts.LEAST_RANGE) and low < 0.99889 < high
+    figures[0].draw_without_rendering()
+    assert axes.yaxis.get_offset_text().get_text() == ""
+
+
+def test_at_most_seven_energies_have_lines_and_no_energy_is_left_out(tmp_path: Path, figures: list[Figure]) -> None:
+    time = np.linspace(0.0, 1.0, 20)
+    energies = {name: (i + 1.0) * time for i, name in enumerate(charts.ENERGY_STYLES)}
+    total = sum(values[-1] for values in energies.values())
+    energies |= {"potential": -total * time, "residual": 0.0 * time}
+    charts.energy_chart(tmp_path / "e.png", SHAPE, time, energies)
+    lines = [one for one in figures[0].axes[0].lines if not str(one.get_label()).startswith("_")]
+    assert len(lines) == MOST_ENTRIES and str(lines[-1].get_label()).endswith(": sum")
+    released, *others = (float(np.asarray(one.get_ydata())[-1]) for one in lines)
+    assert sum(others) == pytest.approx(released)
 
 
 def test_a_run_without_release_is_rejected(run: SyntheticRun, monkeypatch: pytest.MonkeyPatch) -> None:
