@@ -70,7 +70,7 @@ _PLAN_FILE: Names = {
 _STATUS: Names = {
     **_SCHEMA,
     "folder": ("", "folder of the sweep or of the run"),
-    "version": ("", "version of mpmcol that planned the runs; of a single run empty"),
+    "version": ("", "version of mpmcol that planned the runs, or that ended a single run; null before its end"),
     "counts.STATUS": ("", "number of runs with a status"),
     "seconds_left": ("s", "time until all runs have ended, estimated from their speed; null if it is not known"),
     "runs": ("", "one entry for each run"),

@@ -13,10 +13,10 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
+from mpmcol.case.title import run_title
 from mpmcol.experiments import Experiment
 from mpmcol.io.glossary import ENERGY_UNITS
 from mpmcol.measure import Array, ColumnShape, Measurement
-from mpmcol.plotting.captions import run_title
 from mpmcol.plotting.figures import (
     LABEL_SIZE,
     MOST_ENTRIES,

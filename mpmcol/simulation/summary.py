@@ -10,6 +10,7 @@ from typing import Any
 import psutil
 
 from mpmcol.case import case_hash, conditions_of
+from mpmcol.case.title import title_of
 from mpmcol.experiments import profile_scores, score
 from mpmcol.io.glossary import ENERGY_UNITS
 from mpmcol.io.results import RESULT_SCHEMA, erosion_of, measure_snapshot, measure_stop_time
@@ -42,7 +43,7 @@ def summarize(status: str, simulation: Simulation, final: Snapshot) -> dict[str,
     return {
         "schema": RESULT_SCHEMA,
         "status": status,
-        "title": case.title,
+        "title": title_of(case),
         "case_hash": case_hash(case),
         **measured.scalars(),
         "stop_time": _stop_time(simulation) if progress.at_rest else None,
