@@ -11,7 +11,7 @@ from mpmcol.units import length_scale, length_text
 if TYPE_CHECKING:
     from mpmcol.api.measured import Measured
     from mpmcol.experiments import ProfileScore, Score
-    from mpmcol.measure import ColumnShape
+    from mpmcol.measure import ColumnShape, Measurement
 
 WIDTH = max(len(experiment.citation) for experiment in EXPERIMENTS.values())
 
@@ -38,11 +38,21 @@ def _deposit_lines(measured: Measured) -> list[str]:
         f"{'spread of zeta':<20} {measurement.spread:9.3f}",
         f"{'height':<20} {_length(measurement.height, shape)}   beta {measurement.beta:7.3f}",
         f"{'area factor':<20} {measurement.area_factor:9.3f}",
-        *([] if angle is None else [f"{'angle of repose':<20} {angle:9.1f} deg{_to_horizontal(angle, shape)}"]),
+        *(
+            []
+            if angle is None
+            else [f"{'angle of repose':<20} {angle:9.1f} deg{_to_horizontal(angle, shape)}{_flanks(measurement)}"]
+        ),
         f"{'undisturbed radius':<20} " + ("none" if undisturbed is None else _length(undisturbed, shape)),
         *([] if stop is None else [f"{'front stops at':<20} {stop:9.2f} sqrt(h_i/g)"]),
         *([] if energy is None else [f"{'energy released':<20} {energy:9.3g} {measured.energy_unit}"]),
     ]
+
+
+def _flanks(measurement: Measurement) -> str:
+    """The angles of two flanks, of which the angle of repose is the mean."""
+    low, high = measurement.repose_low_x_deg, measurement.repose_high_x_deg
+    return "" if low is None or high is None else f" (mean; toward smaller x {low:.1f}, toward larger x {high:.1f})"
 
 
 def _to_horizontal(angle: float, shape: ColumnShape) -> str:

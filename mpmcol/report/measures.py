@@ -52,13 +52,18 @@ def measures(results: Results) -> list[Measure]:
         *(_runout(name, summary, shape.r_i, shape.range_label) for name in FRONT_NAMES),
         Measure("Spread of the three runouts", "", f"{summary['spread']:.3f}"),
         _length(HEIGHT, summary["height"], f"beta = {summary['beta']:.3f}"),
-        Measure(ANGLE, "" if angle is None else f"{angle:.1f}°{to_base}", "", angle),
+        Measure(ANGLE, "" if angle is None else f"{angle:.1f}°{to_base}{_flanks(summary)}", "", angle),
         _length("Undisturbed radius", undisturbed, "") if undisturbed else Measure("Undisturbed radius"),
         Measure("Area factor", "", f"{summary['area_factor']:.3f}", summary["area_factor"]),
         _time("Front stops after", stop, tau),
         _time(END, summary["time_over_tau"], tau),
         Measure("State at the end", "at rest" if summary["at_rest"] else "still moving"),
     ]
+
+
+def _flanks(summary: Mapping[str, Any]) -> str:
+    low, high = summary.get("repose_low_x_deg"), summary.get("repose_high_x_deg")
+    return "" if low is None or high is None else f" (mean of {low:.1f}° and {high:.1f}°)"
 
 
 def cost_measures(results: Results) -> list[Measure]:
