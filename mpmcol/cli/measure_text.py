@@ -31,7 +31,7 @@ def _state_lines(measured: Measured) -> list[str]:
 def _deposit_lines(measured: Measured) -> list[str]:
     shape, measurement, stop = measured.shape, measured.measurement, measured.stop_time
     undisturbed, angle, energy = measurement.undisturbed_radius, measurement.repose_angle_deg, measured.energy_released
-    kind = shape.release if shape.dimension == 2 else shape.section
+    kind = "cylinder" if shape.is_round else shape.release if shape.dimension == 2 else shape.section
     return [
         f"{shape.model}, {kind}, {shape.proportions}, r_i = {length_text(shape.r_i)}{shape.slope_text}",
         *(_front_line(name, measured) for name in measurement.front),

@@ -9,6 +9,7 @@ from mpmcol.case import compared_experiment
 from mpmcol.experiments import mark, without_laws
 from mpmcol.io.glossary import FORCE_UNITS, MOMENT_UNITS
 from mpmcol.io.results import Results
+from mpmcol.measure.dissipation import walls_and_transfer
 from mpmcol.studies.judgement import STILL_MOVING, judge
 from mpmcol.units import length_scale, length_text
 
@@ -111,6 +112,8 @@ def _quality(summary: dict[str, Any]) -> Iterator[str]:
         released = f"{shares['released']:.3g} {summary.get('energy_unit', 'J')}"
         parts = (f"{name.replace('_', ' ')} {100.0 * shares[name]:.1f} %" for name in names)
         yield f"energy released, {released}: " + ", ".join(parts)
+        if (lost := walls_and_transfer(shares)) is not None:
+            yield f"walls and transfer together {100.0 * lost:.1f} %: what walls take on the grid, the transfer returns"
     if stress := summary.get("stress"):
         yield (
             f"pressure over the weight at the foot: 99 % below {stress['pressure_p99']:.2f}, at most "

@@ -7,6 +7,7 @@ content of another table are in CONTENTS.
 from __future__ import annotations
 
 from mpmcol.io.accuracy_glossary import ACCURACY, ERROR_BARS
+from mpmcol.io.file_glossary import FILES, SNAPSHOT
 from mpmcol.io.fit_glossary import FIT
 from mpmcol.io.glossary import MEASURE, NAMES, RESULT, SLOPES, TABLE, Names
 from mpmcol.io.uncertainty_glossary import RECORD_NAMES
@@ -288,4 +289,4 @@ CONTENTS = {  # command -> its key -> table whose names that key holds; "": it p
     "measure --json": {"": MEASURE},
     "sweep --json": {"runs": TABLE, "slopes": SLOPES},
 }
-ALL_NAMES = {**NAMES, **OUTPUTS}
+ALL_NAMES = {**NAMES, "snapshots": SNAPSHOT, "the folder of a run": FILES, **OUTPUTS}

@@ -10,6 +10,7 @@ from typing import Any
 from mpmcol.experiments import EXPERIMENTS, mark
 from mpmcol.io.results import Results
 from mpmcol.io.run_status import run_seconds
+from mpmcol.measure.dissipation import walls_and_transfer
 from mpmcol.report.model import Figure, Table
 from mpmcol.units import length_text
 
@@ -53,7 +54,7 @@ def measures(results: Results) -> list[Measure]:
         Measure("Spread of the three runouts", "", f"{summary['spread']:.3f}"),
         _length(HEIGHT, summary["height"], f"beta = {summary['beta']:.3f}"),
         Measure(ANGLE, "" if angle is None else f"{angle:.1f}°{to_base}{_flanks(summary)}", "", angle),
-        _length("Undisturbed radius", undisturbed, "") if undisturbed else Measure("Undisturbed radius"),
+        Measure("Undisturbed radius") if undisturbed is None else _length("Undisturbed radius", undisturbed, ""),
         Measure("Area factor", "", f"{summary['area_factor']:.3f}", summary["area_factor"]),
         _time("Front stops after", stop, tau),
         _time(END, summary["time_over_tau"], tau),
@@ -85,6 +86,7 @@ def energy_measures(results: Results) -> list[Measure]:
     foot = stress.get("weight_at_foot")
     return [
         *(Measure(f"Dissipated by {name.replace('_', ' ')}", _percent(shares.get(name))) for name in SHARES),
+        Measure("Walls and transfer together", _percent(walls_and_transfer(shares))),
         Measure("Weight of the deposit at its foot", "" if foot is None else f"{1e-3 * foot:.3g} kPa"),
         Measure(
             "Pressure that 99 % of the points do not exceed, over this weight", _percent(stress.get("pressure_p99"))

@@ -12,7 +12,7 @@ from mpmcol.io.results import Results
 from mpmcol.studies.pareto.score import BETA, ZETA
 from mpmcol.studies.pareto.shipped import unstudied
 from mpmcol.studies.pareto.studied import StudiedError, studied_error
-from mpmcol.units import length_text
+from mpmcol.units import length_scale
 
 __all__ = ["STILL_MOVING", "applicable_experiment", "applicable_experiments", "judge", "measured_value", "verdict"]
 
@@ -42,7 +42,8 @@ def _quantity_line(
     summary: Mapping[str, Any], quantity: str, case: Case, experiment: Experiment | None, error: StudiedError | None
 ) -> str:
     length, value = measured_value(summary, quantity, case.geometry.r_i)
-    text = f"{NAMES[quantity]} {length_text(length)}, {quantity} = {value:.3f}"
+    unit, factor = length_scale(max(case.geometry.r_i, case.geometry.h_i))  # as in the table of a run
+    text = f"{NAMES[quantity]} {factor * length:.4g} {unit}, {quantity} = {value:.3f}"
     expected = experiment.expected(quantity, case.geometry.a) if experiment else None
     if experiment is None or expected is None:
         return text

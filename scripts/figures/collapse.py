@@ -1,4 +1,4 @@
-"""Draw the first figure of the README: four moments of a channel collapse with the measured surface.
+"""Draw the first figure of the README: four moments of a channel collapse with the computed surface.
 
     python scripts/figures/collapse.py [--runs DIR]
 
@@ -41,7 +41,7 @@ def compute(folder: Path) -> Results:
 
 
 def draw_moment(axes: Axes, results: Results, index: int, largest: float) -> PathCollection:
-    """Points coloured by displacement, and the measured surface, of one snapshot."""
+    """Points coloured by displacement, and the computed surface, of one snapshot."""
     snapshot, measured, geometry = results.snapshot(index), results.measure(index), results.case.geometry
     column = snapshot.column
     moved = np.linalg.norm(snapshot.arrays["displacement"][column], axis=1) * MM
@@ -50,7 +50,7 @@ def draw_moment(axes: Axes, results: Results, index: int, largest: float) -> Pat
     points = axes.scatter(
         *snapshot.x[column].T[:2] * MM, s=0.7, c=moved, cmap="viridis", vmin=0.0, vmax=largest * MM, linewidths=0
     )
-    axes.plot(measured.profile_x * MM, measured.profile_y * MM, "k-", lw=1.2, label="measured surface")
+    axes.plot(measured.profile_x * MM, measured.profile_y * MM, "k-", lw=1.2, label="computed surface")
     axes.plot(measured.front["front_height"] * MM, 0.0, "kv", ms=6, label="front (front_height)")
     tau = math.sqrt(geometry.h_i / geometry.gravity)
     axes.set_title(rf"$t = {snapshot.time / tau:.1f}\,\sqrt{{h_i/g}}$", fontsize=11)
