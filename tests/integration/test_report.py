@@ -19,6 +19,7 @@ from mpmcol.sweep.plan import prepare_out, write_plan
 from mpmcol.sweep.runner import make_plan
 from mpmcol.sweep.runs import plan_runs
 from mpmcol.sweep.scheduling import Allocation
+from tests.support import browser
 from tests.support.browser import Loaded, load, print_to_pdf
 from tests.support.cli import invoke, set_options
 from tests.support.report_folders import copy_run, write_study
@@ -190,6 +191,16 @@ def test_another_file_is_kept_unless_overwritten(study: Path) -> None:
     assert done.exit_code == 2 and "is not a report of mpmcol; use --overwrite" in done.stderr
     assert Path("mine.html").read_text() == "mine"
     assert "A study" in report_of(study, "--out", "mine.html", "--overwrite")
+
+
+@pytest.mark.parametrize(("required", "outcome"), [("1", pytest.fail.Exception), ("", pytest.skip.Exception)])
+def test_a_missing_browser_is_a_failure_where_it_is_required(
+    required: str, outcome: type[BaseException], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(browser.REQUIRED, required)
+    monkeypatch.setattr(browser.shutil, "which", lambda name: None)
+    with pytest.raises(outcome):
+        browser.find_browser()
 
 
 def unfinish(folder: Path) -> None:
