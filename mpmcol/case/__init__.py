@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
-from mpmcol.case.conditions import applicable_experiments, compared_experiment, conditions_of, experiment_of
+from mpmcol.case.conditions import (
+    applicable_experiments,
+    common_experiments,
+    compared_experiment,
+    conditions_of,
+    experiment_of,
+)
 from mpmcol.case.load import flattened_text, load_case, resolved_toml
 from mpmcol.case.markdown import markdown_reference
 from mpmcol.case.problem import Problem
@@ -16,6 +22,7 @@ __all__ = [
     "Problem",
     "applicable_experiments",
     "case_hash",
+    "common_experiments",
     "compared_experiment",
     "conditions_of",
     "experiment_of",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from mpmcol.case.schema import Case
 from mpmcol.experiments import (
@@ -62,6 +63,16 @@ def compared_experiment(case: Case) -> Experiment:
     gaps = dict.fromkeys(law.gap(case.geometry.a) for law in own.laws)
     reason = own.misfit(conditions_of(case)) or ", ".join(gaps)
     return without_laws(f"no published experiment applies; {own.citation}: {reason}")
+
+
+def common_experiments(cases: Sequence[Case]) -> tuple[Experiment, list[Experiment]]:
+    """As `experiment_of`, and all others on this kind of column; only those that apply to every case."""
+    own = [experiment_of(case) for case in cases]
+    experiment = next((one for one in own if not one.laws), own[0])
+    geometry = cases[0].geometry
+    kind = column_kind(geometry.model, geometry.column_section)
+    others = [one for one in EXPERIMENTS.values() if one.model == kind and one != experiment]
+    return experiment, [one for one in others if not any(one.misfit(conditions_of(case)) for case in cases)]
 
 
 def _own(case: Case) -> Experiment:

@@ -29,7 +29,7 @@ def short_names(keys: Iterable[str]) -> dict[str, str]:
 
 
 def _last_parts(key: str) -> str:
-    """As many last parts of a key as tell it from all others; of an item of an array all, with its index.
+    """As many last parts of a key as no other key has; of an item of an array all, with its index.
 
     The last part alone means the key of the column: height that of geometry, friction_deg that of material.
     """

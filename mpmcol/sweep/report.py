@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mpmcol.case import Case, conditions_of, experiment_of
-from mpmcol.experiments import EXPERIMENTS, Experiment, column_kind
+from mpmcol.case import common_experiments
+from mpmcol.experiments import Experiment, column_kind
 from mpmcol.io.atomic import atomic_write
 from mpmcol.setup.column_shape import column_shape
 from mpmcol.sweep.engine import Outcome
@@ -80,7 +80,7 @@ def _chart_groups(outcomes: Sequence[Outcome], rows: Sequence[Row]) -> list[Char
 
 def _chart_group(name: str, group: list[tuple[Outcome, Row]]) -> ChartGroup:
     runs, rows = [outcome.run for outcome, _ in group], [row for _, row in group]
-    keys, (experiment, others) = list(runs[0].inputs), _experiments(name, [run.case for run in runs])
+    keys, (experiment, others) = list(runs[0].inputs), common_experiments([run.case for run in runs])
     axis = choose_axis(rows, keys)
     series = group_rows(rows, keys, axis)
     fitted = series if axis == ASPECT_COLUMN else []
@@ -88,14 +88,6 @@ def _chart_group(name: str, group: list[tuple[Outcome, Row]]) -> ChartGroup:
     from mpmcol.plotting.captions import noted
 
     return ChartGroup(name, noted(_heading(runs), experiment), experiment, others, axis, series, slopes)
-
-
-def _experiments(kind: str, cases: Sequence[Case]) -> tuple[Experiment, list[Experiment]]:
-    """The experiment of the cases, and all others on this kind of column; only if they apply to every case."""
-    own = [experiment_of(case) for case in cases]
-    experiment = next((one for one in own if not one.laws), own[0])
-    others = [one for one in EXPERIMENTS.values() if one.model == kind and one != experiment]
-    return experiment, [one for one in others if not any(one.misfit(conditions_of(case)) for case in cases)]
 
 
 def _heading(runs: Sequence[PlannedRun]) -> Heading:
