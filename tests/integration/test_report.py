@@ -155,7 +155,7 @@ def test_a_sweep_with_its_runs_and_charts(sweep: Path) -> None:
     page = html.unescape((sweep / "report.html").read_text())
     assert "2 runs: 2 done" in page and "grid.spacing = 0.015 m" in page
     assert page.count('src="data:image/png') == 2
-    assert len(re.findall(r'<th scope="row">friction\w*</th><td>done</td>', page)) == 2
+    assert len(re.findall(r'<th scope="row">friction\w*</th><td>done, still moving</td>', page)) == 2
 
 
 def test_a_sweep_whose_runs_all_failed(sweep: Path, tmp_path: Path) -> None:
