@@ -113,7 +113,7 @@ def _quality(summary: dict[str, Any]) -> Iterator[str]:
         parts = (f"{name.replace('_', ' ')} {100.0 * shares[name]:.1f} %" for name in names)
         yield f"energy released, {released}: " + ", ".join(parts)
         if (lost := walls_and_transfer(shares)) is not None:
-            yield f"walls and transfer together {100.0 * lost:.1f} %: what walls take on the grid, the transfer returns"
+            yield f"walls and transfer together {100.0 * lost:.1f} %: one gives what the other takes"
     if stress := summary.get("stress"):
         yield (
             f"pressure over the weight at the foot: 99 % below {stress['pressure_p99']:.2f}, at most "
