@@ -36,7 +36,7 @@ class Dissipation:
 
 
 def walls_and_transfer(shares: Mapping[str, float]) -> float | None:
-    """The sum of the two shares where one gives what the other takes: only it is lost. None where they do not cancel."""
+    """The sum of the two shares where one gives what the other takes; None where they do not cancel."""
     walls, transfer = shares.get("walls", 0.0), shares.get("transfer", 0.0)
     return walls + transfer if walls * transfer < 0.0 and min(abs(walls), abs(transfer)) > CANCELLING else None
 
