@@ -68,6 +68,7 @@ def measure(run: Results | Path | str, snapshot: int = -1, *, notify: Notify = w
     taken, shape, measurement = results.snapshot(snapshot), results.shape, results.measure(snapshot)
     is_last = snapshot in (-1, len(results.snapshots) - 1)
     stop = _stop_time(results, notify) if results.came_to_rest and is_last else None
+    conditions = conditions_of(results.case)
     values: dict[str, Any] = {"zeta": measurement.zeta, "beta": measurement.beta}
     values |= {} if stop is None else {"stop_time": stop}
     return Measured(
@@ -81,7 +82,7 @@ def measure(run: Results | Path | str, snapshot: int = -1, *, notify: Notify = w
         stop_time=stop,
         energy_released=_energy_released(results) if is_last else None,
         energy_unit=ENERGY_UNITS[shape.model][1],
-        scores=score(values, shape.a, shape.model, shape.section, conditions_of(results.case)),
+        scores=score(values, shape.a, shape.model, shape.section, conditions),
         profiles=profile_scores(
             measurement.profile_x,
             measurement.profile_y,
@@ -89,7 +90,7 @@ def measure(run: Results | Path | str, snapshot: int = -1, *, notify: Notify = w
             shape.r_i,
             shape.h_i,
             shape.section,
-            shape.slope_deg,
+            conditions,
         ),
     )
 

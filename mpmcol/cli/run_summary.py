@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from mpmcol.case import experiment_of
-from mpmcol.experiments import mark
+from mpmcol.case import compared_experiment
+from mpmcol.experiments import mark, without_laws
 from mpmcol.io.glossary import FORCE_UNITS, MOMENT_UNITS
 from mpmcol.io.results import Results
-from mpmcol.studies.judgement import judge
+from mpmcol.measure.dissipation import walls_and_transfer
+from mpmcol.studies.judgement import STILL_MOVING, judge
 from mpmcol.units import length_scale, length_text
 
 FRONT_TEXT = {
@@ -27,16 +28,18 @@ def summary_table(results: Results, accuracy: Sequence[str] = ()) -> str:
 
 def _measured(results: Results) -> Iterator[str]:
     summary, shape = results.summary, results.shape
-    experiment = experiment_of(results.case)
+    experiment = compared_experiment(results.case) if summary["at_rest"] else without_laws(STILL_MOVING)
+    nothing = "no law" if experiment.laws else ""
     errors = {
         (score["quantity"], score["front_definition"]): score
         for score in summary["errors"]
         if score["experiment"] == experiment.name
     }
     unit, factor = length_scale(max(shape.r_i, shape.h_i))
-    yield f"{'':48s}{unit:>8s}{'':>8s}   relative to {experiment.citation}"
+    heading = f"relative to {experiment.citation}" if experiment.laws else ""
+    yield f"{'':48s}{unit:>8s}{'':>8s}   {heading}".rstrip()
     for name, front in summary["front"].items():
-        comparison = _comparison(errors.get(("zeta", name)))
+        comparison = _comparison(errors.get(("zeta", name))) or nothing
         zeta, label = summary["zeta"][name], f"zeta, {name} ({FRONT_TEXT[name]})"
         if isinstance(zeta, dict):
             yield _line(label, f"{factor * front['mean']:.4g}", zeta["mean"], comparison)
@@ -44,7 +47,7 @@ def _measured(results: Results) -> Iterator[str]:
         else:
             yield _line(label, f"{factor * front:.4g}", zeta, comparison)
     yield _line("spread of zeta (uncertainty of the front)", "", summary["spread"], "")
-    comparison = _comparison(errors.get(("beta", "")))
+    comparison = _comparison(errors.get(("beta", ""))) or nothing
     place = "at the wall or axis" if shape.outline is None else "of the deposit"
     yield _line(f"beta, height {place}", f"{factor * summary['height']:.4g}", summary["beta"], comparison)
     if erosion := summary.get("erosion"):
@@ -84,7 +87,7 @@ def _line(label: str, length: str, value: float, comparison: str) -> str:
 
 def _comparison(score: dict[str, Any] | None) -> str:
     if score is None:
-        return "no law"
+        return ""
     if score["error"] is None:
         return str(score["comment"])
     return f"{score['expected']:.3f} ({score['error']:+.1%}, scatter {score['scatter']:.0%}){mark(score['verified'])}"
@@ -117,6 +120,8 @@ def _quality(summary: dict[str, Any]) -> Iterator[str]:
         released = f"{shares['released']:.3g} {summary.get('energy_unit', 'J')}"
         parts = (f"{name.replace('_', ' ')} {100.0 * shares[name]:.1f} %" for name in names)
         yield f"energy released, {released}: " + ", ".join(parts)
+        if (lost := walls_and_transfer(shares)) is not None:
+            yield f"walls and transfer together {100.0 * lost:.1f} %: one gives what the other takes"
     if stress := summary.get("stress"):
         yield (
             f"pressure over the weight at the foot: 99 % below {stress['pressure_p99']:.2f}, at most "

@@ -32,8 +32,10 @@ def _explanation(key: str) -> str:
     from mpmcol.case import explain as explain_key
     from mpmcol.case import hint_for, key_names
     from mpmcol.case.not_modelled import answer_to
+    from mpmcol.case.reference import without_index
     from mpmcol.io.columns import explain_name, explain_names, explain_word
 
+    key = without_index(key)
     if key == "results":
         return explain_names()
     found = [explain_key(key)] if not key or key in key_names() else []

@@ -33,7 +33,12 @@ _DEPOSIT: Names = {
     "height": ("m", "top h_f of the contiguous pile at the wall or axis, above the base; of an outline, anywhere"),
     "beta": ("", "final height h_f / h_i (Eq. 40)"),
     "area_factor": ("", "V / (r_f h_f) of a plane column or a box, V / (pi r_f^2 h_f) of a cylinder"),
-    "repose_angle_deg": ("deg", "angle of repose: inclination of the flank to the base, from 80 to 20 % of the height"),
+    "repose_angle_deg": (
+        "deg",
+        "angle of repose: inclination of the flank to the base, from 80 to 20 % of the height; of two flanks the mean",
+    ),
+    "repose_low_x_deg": ("deg", "angle of repose of the flank toward smaller x; null unless there are two flanks"),
+    "repose_high_x_deg": ("deg", "angle of repose of the flank toward larger x; null unless there are two flanks"),
     "undisturbed_radius": ("m", "radius within which the top surface has moved by less than r_i/100 since release"),
     "stop_time": (TAU, "time after release from which on front_height stays within one cell; null if not at rest"),
     "at_rest": ("", "whether the run ended with the column at rest"),

@@ -19,7 +19,7 @@ BIAS_CELLS = 20.0  # their r_i / h; the flanks of coarser grids are steeper
 def repose_angle(profile_x: Array, profile_y: Array) -> float | None:
     """Inclination of the flank of a deposit by linear regression, degrees.
 
-    The flank is the first part outward from the top whose height is within FLANK of that of the top.
+    The flank is the first part from the top toward larger distances whose height is within FLANK of that of the top.
 
     Args:
         profile_x: bin centres from the wall or axis outward, (bins,), m.
@@ -40,6 +40,15 @@ def repose_angle(profile_x: Array, profile_y: Array) -> float | None:
     flank = np.arange(flank[0], end)
     slope = np.polyfit(x[flank], profile_y[top:][flank], 1)[0]
     return float(np.degrees(np.arctan(-slope)))
+
+
+def inner_repose_angle(profile_x: Array, profile_y: Array) -> float | None:
+    """As `repose_angle`, of the flank from the top toward the wall or axis; None unless the deposit ends before it."""
+    top = int(profile_y.argmax())
+    inner = profile_y[: top + 1]
+    if not (inner < FLANK[0] * profile_y[top]).any():
+        return None
+    return repose_angle(profile_x[top] - profile_x[top::-1], inner[::-1])
 
 
 def friction_from_repose(repose_deg: float) -> float:

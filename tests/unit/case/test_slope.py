@@ -70,7 +70,7 @@ def test_the_flow_stops_below_the_friction_in_shear() -> None:
 
 def test_no_experiment_applies_to_a_slope() -> None:
     case = load_case("coarse-channel", ["geometry.slope_deg=10"])
-    assert experiment_of(case).laws == () and "slope of 10 deg" in experiment_of(case).title
+    assert experiment_of(case).laws == () and "it slopes by 10 deg" in experiment_of(case).title
     own = experiment_of(load_case("coarse-channel"))
     assert own.laws and own.misfit(conditions_of(case)) == "for a horizontal base; here it slopes by 10 deg"
 
