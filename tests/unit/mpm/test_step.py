@@ -74,7 +74,7 @@ def reference_material(law: str) -> reference.ReferenceMaterial:
             1e6, 0.25, radians(33.0), radians(5.0), 100.0, tension=50.0, failure_strain=0.0
         )
     if law == "mohr-coulomb, clay":
-        return reference.ReferenceMaterial(1e6, 0.25, 0.0, 0.0, 150.0, tension=100.0)
+        return reference.ReferenceMaterial(1e6, 0.25, 0.0, 0.0, 150.0, tension=100.0, failure_strain=1.0)
     if law in ("mohr-coulomb-softening, cohesion", "mohr-coulomb-softening, tension"):
         return reference.ReferenceMaterial(
             1e6, 0.25, radians(45.0), 0.0, 100.0, radians(30.0), rate=5.0, c_residual=10.0, tension=keys.get("tension")

@@ -25,7 +25,7 @@ def printed(shape: Any = SHAPE, **changed: Any) -> str:
     """The output of `mpmcol measure`."""
     measured: Any = SimpleNamespace(
         status="done", at_rest=True, time=1.0, is_deposit=True, shape=shape, stop_time=None, energy_released=None,
-        measurement=replace(deposit(1.5), **changed), scores=[], profiles=[],
+        friction_from_repose=None, measurement=replace(deposit(1.5), **changed), scores=[], profiles=[],
     )  # fmt: skip
     return text_of(measured)
 
