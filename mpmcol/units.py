@@ -157,6 +157,11 @@ def tangent(text: str) -> float:
         return math.tan(to_unit(text, "rad"))
 
 
+def counted(count: int, noun: str) -> str:
+    """A number of things: "1 cell", "2 cells"."""
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+
+
 def duration_text(seconds: float) -> str:
     """A time in the unit that gives a readable number."""
     if seconds < 120.0:

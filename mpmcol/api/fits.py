@@ -14,9 +14,11 @@ from mpmcol.case import Case
 from mpmcol.errors import UsageError
 from mpmcol.io.html import html_table
 from mpmcol.studies.fit import REPEATS, Fit, carry_out_fit
+from mpmcol.studies.fit.agreement import Agreement
 from mpmcol.studies.fit.quantities import Target, parse_targets, read_profile, targets_of
-from mpmcol.studies.fit.report import FittedValue, fitted_values, lines, record, write_report
+from mpmcol.studies.fit.report import lines, record, write_report
 from mpmcol.studies.fit.unknowns import Unknown, unknowns_of
+from mpmcol.studies.fit.values import FittedValue, fitted_values
 from mpmcol.sweep.names import safe_name
 from mpmcol.sweep.runner import SweepObserver
 
@@ -30,16 +32,19 @@ class FitResults:
 
     folder: Path
     values: list[FittedValue]
+    agreement: Agreement  # the measurements beside the computed values, and whether these reproduce them
     record: dict[str, Any]  # content of fit.json
     text: list[str]  # the answer in words
     files: list[Path]
 
     def __repr__(self) -> str:
-        return f"<FitResults {str(self.folder)!r}: {'; '.join(map(str, self.values))}>"
+        texts = [*map(str, self.values), *map(str, self.agreement.comparisons)]
+        return f"<FitResults {str(self.folder)!r}: {'; '.join(texts)}>"
 
     def _repr_html_(self) -> str:
         rows = [[one.key, one.value, one.error] for one in self.values]
-        return html_table(["unknown", "value", "standard error"], rows)
+        texts = [[str(one)] for one in self.agreement.comparisons]
+        return html_table(["unknown", "value", "standard error"], rows) + html_table(["measurement"], texts)
 
 
 def fit(
@@ -62,8 +67,10 @@ def fit(
 
     Args:
         case: from `load_case`, or a TOML file or the name of a shipped case.
-        to: measured values by name (zeta, beta, repose in degrees, undisturbed_radius in m), each a number or a number
-            and its standard error, for example {"zeta": (1.37, 0.05)}.
+        to: measured values by name (zeta, beta, repose in degrees, undisturbed_radius in m; at 1 and 2 sqrt(h_i/g)
+            after the release zeta_at_1, zeta_at_2, beta_at_1, beta_at_2; stop_time in sqrt(h_i/g)), each a number or a
+            number and its standard error, for example {"zeta": (1.37, 0.05)}. Without one 2 % are assumed, as for a
+            profile.
         vary: unknown keys with the ends of their ranges, for example {"material.friction_deg": (20, 45)}.
         profile: CSV file of the measured profile, with the columns "r" and "z" in m.
         overrides: further values of the case, as "KEY=VALUE".
@@ -74,7 +81,8 @@ def fit(
         fresh: run again what is finished.
         jobs, threads: concurrent runs and threads per run (default: chosen from cores, memory and sizes).
         observer: receives the events of the runs.
-        notify: receives remarks on the answer, for example that the measurements do not determine it.
+        notify: receives remarks on the answer, for example that no values reproduce the measurements, or that these do
+            not determine the values.
 
     Raises:
         CaseError: a value is invalid.
@@ -110,4 +118,6 @@ def default_folder(case: str, unknowns: Sequence[Unknown]) -> Path:
 
 
 def _results(found: Fit) -> FitResults:
-    return FitResults(found.folder, fitted_values(found), record(found), list(lines(found)), write_report(found))
+    return FitResults(
+        found.folder, fitted_values(found), found.agreement, record(found), list(lines(found)), write_report(found)
+    )

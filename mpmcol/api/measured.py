@@ -14,7 +14,7 @@ from mpmcol.experiments import ProfileScore, Score, profile_scores, score
 from mpmcol.io.glossary import ENERGY_UNITS
 from mpmcol.io.names import HISTORY_FILE
 from mpmcol.io.results import Results, measure_stop_time
-from mpmcol.measure import ColumnShape, Measurement
+from mpmcol.measure import STEEPEST, ColumnShape, Measurement, friction_from_repose
 
 
 @dataclass(frozen=True)
@@ -39,6 +39,18 @@ class Measured:
         """Whether this is the final deposit, as opposed to a state during the collapse."""
         return self.at_rest and self.is_last
 
+    @property
+    def friction_from_repose(self) -> float | None:
+        """Friction angle that the angle of repose corresponds to, with the bias of `friction_bias`, degrees.
+
+        Of the final deposit of a plane column, whose surface is inclined by less than 45 degrees; otherwise None.
+        """
+        angle = self.measurement.repose_angle_deg
+        if angle is None or not self.is_deposit or self.shape.model != "plane":
+            return None
+        horizontal = angle + self.shape.slope_deg
+        return friction_from_repose(horizontal) if 0.0 < horizontal < STEEPEST else None
+
 
 def measure(run: Results | Path | str, snapshot: int = -1, *, notify: Notify = warn) -> Measured:
     """Measure a snapshot of a run: fronts, height, profile, and their errors relative to published laws.
@@ -56,6 +68,7 @@ def measure(run: Results | Path | str, snapshot: int = -1, *, notify: Notify = w
     taken, shape, measurement = results.snapshot(snapshot), results.shape, results.measure(snapshot)
     is_last = snapshot in (-1, len(results.snapshots) - 1)
     stop = _stop_time(results, notify) if results.came_to_rest and is_last else None
+    conditions = conditions_of(results.case)
     values: dict[str, Any] = {"zeta": measurement.zeta, "beta": measurement.beta}
     values |= {} if stop is None else {"stop_time": stop}
     return Measured(
@@ -69,7 +82,7 @@ def measure(run: Results | Path | str, snapshot: int = -1, *, notify: Notify = w
         stop_time=stop,
         energy_released=_energy_released(results) if is_last else None,
         energy_unit=ENERGY_UNITS[shape.model][1],
-        scores=score(values, shape.a, shape.model, shape.section, conditions_of(results.case)),
+        scores=score(values, shape.a, shape.model, shape.section, conditions),
         profiles=profile_scores(
             measurement.profile_x,
             measurement.profile_y,
@@ -77,7 +90,7 @@ def measure(run: Results | Path | str, snapshot: int = -1, *, notify: Notify = w
             shape.r_i,
             shape.h_i,
             shape.section,
-            shape.slope_deg,
+            conditions,
         ),
     )
 

@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
-from mpmcol.case.conditions import conditions_of, experiment_of
+from mpmcol.case.conditions import (
+    applicable_experiments,
+    common_experiments,
+    compared_experiment,
+    conditions_of,
+    experiment_of,
+)
 from mpmcol.case.load import flattened_text, load_case, resolved_toml
 from mpmcol.case.markdown import markdown_reference
 from mpmcol.case.problem import Problem
@@ -14,7 +20,10 @@ from mpmcol.case.values import case_hash
 __all__ = [
     "Case",
     "Problem",
+    "applicable_experiments",
     "case_hash",
+    "common_experiments",
+    "compared_experiment",
     "conditions_of",
     "experiment_of",
     "explain",

@@ -72,6 +72,11 @@ def _of_material(table: str) -> Iterator[Constraint]:
         lambda friction, cohesion: friction != 0.0 or cohesion != 0.0,
         "needs a cohesion, not {1}: material without both has no strength",
     )
+    yield Constraint(
+        (f"{table}.failure_strain", f"{table}.friction_deg", f"{table}.law"),
+        lambda failure, friction, law: failure in (None, math.inf) or friction != 0.0 or law != "drucker-prager",
+        "has no meaning with {1} and {2}, which has no apex: remove it",
+    )
     for friction in ("friction_deg", "friction_peak_deg"):
         yield Constraint(
             (f"{table}.tension", f"{table}.cohesion", f"{table}.{friction}"),
@@ -132,12 +137,14 @@ CONSTRAINTS = (
     Constraint(
         ("friction.back_wall", "geometry.model", "geometry.release"),
         lambda mu, model, release: mu is None or (model == "plane" and release == "one-sided"),
-        "needs a wall at x = 0, which only a one-sided plane column has, not {1}, {2}: remove it",
+        "needs a wall at x = 0, which only a one-sided plane column has, not {1}, {2}: remove it; in 3D a wall "
+        "with friction is one of [[walls]]",
     ),
     Constraint(
         ("friction.side_walls", "geometry.model"),
         lambda mu, model: mu is None or model == "plane",
-        "needs a channel in plane strain, not {1}: remove it",
+        "needs a channel in plane strain, not {1}: remove it; in 3D the sides of a channel are [[walls]] with "
+        "side_from or side_to, and friction",
     ),
     *(
         Constraint(

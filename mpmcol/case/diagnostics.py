@@ -16,7 +16,7 @@ from mpmcol.case.constraints import ViolatedConstraint, violations
 from mpmcol.case.materials import default_base_law, with_inherited_keys
 from mpmcol.case.not_modelled import answer_to
 from mpmcol.case.problem import MOST_COUNTED, Problem, set_option
-from mpmcol.case.reference import MATERIALS, field_at, fields_at, heading, key_names
+from mpmcol.case.reference import MATERIALS, field_at, fields_at, heading, key_names, without_indices
 from mpmcol.case.source import CaseInput
 from mpmcol.case.toml_lines import KeyPath, value_at
 from mpmcol.mpm.constitutive import LAWS
@@ -91,7 +91,8 @@ def _key_path(error: ErrorDetails) -> KeyPath:
         parts.pop()
     before = [None, *parts]
     location = tuple(str(part) for last, part in zip(before, parts, strict=False) if last not in _WITH_LAW)
-    return (*location, "law") if error["type"].startswith("union_tag") else location
+    inside = error.get("ctx", {}).get("inside", ())  # of an array of tables that is checked as a whole
+    return (*location, "law") if error["type"].startswith("union_tag") else (*location, *inside)
 
 
 def _nearest_key(key: KeyPath, law: str) -> KeyPath | None:
@@ -105,13 +106,16 @@ def _nearest_key(key: KeyPath, law: str) -> KeyPath | None:
 def _problem(given: CaseInput, key: KeyPath, message: str, hint: str, about: KeyPath) -> Problem:
     override, source = given.override_of(key), given.source_of(key)
     line, text = source.location(key)
+    name = ".".join(without_indices(about))
     if override:
-        return Problem(set_option(override.argument), None, ".".join(key), message, hint, "", ".".join(about))
-    return Problem(source.name, line, ".".join(key), message, hint, text, ".".join(about))
+        return Problem(set_option(override.argument), None, ".".join(key), message, hint, "", name)
+    return Problem(source.name, line, ".".join(key), message, hint, text, name)
 
 
 def _qualified(key: KeyPath, field: FieldInfo | None = None) -> str:
     *table, name = key
+    if name.isdecimal():
+        return _table_name(key).rstrip(":")
     if field and fields.expected(field) == "a table":
         return f"[{'.'.join(key)}]"
     return f"{_table_name(tuple(table))} {name}" if table else name
@@ -154,8 +158,10 @@ def _correct_place(key: KeyPath, law: str) -> str:
     laws = [other for other in LAWS if name in fields_at(("material",), other)]
     if tuple(table) in MATERIALS and laws:
         return f"not a key of law {law}, but of {' and '.join(laws)}"
+    if name in fields_at((*table, "material"), law):
+        return f"a key of its material: material = {{ {name} = ... }}"
     tables = [path.rpartition(".")[0] for path in key_names() if path.rpartition(".")[2] == name]
-    return f"move this key to [{tables[0]}]" if tables and tables[0] else ""
+    return f"move this key to {heading(tuple(tables[0].split('.')))}" if tables and tables[0] else ""
 
 
 def _bad_value(given: CaseInput, key: KeyPath, error: ErrorDetails, law: str) -> Problem:
@@ -167,10 +173,22 @@ def _bad_value(given: CaseInput, key: KeyPath, error: ErrorDetails, law: str) ->
     value, last = value_at(given.tables, key), error["loc"][-1]
     item = f", item {last + 1}: {fields.shown(error['input'])}" if isinstance(last, int) else ""
     reason = error["msg"] if error["type"] in ("quantity", "value_error") else f"expected {expected}"
-    near = fields.nearest(value, map(str, fields.allowed(field))) if isinstance(value, str) else None
     is_float = isinstance(value, float) and not fields.number_of(field)  # where 4.0 is wrong and 4 is right
-    message = f"{_qualified(key)} = {value if is_float else fields.shown(value)}{item}: {reason}"
-    return _problem(given, key, message, f'did you mean "{near}"?' if near else "", key)
+    stated = "" if key[-1].isdecimal() else f" = {value if is_float else fields.shown(value)}"
+    message = f"{_qualified(key)}{stated}{item}: {reason}"
+    return _problem(given, key, message, _value_hint(key, field, value), key)
+
+
+def _value_hint(key: KeyPath, field: FieldInfo, value: Any) -> str:
+    """What an invalid value is likely to mean; "" if that is unknown."""
+    if fields.item_table(field) and isinstance(value, dict):
+        return f"write [[{key[-1]}]], in double brackets, once for each of them"
+    if not isinstance(value, str):
+        return ""
+    if fields.is_quoted(value, field):
+        return f"write {value} without quotes"
+    near = fields.nearest(value, map(str, fields.allowed(field)))
+    return f'did you mean "{near}"?' if near and near != value else ""
 
 
 def _valid_values(

@@ -67,6 +67,15 @@ def minimum(field: FieldInfo) -> int | None:
     return next((part.ge for part in field.metadata if hasattr(part, "ge")), None)
 
 
+def is_quoted(text: str, field: FieldInfo) -> bool:
+    """Whether a string is a value of a key that accepts no strings, in quotes."""
+    if value_type(field) is bool:
+        return text in ("true", "false")
+    return (value_type(field) is int and text.isdecimal()) or text in (
+        str(value) for value in allowed(field) if not isinstance(value, str)
+    )
+
+
 def expected(field: FieldInfo) -> str:
     """Description of the accepted values, for example "a number > 0, in m"."""
     if converter := converter_of(field):

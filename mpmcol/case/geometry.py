@@ -14,6 +14,11 @@ from mpmcol.units import Table, option, quantity
 _OUTLINE = OutlinePoints()
 
 
+def whole_cells(length: float, h: float) -> int:
+    """Number of cells of size h (m) that a length (m) is rounded to, at least one."""
+    return max(round(length / h), 1)
+
+
 class GeometryTable(Table):
     """The column, its base and the domain."""
 
@@ -111,6 +116,10 @@ class GeometryTable(Table):
     def a(self) -> float:
         """Aspect ratio h_i / r_i."""
         return self.aspect if self.aspect is not None else self.h_i / self.r_i
+
+    def fitted_spacing(self, spacing: float) -> float:
+        """The spacing h nearest to a given one (m) by which r_i is a whole number of cells."""
+        return self.r_i / whole_cells(self.r_i, spacing)
 
     @property
     def lean(self) -> float:

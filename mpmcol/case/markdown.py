@@ -63,7 +63,7 @@ def _is_table(name: str) -> bool:
 
 def _accepted(field: FieldInfo) -> str:
     if number := fields.number_of(field):
-        return number.interval or "number"
+        return (number.interval or "number") + (", or an angle in quotes" if number.is_tangent else "")
     if item := fields.item_number(field):
         return f"array, each {item.interval}"
     if values := fields.allowed(field):

@@ -77,15 +77,21 @@ def _shared(material: Mapping[str, Any], law: Any) -> dict[str, Any]:
     return {key: material[key] for key in keys if key in material}
 
 
-def check_layers(layers: tuple[LayerTable, ...], law: str, geometry: GeometryTable) -> None:
-    """Raise PydanticCustomError if layers overlap, begin above the column, have another law, or are too many."""
+def check_laws(layers: list[Any], law: str) -> None:
+    """Raise PydanticCustomError if a layer as given has another law than the column, before its other keys are read."""
+    for number, layer in enumerate(layers):
+        own = layer.get("material") if isinstance(layer, dict) else None
+        if isinstance(own, dict) and own.get("law", law) in [other for other in LAWS if other != law]:
+            raise _refusal(f'must be that of the column, "{law}"', number, "material", "law")
+
+
+def check_layers(layers: tuple[LayerTable, ...], geometry: GeometryTable) -> None:
+    """Raise PydanticCustomError if layers overlap, begin above the column, or are too many."""
     height, most = geometry.h_i, MOST_LAYERS[geometry.dimension]
     if len(layers) > most:
         raise _refusal(f"{len(layers)} layers, expected at most {most} for this model")
     top = 0.0
     for number, layer in sorted(enumerate(layers, 1), key=lambda one: one[1].from_):
-        if layer.material.law != law:
-            raise _refusal(f'layer {number}: its law must be that of the column, "{law}"')
         if not layer.from_ < layer.to:
             raise _refusal(f"layer {number}: from = {layer.from_:g} m must be smaller than to = {layer.to:g} m")
         if layer.from_ < top:
@@ -95,5 +101,6 @@ def check_layers(layers: tuple[LayerTable, ...], law: str, geometry: GeometryTab
         top = layer.to
 
 
-def _refusal(text: str) -> PydanticCustomError:
-    return PydanticCustomError("quantity", "{text}", {"text": text})
+def _refusal(text: str, *inside: int | str) -> PydanticCustomError:
+    """An error of an item of the array, and of a key in it, if they are given."""
+    return PydanticCustomError("quantity", "{text}", {"text": text, "inside": tuple(map(str, inside))})

@@ -31,7 +31,8 @@ _ANSWERS = {
         "grain_diameter and grain_density; there is no viscosity"
     ),
     "mu(?!_[s2])|friction_coefficient|coefficient_of_friction|internal_friction|phi|friction_angle": (
-        "friction is given as an angle: material.friction_deg, atan(mu) for a coefficient mu"
+        "friction is given as an angle: material.friction_deg, atan(mu) for a coefficient mu; of law mu-i as the "
+        "coefficients mu_s and mu_2"
     ),
     "tensile|cutoff|capillary|cohesive": (
         "the tensile strength is material.tension, of the Mohr-Coulomb laws, at most material.cohesion / "
@@ -41,7 +42,19 @@ _ANSWERS = {
 _PATTERNS = {re.compile(rf"(?:^|_)(?:{parts})(?:_|$)"): answer for parts, answer in _ANSWERS.items()}
 
 
+# names of a friction coefficient or angle, and where they belong in the tables whose own keys are friction
+_COEFFICIENT = re.compile(
+    r"mu|phi|delta|angle|coefficient|roughness|(mu|coefficient)_?friction|friction_?(deg|angle|coefficient)"
+)
+_OF_TABLE = {
+    "friction": 'give it to floor, back_wall or side_walls: a coefficient such as 0.4, or an angle such as "22 deg"',
+    "walls": 'the friction of a wall is its key friction: a coefficient such as 0.4, or an angle such as "22 deg"',
+}
+
+
 def answer_to(key: KeyPath) -> str | None:
     """The answer to an unknown key, found from its parts; None if there is no special one."""
+    if key[0] in _OF_TABLE and len(key) > 1 and _COEFFICIENT.fullmatch(key[-1].lower()[:_LONGEST]):
+        return _OF_TABLE[key[0]]
     name = "_".join(key).lower()[:_LONGEST]
     return next((answer for pattern, answer in _PATTERNS.items() if pattern.search(name)), None)

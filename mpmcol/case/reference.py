@@ -61,6 +61,12 @@ def without_indices(key: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(name for name in key if not name.isdecimal())
 
 
+def without_index(key: str) -> str:
+    """A dotted key without the indices of items: layers.material.friction_deg of layers.0.material.friction_deg."""
+    plain = ".".join(without_indices(tuple(key.split("."))))
+    return plain if plain in key_names() else key
+
+
 def heading(key: tuple[str, ...]) -> str:
     """A table as in a case file: [grid], or [[layers]] for an array of tables."""
     name = ".".join(without_indices(key))

@@ -13,12 +13,13 @@ from mpmcol.case.geometry import GeometryTable
 from mpmcol.case.materials import (
     LayerTable,
     Material,
+    check_laws,
     check_layers,
     with_column_material,
     with_inherited_keys,
     with_law_of_column,
 )
-from mpmcol.case.slope import slope_factor
+from mpmcol.case.slope import case_slope_factor
 from mpmcol.case.tables import (
     GridTable,
     MethodTable,
@@ -94,6 +95,8 @@ class Case(Table):
         material = info.data.get("material")
         if not isinstance(layers, list):
             return layers
+        if material is not None:
+            check_laws(layers, material.law)
         return tuple(with_column_material(layer, material.model_dump() if material else {}) for layer in layers)
 
     @field_validator("layers", mode="after")
@@ -101,7 +104,7 @@ class Case(Table):
     def _check_layers(cls, layers: tuple[LayerTable, ...], info: ValidationInfo) -> tuple[LayerTable, ...]:
         geometry, material = info.data.get("geometry"), info.data.get("material")
         if geometry is not None and material is not None and layers:
-            check_layers(layers, material.law, geometry)
+            check_layers(layers, geometry)
         return layers
 
     @field_validator("walls", mode="before")
@@ -115,7 +118,9 @@ class Case(Table):
     def _check_walls(cls, walls: tuple[WallTable, ...], info: ValidationInfo) -> tuple[WallTable, ...]:
         geometry, method = info.data.get("geometry"), info.data.get("method")
         if geometry is not None and method is not None:
-            check_walls(walls, geometry, method.wall_impulse)
+            grid = info.data.get("grid")
+            h = geometry.fitted_spacing(grid.spacing) if grid and geometry.r_i > 0.0 else None  # NaN without a radius
+            check_walls(walls, geometry, method.wall_impulse, h)
         return walls
 
     @field_validator("stages", mode="before")
@@ -127,10 +132,10 @@ class Case(Table):
         if material is None or geometry is None or not isinstance(given, dict):
             return given
         filled = {"k0": _active_ratio(material), **given}
-        floor = friction.floor if (friction := info.data.get("friction")) else None
+        slow = case_slope_factor(cls.model_construct(**info.data))  # keys that are invalid have their defaults
         defaults: dict[str, dict[str, Any]] = {
             "equilibrate": {"law": material.law if given.get("gate", True) else "elastic"},
-            "collapse": {"max_time_factor": MAX_TIME_FACTOR * slope_factor(geometry.slope_deg, material, floor)},
+            "collapse": {"max_time_factor": MAX_TIME_FACTOR * slow},
         }
         for stage, values in defaults.items():
             if isinstance(own := given.get(stage, {}), dict):
@@ -141,6 +146,11 @@ class Case(Table):
     def materials(self) -> tuple[Material, ...]:
         """Materials by kind of the points: column, base, layers of the column."""
         return (self.material, self.base_material, *(layer.material for layer in self.layers))
+
+    @property
+    def material_names(self) -> tuple[str, ...]:
+        """Names of `materials` in messages and results."""
+        return ("column", "base", *(f"layer-{number}" for number in range(1, len(self.layers) + 1)))
 
     @model_validator(mode="after")
     def _check_constraints(self) -> Case:

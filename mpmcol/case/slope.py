@@ -11,6 +11,7 @@ from math import atan, degrees, inf, radians, tan
 from typing import Any
 
 LARGEST_FACTOR = 5.0
+BED, FLOOR = "the bed", "the floor"
 ENDLESS_REMEDY = (
     'set a smaller geometry.slope_deg, or stages.collapse.end = "time" with the duration of interest as '
     "stages.collapse.max_time_factor"
@@ -33,6 +34,19 @@ def slope_factor(slope_deg: float, material: Any, floor: float | None = None) ->
     return 1.0 / (1.0 - slope / friction)
 
 
+def flow_materials(case: Any) -> dict[str, Any]:
+    """Materials that the flow shears, by their names in messages: those of the column and of a granular bed."""
+    layers = {f"layer {number}": layer.material for number, layer in enumerate(case.layers, 1)}
+    bed = {BED: case.base_material} if case.geometry.base == "granular" else {}
+    return {"the material": case.material, **layers, **bed}
+
+
+def case_slope_factor(case: Any) -> float:
+    """`slope_factor` of the weakest material of a case, or of its floor."""
+    slope, floor = case.geometry.slope_deg, case.friction.floor
+    return max(slope_factor(slope, material, floor) for material in flow_materials(case).values())
+
+
 def limit_slope_deg(material: Any, floor: float | None = None) -> float:
     """The slope from which on the material does not stop, delta, degrees; 90 with cohesion, which stops thin layers."""
     is_cohesive = floor is None and getattr(material, "cohesion", 0.0) > 0.0
@@ -40,13 +54,18 @@ def limit_slope_deg(material: Any, floor: float | None = None) -> float:
 
 
 def endless_flow(case: Any) -> str:
-    """Why the flow of a case does not stop; "" if it stops."""
+    """Why the flow of a case does not stop, by its weakest part; "" if it stops."""
     slope, floor = case.geometry.slope_deg, case.friction.floor
-    limit = limit_slope_deg(case.material, floor)
-    if slope < limit or slope == 0.0:
+    limits = {name: limit_slope_deg(material) for name, material in flow_materials(case).items()}
+    if floor is not None:
+        limits[FLOOR] = degrees(atan(floor))
+    weakest = min(limits, key=lambda name: limits[name])
+    if slope < limits[weakest] or slope == 0.0:
         return ""
-    if floor is not None and limit < limit_slope_deg(case.material):
-        reason = f"the friction angle of the floor is {limit:.3g} degrees"
-    else:
-        reason = f"the friction of the material in shear is {limit:.3g} degrees, atan(sin(phi)) without dilatancy"
-    return f"geometry.slope_deg = {slope:g}: the flow does not stop on this slope, since {reason}"
+    moving = "bed and column flow on and do" if weakest == BED else "the flow does"
+    friction = "friction angle of the floor is" if weakest == FLOOR else f"friction of {weakest} in shear is"
+    law = "" if weakest == FLOOR else ", atan(sin(phi)) without dilatancy"
+    return (
+        f"geometry.slope_deg = {slope:g}: {moving} not stop on this slope, since the {friction} "
+        f"{limits[weakest]:.3g} degrees{law}"
+    )

@@ -26,10 +26,13 @@ _MOST_NAMED = 3  # files of a folder in a hint
 _LIST_HINT = "(mpmcol cases lists the shipped cases)"
 
 _YAML = (".yaml", ".yml", ".json")
+_OTHER_FORMAT = "a case file is TOML: [table], then key = value"
 # what the line of a syntax error is likely to mean, before the hints by the parser's message
 _LINE_HINTS = {
     r"[^=]*=\s*[-+]?\d+,\d": "the decimal separator is a point",
     r"[^=]*=\s*[-+]?\.\d": "write a digit before the decimal point",
+    r"[^=]*=\s*[-+]?\d+\.(?!\d)": "write a digit after the decimal point",
+    r'\s*(- |---|\{|(- )?"?[\w-]+"?\s*:(\s|$))': _OTHER_FORMAT,
     r'[^=]*=\s*"[^"]*\\': "write paths with / or in single quotes",
     r"(?i)[^=]*=\s*(yes|no|on|off|true|false)\b": "write true or false, in small letters",
 }
@@ -231,6 +234,6 @@ def _file_in(folder: Path) -> str:
 
 def _syntax_hint(path: Path, line: str, reason: str) -> str:
     if path.suffix.lower() in _YAML:
-        return "a case file is TOML: [table], then key = value"
+        return _OTHER_FORMAT
     likely = (hint for pattern, hint in _LINE_HINTS.items() if re.match(pattern, line[:_LONGEST_LINE]))
     return next(likely, _SYNTAX_HINTS.get(reason.removeprefix(SYNTAX_ERROR), ""))

@@ -189,7 +189,9 @@ class OutputTable(Table):
     )
     compression: Literal["none", "gzip"] = option("compression of the snapshot files", "none")
     wall_forces: bool = option(
-        "record the forces on floor, back wall and gate: columns of history.csv, and peaks in result.json", False
+        "record forces and moments on floor, back wall and gate, and on [[walls]]: columns of history.csv, and peaks "
+        "in result.json",
+        False,
     )
 
     @field_validator("times", mode="before")

@@ -11,11 +11,13 @@ from typing import Annotated, Any
 from pydantic import Field
 from pydantic_core import PydanticCustomError
 
+from mpmcol.case.fields import shortened
 from mpmcol.case.friction import coefficient
 from mpmcol.case.geometry import GeometryTable
-from mpmcol.units import Table, option, quantity
+from mpmcol.units import Table, counted, option, quantity
 
 FLOOR, BACK_WALL, GATE_WALL = "floor", "back_wall", "gate"  # names of the other walls whose forces are recorded
+LEAST_CELLS = 2  # thickness and height of a wall, and distance between two of them: splines are three nodes wide
 _NAME = re.compile(r"[A-Za-z0-9-]{1,40}")
 
 Span = tuple[float | None, float | None]
@@ -24,7 +26,7 @@ Span = tuple[float | None, float | None]
 class WallTable(Table):
     """A rigid wall: a box on the base, from which material may separate."""
 
-    name: str = option("its name in results: letters, digits and hyphens; default: wall-1, wall-2, ...")
+    name: str = option("its name in results: letters, digits and hyphens; default: wall-1, wall-2, ...", "")
     from_: Annotated[float, Field(alias="from")] = quantity(
         "its face at the smaller x, distance from the wall, plane of symmetry or axis at x = 0", "m"
     )
@@ -64,45 +66,71 @@ def with_names(walls: list[Any]) -> tuple[Any, ...]:
     )
 
 
-def check_walls(walls: tuple[WallTable, ...], geometry: GeometryTable, wall_impulse: bool) -> None:
+def check_walls(walls: tuple[WallTable, ...], geometry: GeometryTable, wall_impulse: bool, h: float | None) -> None:
     """Raise PydanticCustomError if a wall is not in the domain of this geometry, or in the way of another thing.
 
-    wall_impulse: that of the method, which walls need.
+    wall_impulse: that of the method, which walls need. h: spacing of the grid, m; None if it is invalid.
     """
     if walls and not wall_impulse:
-        text = "walls need their reaction: set method.wall_impulse = true"
-        raise PydanticCustomError("quantity", "{text}", {"text": text})
-    for wall in walls:
-        for problem in _problems(wall, geometry):
-            raise PydanticCustomError("quantity", "{text}", {"text": f"wall {wall.name}: {problem}"})
-    for one, other in combinations(walls, 2):
+        raise _refusal("walls need their reaction: set method.wall_impulse = true")
+    for number, wall in enumerate(walls):
+        for key, problem in (*_problems(wall, geometry), *(_thin_parts(wall, geometry.model, h) if h else ())):
+            raise _refusal(f"wall {shortened(wall.name)}: {problem}", number, key)
+    for (_, one), (number, other) in combinations(enumerate(walls), 2):
         if one.name == other.name:
-            raise PydanticCustomError("quantity", "{text}", {"text": f"two walls have the name {one.name}"})
+            raise _refusal(f"two walls have the name {one.name}", number)
         if _overlap(one.along, other.along) and _overlap(one.across, other.across):
-            raise PydanticCustomError("quantity", "{text}", {"text": f"walls {one.name} and {other.name} overlap"})
+            raise _refusal(f"walls {one.name} and {other.name} overlap", number)
 
 
-def _problems(wall: WallTable, geometry: GeometryTable) -> Iterator[str]:
+def _refusal(text: str, *inside: int | str) -> PydanticCustomError:
+    """An error of an item of the array, and of a key in it, if they are given."""
+    return PydanticCustomError("quantity", "{text}", {"text": text, "inside": tuple(map(str, inside))})
+
+
+def _thin_parts(wall: WallTable, model: str, h: float) -> Iterator[tuple[str, str]]:
+    """Keys of the faces of a wall that are less than LEAST_CELLS from the opposite one, and what is wrong."""
+    across = (0.0, wall.half_width) if model == "quarter" and wall.half_width is not None else wall.across
+    far_key = "side_to" if wall.half_width is None else "half_width"
+    for key, (low, high) in (("to", wall.along), ("height", (0.0, wall.height)), (far_key, across)):
+        if low is not None and high is not None and (cells := round(high / h) - round(low / h)) < LEAST_CELLS:
+            yield key, too_thin(cells, h)
+
+
+def too_thin(cells: int, h: float) -> str:
+    """What is wrong with a wall that is too few cells of size h (m) thick or high."""
+    return (
+        f"{counted(max(cells, 0), 'cell')} of {h:.4g} m, expected at least {LEAST_CELLS}, since material passes "
+        "thinner walls; decrease grid.spacing, or enlarge the wall"
+    )
+
+
+def _problems(wall: WallTable, geometry: GeometryTable) -> Iterator[tuple[str, str]]:
+    """Keys of a wall that do not fit this geometry, and what is wrong with each."""
     start, end, (left, right) = wall.from_, wall.to, wall.across
     given = {key: getattr(wall, key) is not None for key in ("half_width", "side_from", "side_to")}
     if not _NAME.fullmatch(wall.name) or wall.name in (FLOOR, BACK_WALL, GATE_WALL):
-        yield "name: expected letters, digits and hyphens, and not the name of another wall: floor, back_wall, gate"
+        yield "name", "expected letters, digits and hyphens, and not the name of another wall: floor, back_wall, gate"
     if geometry.base == "elastic":
-        yield 'needs a floor that does not move: set geometry.base = "rigid" or "granular"'
+        yield "from", 'needs a floor that does not move: set geometry.base = "rigid" or "granular"'
     if start < 0.0 and geometry.model != "full":
-        yield f"from = {start:g} m is outside the domain, which begins at x = 0; only full models extend to x < 0"
+        yield (
+            "from",
+            f"from = {start:g} m is outside the domain, which begins at x = 0; only full models extend to less",
+        )
     if end is not None and not start < end:
-        yield f"from = {start:g} m must be smaller than to = {end:g} m"
+        yield "to", f"from = {start:g} m must be smaller than to = {end:g} m"
     if geometry.dimension == 2 and any(given.values()):
-        yield f"{next(key for key, one in given.items() if one)} has no meaning in two dimensions: remove it"
+        key = next(key for key, one in given.items() if one)
+        yield key, f"{key} has no meaning in two dimensions: remove it"
     if wall.half_width is not None and (given["side_from"] or given["side_to"]):
-        yield "give half_width, or side_from and side_to"
+        yield "half_width", "give half_width, or side_from and side_to"
     if left is not None and right is not None and not left < right:
-        yield f"side_from = {left:g} m must be smaller than side_to = {right:g} m"
+        yield "side_to", f"side_from = {left:g} m must be smaller than side_to = {right:g} m"
     if geometry.model == "quarter" and wall.half_width is None and left is not None and left < 0.0:
-        yield f"side_from = {left:g} m is outside the quarter, which begins at z = 0"
+        yield "side_from", f"side_from = {left:g} m is outside the quarter, which begins at z = 0"
     if _overlaps_column(wall, geometry):
-        yield "overlaps the column; move it beyond the edge of the column"
+        yield "from", "overlaps the column; move it beyond the edge of the column"
 
 
 def _overlaps_column(wall: WallTable, geometry: GeometryTable) -> bool:

@@ -22,6 +22,7 @@ def check(case: str, aspect: str | None, overrides: tuple[str, ...], resolved: b
     problems are printed with file, line and key, and the exit code is 2.
     """
     from mpmcol.case import case_hash, load_case, resolved_toml
+    from mpmcol.case.title import title_of
     from mpmcol.setup.discretization import discretize, require_thick_outline
     from mpmcol.setup.memory import require_memory_for
     from mpmcol.setup.unfit_settings import require_stiff_column
@@ -38,7 +39,7 @@ def check(case: str, aspect: str | None, overrides: tuple[str, ...], resolved: b
     slope = f"slope {column.slope_deg:g} deg, " if column.slope_deg else ""
     slope += "vertical sides, " if column.lean else ""
     click.echo(
-        f"{case}: no problems. {loaded.title or 'Untitled'}: {kind}, {loaded.material.law}, "
+        f"{case}: no problems. {title_of(loaded)}: {kind}, {loaded.material.law}, "
         f"r_i = {column.r_i:g} m, h_i = {column.h_i:g} m, a = {column.a:g}, {slope}h = {discretization.h:g} m, "
         f"case_hash {case_hash(loaded)}",
         err=resolved,

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from mpmcol.cli.options import out_option, overrides_option
+
+if TYPE_CHECKING:
+    from mpmcol.studies.element.run import Columns
 
 TESTS = ("plane-strain", "triaxial", "shear", "extension")
 
@@ -56,12 +61,23 @@ def element(
     weight = loaded.material.density * loaded.geometry.gravity * loaded.geometry.h_i
     columns = element_test(loaded, path, weight if pressure is None else pressure, strain, steps, rate)
     folder = out or Path("elements") / f"{Path(case).stem}-{test}"
-    shear, angle = columns["shear"], columns["mobilised_deg"]
     click.echo(f"{loaded.material.law}: {path.description}, initial pressure {columns['pressure'][0]:.4g} Pa")
-    click.echo(f"largest shear stress {shear.max():.4g} Pa, at the end {shear[-1]:.4g} Pa")
-    click.echo(f"largest mobilised friction angle {angle.max():.4g} deg, at the end {angle[-1]:.4g} deg")
+    for line in _strength_lines(path.measures, columns):
+        click.echo(line)
     click.echo(f"volumetric strain at the end {columns['volumetric_strain'][-1]:.4g}")
     make_folder(folder)
     click.echo(write_table(folder, columns))
     for chart in draw_chart(folder, loaded, path, columns):
         click.echo(chart)
+
+
+def _strength_lines(measures: str, columns: Columns) -> Iterator[str]:
+    """The strength that a test gives."""
+    shear, angle, tension = columns["shear"], columns["mobilised_deg"], -columns["pressure"]
+    if measures == "tension":
+        largest, last = max(tension.max(), 0.0), max(tension[-1], 0.0)
+        yield f"tensile strength (largest mean tension) {largest:.4g} Pa, tension at the end {last:.4g} Pa"
+        yield f"opening strain at the end {columns['opening_strain'][-1]:.4g}"
+    else:
+        yield f"largest shear stress {shear.max():.4g} Pa, at the end {shear[-1]:.4g} Pa"
+        yield f"largest mobilised friction angle {angle.max():.4g} deg, at the end {angle[-1]:.4g} deg"

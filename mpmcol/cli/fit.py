@@ -27,12 +27,14 @@ from mpmcol.cli.report import report_at_end
 @click.argument("case")
 @click.option(
     "--to", "measured", multiple=True, metavar="NAME=VALUE[+-ERROR],...",
-    help="Measured values with their standard errors: zeta, beta, repose (deg), undisturbed_radius (m), for example "
-    "zeta=1.37+-0.05,beta=0.55.",
+    help="Measured values with their standard errors: zeta, beta, repose (deg), undisturbed_radius (m), "
+    "and in time zeta_at_1, zeta_at_2, beta_at_1, beta_at_2 (at 1 and 2 sqrt(h_i/g)), stop_time (sqrt(h_i/g)), for "
+    "example zeta=1.37+-0.05,beta=0.55. Without an error 2 % are assumed.",
 )  # fmt: skip
 @click.option(
     "--profile", metavar="FILE", type=PATH,
-    help='Measured profile of the deposit: a CSV file with the columns "r" and "z" in m.',
+    help='Measured profile of the deposit: a CSV file with the columns "r" and "z" in m. The '
+    "standard error of its heights is assumed: 2 % of the largest.",
 )  # fmt: skip
 @click.option(
     "--vary", multiple=True, metavar="KEY=LOW:HIGH",
@@ -50,7 +52,7 @@ from mpmcol.cli.report import report_at_end
 @jobs_option
 @threads_option
 @report_option
-@json_option("values with their standard errors")
+@json_option("values with their standard errors, and the differences from the measurements")
 @quiet_option
 def fit(
     case: str,
@@ -72,8 +74,9 @@ def fit(
     """Find values of a case from a measured deposit.
 
     CASE is a TOML file or the name of a shipped case. The answer has a standard error, with the parts of it that come
-    from the measurement, the grid and the scatter of the runs. Runouts are those of front_height. With --accuracy the
-    search runs on a coarse grid of the study, and only the answer on an accurate one; without, on the grid of the case.
+    from the measurement, the grid and the scatter of the runs. Where no values in the ranges reproduce the
+    measurements, that is stated. Runouts are those of front_height. With --accuracy the search runs on a coarse grid of
+    the study, and only the answer on an accurate one; without, on the grid of the case.
 
     Writes fit.json, fit.md, evaluations.csv, the fitted case fitted.toml and charts. Repeating the command resumes a
     fit that was stopped.

@@ -41,10 +41,14 @@ def _state(measured: Measured) -> dict[str, Any]:
 
 
 def _json(measured: Measured) -> str:
+    from mpmcol.measure import friction_bias
+
     measurement = measured.measurement
     record = {
         **_state(measured),
         **measurement.scalars(),
+        "friction_from_repose_deg": measured.friction_from_repose,
+        "friction_from_repose_bias_deg": friction_bias(measured.shape),
         "stop_time": measured.stop_time,
         "energy_released": measured.energy_released,
         "energy_unit": measured.energy_unit,
@@ -64,6 +68,7 @@ def _csv(measured: Measured) -> str:
 
     row = _state(measured) | {"at_rest": str(measured.at_rest).lower()}
     row |= dict(flatten(measured.measurement.scalars()))
+    row["friction_from_repose_deg"] = measured.friction_from_repose
     row["stop_time"] = measured.stop_time
     for score in measured.scores:
         if score.quantity != "stop_time":

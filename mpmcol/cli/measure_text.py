@@ -6,12 +6,13 @@ from itertools import groupby
 from typing import TYPE_CHECKING
 
 from mpmcol.experiments import EXPERIMENTS, find_experiment
+from mpmcol.measure import friction_bias
 from mpmcol.units import length_scale, length_text
 
 if TYPE_CHECKING:
     from mpmcol.api.measured import Measured
     from mpmcol.experiments import ProfileScore, Score
-    from mpmcol.measure import ColumnShape
+    from mpmcol.measure import ColumnShape, Measurement
 
 WIDTH = max(len(experiment.citation) for experiment in EXPERIMENTS.values())
 
@@ -31,18 +32,25 @@ def _state_lines(measured: Measured) -> list[str]:
 def _deposit_lines(measured: Measured) -> list[str]:
     shape, measurement, stop = measured.shape, measured.measurement, measured.stop_time
     undisturbed, angle, energy = measurement.undisturbed_radius, measurement.repose_angle_deg, measured.energy_released
-    kind = shape.release if shape.dimension == 2 else shape.section
+    kind = "cylinder" if shape.is_round else shape.release if shape.dimension == 2 else shape.section
     return [
         f"{shape.model}, {kind}, {shape.proportions}, r_i = {length_text(shape.r_i)}{shape.slope_text}",
         *(_front_line(name, measured) for name in measurement.front),
         f"{'spread of zeta':<20} {measurement.spread:9.3f}",
         f"{'height':<20} {_length(measurement.height, shape)}   beta {measurement.beta:7.3f}",
         f"{'area factor':<20} {measurement.area_factor:9.3f}",
-        *([] if angle is None else [f"{'angle of repose':<20} {angle:9.1f} deg{_to_horizontal(angle, shape)}"]),
+        *_repose_line(angle, measurement, shape),
+        *_friction_line(measured),
         f"{'undisturbed radius':<20} " + ("none" if undisturbed is None else _length(undisturbed, shape)),
         *([] if stop is None else [f"{'front stops at':<20} {stop:9.2f} sqrt(h_i/g)"]),
         *([] if energy is None else [f"{'energy released':<20} {energy:9.3g} {measured.energy_unit}"]),
     ]
+
+
+def _flanks(measurement: Measurement) -> str:
+    """The angles of two flanks, of which the angle of repose is the mean."""
+    low, high = measurement.repose_low_x_deg, measurement.repose_high_x_deg
+    return "" if low is None or high is None else f" (mean; toward smaller x {low:.1f}, toward larger x {high:.1f})"
 
 
 def _to_horizontal(angle: float, shape: ColumnShape) -> str:
@@ -51,6 +59,23 @@ def _to_horizontal(angle: float, shape: ColumnShape) -> str:
         return ""
     horizontal = f", {angle + shape.slope_deg:.1f} deg to the horizontal" if shape.dimension == 2 else ""
     return f" to the base{horizontal}"
+
+
+def _repose_line(angle: float | None, measurement: Measurement, shape: ColumnShape) -> list[str]:
+    if angle is None:
+        return []
+    return [f"{'angle of repose':<20} {angle:9.1f} deg{_to_horizontal(angle, shape)}{_flanks(measurement)}"]
+
+
+def _friction_line(measured: Measured) -> list[str]:
+    """The friction angle that the angle of repose corresponds to, and how far below that of the material it is."""
+    angle, bias = measured.friction_from_repose, friction_bias(measured.shape)
+    if angle is None:
+        return []
+    known = "its difference from that of the material is not studied for this column and grid"
+    if bias is not None:
+        known = f"{-bias[1]:g} to {-bias[0]:g} deg below that of the material"
+    return [f"{'friction from repose':<20} {angle:9.1f} deg; {known}"]
 
 
 def _front_line(name: str, measured: Measured) -> str:

@@ -144,10 +144,10 @@ def with_aspect(overrides: Sequence[str], aspect: str | None) -> tuple[str, ...]
 
 overrides_option = click.option(
     "--set", "overrides", multiple=True, metavar="KEY=VALUE",
-    help="Replace a value of the case, for example grid.spacing=0.005. May be repeated. In a sweep: VALUES.",
+    help="Replace a value of the case, for example grid.spacing=0.005. May be repeated.",
 )  # fmt: skip
 aspect_option = click.option(
-    "--aspect", metavar="VALUE", help=f"Aspect ratio h_i/r_i, the same as --set {ASPECT_KEY}=VALUE. In a sweep: VALUES."
+    "--aspect", metavar="VALUE", help=f"Aspect ratio h_i/r_i, the same as --set {ASPECT_KEY}=VALUE."
 )
 fresh_option = click.option(
     "--fresh", is_flag=True, help="Run again from scratch: discard finished and unfinished runs."

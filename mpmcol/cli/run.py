@@ -125,6 +125,7 @@ def run(
             )  # fmt: skip
         loaded = load_case(case, [*given, *advice.overrides])
     if dry_run:
+        _note_threads(threads, quiet)
         print_estimate(loaded, threads, to_json=to_json, quiet=quiet)
         return
     from mpmcol.io.results import Results
@@ -167,3 +168,11 @@ def _check_certify(accuracy: float | None) -> None:
     if given:
         option = f"--{given[0].replace('_', '-')}"
         raise click.UsageError(f"{option} applies to a single run, and --certify makes several; omit one of them")
+
+
+def _note_threads(threads: int | None, quiet: bool) -> None:
+    """The note of a run with more threads than cores, on stderr."""
+    from mpmcol.setup.cores import thread_note
+
+    if threads is not None and not quiet and (note := thread_note(threads)):
+        click.echo(f"note: {note}", err=True)

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from mpmcol.case import experiment_of
-from mpmcol.experiments import mark
+from mpmcol.case import compared_experiment
+from mpmcol.experiments import mark, without_laws
 from mpmcol.io.glossary import FORCE_UNITS, MOMENT_UNITS
 from mpmcol.io.results import Results
-from mpmcol.studies.judgement import judge
+from mpmcol.measure.dissipation import walls_and_transfer
+from mpmcol.studies.judgement import STILL_MOVING, judge
 from mpmcol.units import length_scale, length_text
 
 FRONT_TEXT = {
@@ -27,16 +28,18 @@ def summary_table(results: Results, accuracy: Sequence[str] = ()) -> str:
 
 def _measured(results: Results) -> Iterator[str]:
     summary, shape = results.summary, results.shape
-    experiment = experiment_of(results.case)
+    experiment = compared_experiment(results.case) if summary["at_rest"] else without_laws(STILL_MOVING)
+    nothing = "no law" if experiment.laws else ""
     errors = {
         (score["quantity"], score["front_definition"]): score
         for score in summary["errors"]
         if score["experiment"] == experiment.name
     }
     unit, factor = length_scale(max(shape.r_i, shape.h_i))
-    yield f"{'':48s}{unit:>8s}{'':>8s}   relative to {experiment.citation}"
+    heading = f"relative to {experiment.citation}" if experiment.laws else ""
+    yield f"{'':48s}{unit:>8s}{'':>8s}   {heading}".rstrip()
     for name, front in summary["front"].items():
-        comparison = _comparison(errors.get(("zeta", name)))
+        comparison = _comparison(errors.get(("zeta", name))) or nothing
         zeta, label = summary["zeta"][name], f"zeta, {name} ({FRONT_TEXT[name]})"
         if isinstance(zeta, dict):
             yield _line(label, f"{factor * front['mean']:.4g}", zeta["mean"], comparison)
@@ -44,24 +47,32 @@ def _measured(results: Results) -> Iterator[str]:
         else:
             yield _line(label, f"{factor * front:.4g}", zeta, comparison)
     yield _line("spread of zeta (uncertainty of the front)", "", summary["spread"], "")
-    comparison = _comparison(errors.get(("beta", "")))
+    comparison = _comparison(errors.get(("beta", ""))) or nothing
     place = "at the wall or axis" if shape.outline is None else "of the deposit"
     yield _line(f"beta, height {place}", f"{factor * summary['height']:.4g}", summary["beta"], comparison)
     if erosion := summary.get("erosion"):
         mass = f"{erosion['eroded_mass']:.3g} {summary['energy_unit'].replace('J', 'kg', 1)}"
-        yield f"bed: {mass} moved, down to a depth of {length_text(erosion['eroded_depth'])}"
-    if flow := summary.get("flow"):
-        numbers = f"I {flow['I_p5']:.2g} to {flow['I_p95']:.2g}, median {flow['I_median']:.2g}"
-        friction = f"mu {flow['mu_p5']:.3f} to {flow['mu_p95']:.3f}, median {flow['mu_median']:.3f}"
-        yield f"flow: {numbers}; {friction} (percentiles 5 and 95)"
+        whole = ", its whole thickness" if erosion["eroded_depth"] > shape.bed - 0.5 * shape.point_size else ""
+        yield f"bed: {mass} moved, down to a depth of {length_text(erosion['eroded_depth'])}{whole}"
+    yield from _flows(summary)
     yield from _impacts(summary, shape.model)
+
+
+def _flows(summary: dict[str, Any]) -> Iterator[str]:
+    """Range of I and mu of each material with the mu(I) law."""
+    flows = {"column": summary.get("flow"), **(summary.get("flow_by_material") or {})}
+    for name, flow in flows.items():
+        if flow:
+            numbers = f"I {flow['I_p5']:.2g} to {flow['I_p95']:.2g}, median {flow['I_median']:.2g}"
+            friction = f"mu {flow['mu_p5']:.3f} to {flow['mu_p95']:.3f}, median {flow['mu_median']:.3f}"
+            yield f"flow of the {name}: {numbers}; {friction} (percentiles 5 to 95 of its mass and time with I > 1e-3)"
 
 
 def _impacts(summary: dict[str, Any], model: str) -> Iterator[str]:
     """Peak and final forces on walls, in runs that record them."""
     force_unit, moment_unit = FORCE_UNITS[model], MOMENT_UNITS[model]
     for wall, force in (summary.get("wall_forces") or {}).items():
-        if wall != "floor" and force["peak"] > 0.0:
+        if force["peak"] > 0.0:
             sustained = "" if force["sustained"] is None else f", {force['sustained']:.3g} over 0.2 sqrt(h_i/g)"
             moment = f", moment at most {force['moment']:.3g} {moment_unit}" if "moment" in force else ""
             yield (
@@ -76,7 +87,7 @@ def _line(label: str, length: str, value: float, comparison: str) -> str:
 
 def _comparison(score: dict[str, Any] | None) -> str:
     if score is None:
-        return "no law"
+        return ""
     if score["error"] is None:
         return str(score["comment"])
     return f"{score['expected']:.3f} ({score['error']:+.1%}, scatter {score['scatter']:.0%}){mark(score['verified'])}"
@@ -109,6 +120,8 @@ def _quality(summary: dict[str, Any]) -> Iterator[str]:
         released = f"{shares['released']:.3g} {summary.get('energy_unit', 'J')}"
         parts = (f"{name.replace('_', ' ')} {100.0 * shares[name]:.1f} %" for name in names)
         yield f"energy released, {released}: " + ", ".join(parts)
+        if (lost := walls_and_transfer(shares)) is not None:
+            yield f"walls and transfer together {100.0 * lost:.1f} %: one gives what the other takes"
     if stress := summary.get("stress"):
         yield (
             f"pressure over the weight at the foot: 99 % below {stress['pressure_p99']:.2f}, at most "

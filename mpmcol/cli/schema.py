@@ -31,12 +31,17 @@ def _explanation(key: str) -> str:
     """
     from mpmcol.case import explain as explain_key
     from mpmcol.case import hint_for, key_names
+    from mpmcol.case.not_modelled import answer_to
+    from mpmcol.case.reference import without_index
     from mpmcol.io.columns import explain_name, explain_names, explain_word
 
+    key = without_index(key)
     if key == "results":
         return explain_names()
     found = [explain_key(key)] if not key or key in key_names() else []
     found += [text for text in [explain_name(key)] if key and text]
+    if found and (answer := answer_to(tuple(key.split(".")))) and key not in key_names():
+        found.append(f"In a case file, {answer}.")
     if not found and not hint_for(key):
         found = [text for text in [explain_word(key)] if text]
     return "\n\n".join(found) or explain_key(key)  # which raises

@@ -60,7 +60,7 @@ def _record(folder: Path, plan: Plan, runs: list[TrackedRun]) -> dict[str, Any]:
     return {
         "schema": STATUS_SCHEMA,
         "folder": str(folder),
-        "version": plan.version,
+        "version": plan.version or _version_of(runs[0]),
         "counts": count_by_status(runs),
         "seconds_left": time_left(runs, plan.jobs),
         "runs": [
@@ -69,6 +69,11 @@ def _record(folder: Path, plan: Plan, runs: list[TrackedRun]) -> dict[str, Any]:
             for run in runs
         ],
     }  # fmt: skip
+
+
+def _version_of(run: TrackedRun) -> str | None:
+    """The version that ended a single run; null while it runs."""
+    return ((run.status.result or {}).get("versions") or {}).get("mpmcol")
 
 
 def _lines(folder: Path, plan: Plan, runs: list[TrackedRun]) -> Iterator[str]:

@@ -77,12 +77,12 @@ def sweep(
 ) -> None:
     """Run a case for many values of its keys.
 
-    CASE is a TOML file or the name of a shipped case; by default the cylinder of the paper, with --slope the inclined
-    channel. Writes a table, power-law fits and charts of runout and height.
+    CASE is a TOML file or the name of a shipped case; by default cylinder, that of the paper with the stress
+    filter, and with --slope inclined-channel. Writes a table, power-law fits and charts of runout and height.
 
-    VALUES are single values and ranges, separated by commas: 0.5:7 (steps of 0.5), 0.5:7:0.25 (steps of 0.25), 0.5:7/14
-    (14 values), 0.55,0.9,1.7:3:0.1, plane,axisymmetric. The values of several keys are combined in all ways, unless
-    --zip is given.
+    A VALUE is one or more single values and ranges, separated by commas: 0.5:7 (steps of 0.5), 0.5:7:0.25 (steps of
+    0.25), 0.5:7/14 (14 values), 0.55,0.9,1.7:3:0.1, plane,axisymmetric. The values of several keys are combined in all
+    ways, unless --zip is given.
 
     With --accuracy, each run gets the configuration that mpmcol run --accuracy chooses for its column; runs that are
     unlike those of the study, such as a higher column, are named.

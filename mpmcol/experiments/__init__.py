@@ -5,8 +5,7 @@ To add an experiment, write a module in `records` that satisfies `ExperimentReco
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import Any, Literal, Protocol
+from typing import Any, Protocol
 
 from numpy.typing import ArrayLike
 
@@ -22,6 +21,7 @@ from mpmcol.experiments.base import (
     Score,
     column_kind,
     mark,
+    without_laws,
 )
 from mpmcol.experiments.records import (
     balmforth_kerswell_2005,
@@ -36,8 +36,6 @@ from mpmcol.experiments.records import (
     lube_2005,
     lube_2005_single_break,
     lube_2007,
-    paper_axisymmetric,
-    paper_plane,
 )
 from mpmcol.experiments.scores import score_laws, score_profile
 
@@ -59,6 +57,7 @@ __all__ = [
     "profile_score",
     "profile_scores",
     "score",
+    "without_laws",
 ]
 
 
@@ -69,7 +68,6 @@ class ExperimentRecord(Protocol):
 
 
 _RECORDS: tuple[ExperimentRecord, ...] = (
-    paper_plane,
     lube_2007,
     lube_2005,
     lube_2005_single_break,
@@ -80,7 +78,6 @@ _RECORDS: tuple[ExperimentRecord, ...] = (
     lagree_2011,
     dunatunga_kamrin_2015,
     kumar_dem,
-    paper_axisymmetric,
     lube_2004,
     lajeunesse_2004,
 )
@@ -95,33 +92,23 @@ _LONGEST_RUNOUT = {
 }
 
 
-def _without_laws(kind: Literal["box", "outline"], title: str) -> Experiment:
-    return Experiment(
-        name="none", title=title, model=kind, release="two-sided", kind="laboratory", material="", laws=()
-    )
-
-
+_OF_THE_PAPER = {"plane": lube_2007.EXPERIMENT, "axisymmetric": lube_2004.EXPERIMENT}  # Coetzee & Purvance 2026
 _NO_EXPERIMENT = {
-    "box": _without_laws("box", "no published collapse of a box"),
-    OUTLINE: _without_laws("outline", "no published law (no rectangle or walls in the way)"),
+    "box": without_laws("no published collapse of a box"),
+    OUTLINE: without_laws("no published collapse of a column that is no rectangle"),
 }
 
 
-def find_experiment(name: str, model: str, section: str = "cylinder", slope_deg: float = 0.0) -> Experiment:
-    """Experiment of a name; "paper" is the paper's own for the model, or one without laws for a box or an outline.
-
-    On a slope (degrees) it is one without laws: all experiments have a horizontal base.
+def find_experiment(name: str, model: str, section: str = "cylinder") -> Experiment:
+    """Experiment of a name; "paper" is that of the paper for the model, or one without laws for a box or an outline.
 
     Raises:
         UsageError: there is no such experiment, or it is for another kind of column.
     """
-    if slope_deg:
-        title = f"no published law for a slope of {slope_deg:g} deg, all are for a horizontal base"
-        return replace(_NO_EXPERIMENT["box"], title=title)  # charts know no law for it either
     kind = column_kind(model, section)
-    if name == "paper" and kind in _NO_EXPERIMENT:
-        return _NO_EXPERIMENT[kind]
-    experiment = EXPERIMENTS.get(f"paper-{kind}" if name == "paper" else name)
+    if name == "paper":
+        return (_OF_THE_PAPER | _NO_EXPERIMENT)[kind]
+    experiment = EXPERIMENTS.get(name)
     if experiment is None:
         raise UsageError(f"there is no experiment {name!r}; {suggestion(name, ['paper', *EXPERIMENTS])}")
     if experiment.model != kind:
@@ -140,11 +127,10 @@ def score(
         a: aspect ratio h_i / r_i.
         model: "plane", "axisymmetric", "quarter" or "full".
         section: horizontal section of a 3D column, "cylinder" or "box"; "outline" of a column that is no rectangle.
-        conditions: material, slope and layers; without them, they are not compared.
+        conditions: of the column and its release; without them, they are not compared.
 
-    Laws are not extrapolated: where a law has no value at a, or the material does not resemble that of the experiment,
-    the score has no error and its comment gives the reason. A law shared by several records is scored once, under the
-    first name (the paper's).
+    Laws are not extrapolated: where a law has no value at a, or the conditions do not resemble those of the experiment,
+    the score has no error and its comment gives the reason.
     """
     return score_laws(EXPERIMENTS, measured, a, column_kind(model, section), conditions)
 
@@ -165,19 +151,16 @@ def profile_scores(
     r_i: float,
     h_i: float,
     section: str = "cylinder",
-    slope_deg: float = 0.0,
+    conditions: Conditions | None = None,
 ) -> list[ProfileScore]:
-    """Compare a deposit profile (m) with every digitised surface for this kind and size of column, each once.
-
-    On a slope (degrees) with none: all have a horizontal base.
-    """
-    if slope_deg:
-        return []
-    once = {  # under the first name
-        experiment.profiles: experiment
-        for experiment in reversed(EXPERIMENTS.values())
-        if experiment.model == column_kind(model, section) and experiment.fits(r_i, h_i)
-    }
+    """Compare a deposit profile (m) with each digitised surface of the experiments that apply, as in `score`."""
+    kind = column_kind(model, section)
+    applying = [
+        one
+        for one in EXPERIMENTS.values()
+        if one.model == kind and one.fits(r_i, h_i) and one.applies(h_i / r_i, conditions)
+    ]
+    once = {one.profiles: one for one in reversed(applying)}  # the same surface for several experiments
     found = [profile_score(profile_x, profile_y, experiment) for experiment in reversed(once.values())]
     return [entry for entry in found if entry is not None]
 

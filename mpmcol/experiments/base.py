@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, field
+from itertools import chain
 from typing import Any, Literal
 
 # No scatter is published for most laws. The one set that gives it (Bougouin & Lacaze 2018) has +-0.3 on
@@ -15,6 +17,9 @@ HEIGHT_SCATTER = 0.05
 # in simple shear, to the peak of dense grains.
 DRY_SAND, GLASS_BEADS = (28.0, 40.0), (20.0, 30.0)
 OUTLINE = "outline"
+# Speed of the gate, over sqrt(g h_i), from which on the release counts as sudden: Sarlin et al. 2021,
+# doi:10.1103/PhysRevE.104.064904.
+QUICK_RELEASE = 0.4
 MAX_COHESION = 0.01  # of rho g h_i: above it, a column does not resemble one of dry grains
 
 
@@ -99,17 +104,27 @@ class Profile:
     unit: Literal["m", "1"]
     source: str
     verified: bool
+    experiment: str  # name of the data set in which it was published
 
 
 @dataclass(frozen=True)
 class Conditions:
-    """Material, slope and layers of a column; experiments are selected by them."""
+    """Material, base, side walls and release of a column; experiments are selected by them."""
 
     friction_deg: float | None  # residual, of a softening material; None without a yield surface
     cohesion: float  # relative to rho g h_i
     slope_deg: float = 0.0  # of the base
     has_layers: bool = False  # of different materials
     has_walls: bool = False  # in the way of the flow
+    has_bed: bool = False  # the base is granular
+    floor_friction: float = math.inf  # coefficient; inf: no slip
+    channel_width: float = math.inf  # m, between side walls with friction
+    release_speed: float = math.inf  # of the gate, relative to sqrt(g h_i); 0: there is no gate
+
+    @property
+    def slides(self) -> bool:
+        """Whether the floor bears less shear than the material, which mobilises sin(phi) in plane strain."""
+        return self.floor_friction < math.sin(math.radians(self.friction_deg or 0.0))
 
 
 @dataclass(frozen=True)
@@ -128,6 +143,7 @@ class Experiment:
     note: str = ""
     column: tuple[float, float] | None = None  # (r_i, h_i) in m, if only one column was tested
     friction_deg: tuple[float, float] = DRY_SAND  # of materials that resemble its own, which are without cohesion
+    channel_width: float | None = None  # m, between its side walls; None: without, or not known
 
     def law(self, quantity: str) -> Law | None:
         """The law of a quantity, or None."""
@@ -145,21 +161,40 @@ class Experiment:
         return None if law is None or value is None else (value, law.scatter * value)
 
     def misfit(self, conditions: Conditions) -> str:
-        """Why the column's material or base does not resemble that of the experiment; "" if both do."""
+        """Why the conditions of a column do not resemble those of the experiment; "" if they do."""
+        return next(chain(self._other_set_up(conditions), self._other_material(conditions)), "")
+
+    def _other_set_up(self, here: Conditions) -> Iterator[str]:
+        if here.has_walls:
+            yield "for a flow without obstacles; here walls stand in its way"
+        if here.has_layers:
+            yield "for a column of one material; here it has layers"
+        if here.has_bed:
+            yield "for a firm base; here the flow can erode it"
+        if here.slope_deg:
+            yield f"for a horizontal base; here it slopes by {here.slope_deg:g} deg"
+        if here.slides:
+            yield f"for a rough base; here the material slides over it, friction {here.floor_friction:.2g}"
+        if here.channel_width < (self.channel_width or math.inf):
+            own = "without side walls" if self.channel_width is None else f"{1e3 * self.channel_width:g} mm wide"
+            yield f"for a channel {own}; here side walls {1e3 * here.channel_width:g} mm apart have friction"
+        if here.release_speed == 0.0:
+            yield "for a column behind a gate until the release; here it stands free"
+        elif here.release_speed < QUICK_RELEASE:
+            yield f"for a sudden release; here the gate moves at {here.release_speed:.2g} sqrt(g h_i)"
+
+    def _other_material(self, here: Conditions) -> Iterator[str]:
         lo, hi = self.friction_deg
-        if conditions.has_walls:
-            return "for a flow without obstacles; here walls stand in its way"
-        if conditions.has_layers:
-            return "for a column of one material; here it has layers"
-        if conditions.slope_deg:
-            return f"for a horizontal base; here it slopes by {conditions.slope_deg:g} deg"
-        if conditions.cohesion > MAX_COHESION:
-            return f"for grains without cohesion; here it is {conditions.cohesion:.2g} rho g h_i"
-        if conditions.friction_deg is None:
-            return f"for friction of {lo:g} to {hi:g} deg; this material has none"
-        if not lo <= conditions.friction_deg <= hi:
-            return f"for friction of {lo:g} to {hi:g} deg; here it is {conditions.friction_deg:g} deg"
-        return ""
+        if here.cohesion > MAX_COHESION:
+            yield f"for grains without cohesion; here it is {here.cohesion:.2g} rho g h_i"
+        if here.friction_deg is None:
+            yield f"for friction of {lo:g} to {hi:g} deg; this material has none"
+        elif not lo <= here.friction_deg <= hi:
+            yield f"for friction of {lo:g} to {hi:g} deg; here it is {here.friction_deg:g} deg"
+
+    def applies(self, a: float, conditions: Conditions | None = None) -> bool:
+        """Whether a column of aspect ratio a, in these conditions if given, can be compared with a law."""
+        return not (conditions and self.misfit(conditions)) and any(law(a) is not None for law in self.laws)
 
     @property
     def citation(self) -> str:
@@ -171,6 +206,11 @@ class Experiment:
         return self.column is None or all(
             math.isclose(size, own, rel_tol=0.02) for size, own in zip((r_i, h_i), self.column, strict=True)
         )
+
+
+def without_laws(reason: str) -> Experiment:
+    """What stands for an experiment where none can be compared; its title is the reason."""
+    return Experiment("none", reason, "outline", "two-sided", "laboratory", "", ())
 
 
 @dataclass(frozen=True)

@@ -14,11 +14,13 @@ from mpmcol.experiments.base import Conditions, Experiment, Law, Profile, Profil
 def score_laws(
     experiments: Mapping[str, Experiment], measured: Any, a: float, kind: str, conditions: Conditions | None
 ) -> list[Score]:
-    """Scores against every law for columns of this kind; a law in several records is scored once, under the first."""
+    """Scores against every law for columns of this kind."""
     values = list(_values(measured))
     return [
         _score(experiment, law, front, value, a, conditions)
-        for experiment, law in _laws(experiments, kind)
+        for experiment in experiments.values()
+        if experiment.model == kind
+        for law in experiment.laws
         for quantity, front, value in values
         if quantity == law.quantity
     ]
@@ -31,15 +33,6 @@ def score_profile(profile_x: ArrayLike, profile_y: ArrayLike, experiment: Experi
         return None
     x, y = np.asarray(profile_x, dtype=float), np.asarray(profile_y, dtype=float)
     return (_score_in_metres if surface.unit == "m" else _score_normalised)(x, y, experiment, surface)
-
-
-def _laws(experiments: Mapping[str, Experiment], kind: str) -> Iterator[tuple[Experiment, Law]]:
-    seen: set[Law] = set()
-    for experiment in experiments.values():
-        for law in experiment.laws if experiment.model == kind else ():
-            if law not in seen:
-                seen.add(law)
-                yield experiment, law
 
 
 def _values(measured: Any) -> Iterator[tuple[str, str, float]]:
@@ -73,7 +66,7 @@ def _score_in_metres(x: np.ndarray, y: np.ndarray, experiment: Experiment, surfa
     tip = surface.x[-1]
     front = _crossing(x, y, surface.y[-1])
     return ProfileScore(
-        experiment=experiment.name,
+        experiment=surface.experiment,
         profile=surface.name,
         rms_mm=_rms_mm(x, y, np.array(surface.x), np.array(surface.y)),
         front=front,
@@ -87,7 +80,7 @@ def _score_in_metres(x: np.ndarray, y: np.ndarray, experiment: Experiment, surfa
 def _score_normalised(x: np.ndarray, y: np.ndarray, experiment: Experiment, surface: Profile) -> ProfileScore:
     length, height = _crossing(x, y, 0.0), float(y[:1].sum())
     return ProfileScore(
-        experiment=experiment.name,
+        experiment=surface.experiment,
         profile=surface.name,
         rms_mm=_rms_mm(x, y, length * np.array(surface.x), height * np.array(surface.y)),
         front=None,

@@ -14,6 +14,7 @@ from functools import cache
 from mpmcol.io.glossary import UNITS_BY_MODEL, Names
 from mpmcol.io.json_glossary import ALL_NAMES
 
+_PERCENTILE = re.compile(r"_(p\d+|median)$")
 _PER_MODEL = "per metre of width in the plane model, per radian in axisymmetry, of the modelled part in 3D"
 
 
@@ -57,12 +58,15 @@ def _listed(names: Names) -> list[str]:
 
 
 def find_entries(name: str) -> list[Entry]:
-    """Entries of a full name, its first parts or its last one; names with equal unit and meaning are one entry."""
+    """Entries of a full name, its first parts or its last one, which may lack its percentile: I of flow.I_p5.
+
+    Names with equal unit and meaning are one entry.
+    """
     found: dict[tuple[str, str], Entry] = {}
     for where, names in ALL_NAMES.items():
         for full, content in names.items():
-            is_part = full.startswith(f"{name}.") or full.endswith(f".{name}")
-            if is_part or _pattern(full).fullmatch(name):
+            is_part = full.startswith(f"{name}.") or _PERCENTILE.sub("", f".{full}").endswith(f".{name}")
+            if is_part or full.endswith(f".{name}") or _pattern(full).fullmatch(name):
                 entry = found.setdefault(content, Entry(*content))
                 entry.names.append(full)
                 entry.where.append(where)

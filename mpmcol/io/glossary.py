@@ -33,7 +33,12 @@ _DEPOSIT: Names = {
     "height": ("m", "top h_f of the contiguous pile at the wall or axis, above the base; of an outline, anywhere"),
     "beta": ("", "final height h_f / h_i (Eq. 40)"),
     "area_factor": ("", "V / (r_f h_f) of a plane column or a box, V / (pi r_f^2 h_f) of a cylinder"),
-    "repose_angle_deg": ("deg", "angle of repose: inclination of the flank to the base, from 80 to 20 % of the height"),
+    "repose_angle_deg": (
+        "deg",
+        "angle of repose: inclination of the flank to the base, from 80 to 20 % of the height; of two flanks the mean",
+    ),
+    "repose_low_x_deg": ("deg", "angle of repose of the flank toward smaller x; null unless there are two flanks"),
+    "repose_high_x_deg": ("deg", "angle of repose of the flank toward larger x; null unless there are two flanks"),
     "undisturbed_radius": ("m", "radius within which the top surface has moved by less than r_i/100 since release"),
     "stop_time": (TAU, "time after release from which on front_height stays within one cell; null if not at rest"),
     "at_rest": ("", "whether the run ended with the column at rest"),
@@ -118,7 +123,10 @@ _WALL_FORCES: Names = {
     "window": ("s", "time over which the peak force is averaged: at least 5 h/c and a row of the history"),
     "sustained": (FORCE, "as the peak, of the mean over 0.2 sqrt(h_i/g); null if the collapse is shorter"),
     "at_end": (FORCE, "magnitude of the mean force of the last row of the history"),
-    "moment_at_release": (MOMENT, "moment about the foot of the wall before the opening of the gate"),
+    "moment_at_release": (
+        MOMENT,
+        "moment about the foot of the wall, or about x = 0 on the floor, before the opening of the gate",
+    ),
     "moment": (MOMENT, "largest mean moment over `window` that overturns the wall about its foot"),
     "moment_at_end": (MOMENT, "mean moment of the last row of the history"),
 }
@@ -192,7 +200,10 @@ _HISTORY: Names = {
     "J_max": ("", "largest volume ratio J of all points"),
     "open_points": ("", "number of points that have separated"),
     "force.WALL.AXIS": (FORCE, "mean force on a wall since the previous row (output.wall_forces), by component"),
-    "moment.WALL": (MOMENT, "mean moment that overturns a wall about its foot at the level of the base, as the force"),
+    "moment.WALL": (
+        MOMENT,
+        "mean moment that overturns a wall about its foot at the level of the base, or that on the floor about x = 0",
+    ),
     "grid_kinetic": (ENERGY, "kinetic energy at the nodes, by which rest is detected"),
     "unbalanced": ("", "unbalanced force at the nodes over the weight"),
 }
@@ -201,6 +212,16 @@ _MEASURE: Names = {
     "profile.x": ("m", "bin centres of the height profile from the wall or axis outward"),
     "profile.y": ("m", "height profile: mass over density and area of each bin"),
     "scores": ("", "comparison with every published law for this kind of column"),
+    "friction_from_repose_deg": (
+        "deg",
+        "friction angle that the angle of repose corresponds to, sin(phi) = tan(repose); of a plane deposit at rest, "
+        "otherwise null",
+    ),
+    "friction_from_repose_bias_deg": (
+        "deg",
+        "least and greatest difference of that angle from the friction angle of the material, of channels of a = 1 to "
+        "3 with r_i/h >= 20; null for other columns and coarser grids",
+    ),
     "energy_released": (ENERGY, "potential energy released since the opening of the gate; null before the end"),
 }
 _TABLE: Names = {
@@ -268,8 +289,10 @@ NAMES: dict[str, Names] = {  # file or command -> its names
         **_nested("dissipation", _DISSIPATION),
         "wall_forces": ("", "largest forces on floor, walls and gate; null without output.wall_forces"),
         **_nested("wall_forces.WALL", _WALL_FORCES),
-        "flow": ("", "rates of the flowing column (I > 1e-3) over the collapse, in mass times time; law mu-i only"),
+        "flow": ("", "rates of the column's material where it flows (I > 1e-3), in mass times time; law mu-i only"),
         **_nested("flow", _FLOW),
+        "flow_by_material": ("", "the same of the other materials: base, layer-1, ...; null without any of law mu-i"),
+        **_nested("flow_by_material.MATERIAL", _FLOW),
         "stress": ("", "quality of the stresses of single points"),
         **_nested("stress", _STRESS),
         **_nested("errors", _SCORE),

@@ -7,6 +7,7 @@ content of another table are in CONTENTS.
 from __future__ import annotations
 
 from mpmcol.io.accuracy_glossary import ACCURACY, ERROR_BARS
+from mpmcol.io.file_glossary import FILES, SNAPSHOT
 from mpmcol.io.fit_glossary import FIT
 from mpmcol.io.glossary import MEASURE, NAMES, RESULT, SLOPES, TABLE, Names
 from mpmcol.io.uncertainty_glossary import RECORD_NAMES
@@ -70,7 +71,7 @@ _PLAN_FILE: Names = {
 _STATUS: Names = {
     **_SCHEMA,
     "folder": ("", "folder of the sweep or of the run"),
-    "version": ("", "version of mpmcol that planned the runs; of a single run empty"),
+    "version": ("", "version of mpmcol that planned the runs, or that ended a single run; null before its end"),
     "counts.STATUS": ("", "number of runs with a status"),
     "seconds_left": ("s", "time until all runs have ended, estimated from their speed; null if it is not known"),
     "runs": ("", "one entry for each run"),
@@ -290,4 +291,4 @@ CONTENTS = {  # command -> its key -> table whose names that key holds; "": it p
     "measure --json": {"": MEASURE},
     "sweep --json": {"runs": TABLE, "slopes": SLOPES},
 }
-ALL_NAMES = {**NAMES, **OUTPUTS}
+ALL_NAMES = {**NAMES, "snapshots": SNAPSHOT, "the folder of a run": FILES, **OUTPUTS}

@@ -23,9 +23,20 @@ QUANTITY_NAMES = {  # columns of uncertainty.csv; values in the unit of the quan
     "r2": ("", "share of the variance of the sample that the surface explains"),
     "adjusted_r2": ("", "that share, corrected for the number of coefficients"),
     "cross_validated_r2": ("", "that share for runs that are left out of the fit, one at a time"),
-    "first_order.INPUT": ("", "share of an input alone in the variance (first-order Sobol index)"),
-    "total.INPUT": ("", "share of an input with its interactions (total Sobol index)"),
-    "residual": ("", "share of the scatter of runs, and of terms that the surface omits"),
+    "first_order.INPUT": (
+        "",
+        "share of an input alone in the variance (first-order Sobol index); null if cross_validated_r2 is negative",
+    ),
+    "total.INPUT": ("", "share of an input with its interactions (total Sobol index); null as first_order"),
+    "residual": (
+        "",
+        "1 - adjusted_r2: share of the scatter of runs and of terms that the surface omits; null as first_order",
+    ),
+    "scatter": (
+        "",
+        "share of the scatter about a smooth function of the input, by neighbouring values; null for several inputs",
+    ),
+    "note": ("", "why shares are not given or not reliable; null if cross_validated_r2 is at least 0.5"),
     "grid_standard_deviation": ("", "standard deviation of the error of the grid by the study; null if not studied"),
     "grid_share": ("", "variance of that error over its sum with the variance of the sample"),
 }

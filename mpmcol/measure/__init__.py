@@ -27,11 +27,12 @@ from mpmcol.measure.erosion import Erosion, measure_erosion
 from mpmcol.measure.front import FRONTS, fronts, pile_height, profiles
 from mpmcol.measure.sections import Array, Section, split
 from mpmcol.measure.shape import ColumnShape
-from mpmcol.measure.slope import friction_from_repose, repose_angle
+from mpmcol.measure.slope import STEEPEST, friction_bias, friction_from_repose, inner_repose_angle, repose_angle
 from mpmcol.measure.surface import UNDISTURBED, failure_line, undisturbed_radius
 
 __all__ = [
     "FRONTS",
+    "STEEPEST",
     "UNDISTURBED",
     "Array",
     "ColumnShape",
@@ -39,6 +40,7 @@ __all__ = [
     "Measurement",
     "deposit_profile",
     "failure_line",
+    "friction_bias",
     "friction_from_repose",
     "measure",
     "measure_erosion",
@@ -60,12 +62,14 @@ class Measurement:
     height: float  # top of the contiguous pile at the wall or axis, above the base; of an outline, anywhere
     beta: float  # height / h_i
     area_factor: float  # plane, box: V / (r_f h_f); cylinder: V / (pi r_f^2 h_f)
-    repose_angle_deg: float | None  # inclination of the flank to the base; None if it has too few cells
+    repose_angle_deg: float | None  # inclination of the flank to the base, the mean of two; None if of too few cells
     undisturbed_radius: float | None  # None if no displacement was given
     profile_x: Array  # bin centres, (bins,)
     profile_y: Array  # height of each bin, (bins,): mean over the sections
     front_range: dict[str, Range] | None = None  # minimum and maximum over the sections; None in 2D
     zeta_range: dict[str, Range] | None = None
+    repose_low_x_deg: float | None = None  # of the flanks toward smaller and larger x, if there are two
+    repose_high_x_deg: float | None = None
 
     @property
     def max_distance(self) -> float:
@@ -99,7 +103,7 @@ def measure(x: Array, mass: Array, displacement: Array | None, shape: ColumnShap
     sections = split(x, mass, shape)
     profile_x, heights = profiles(sections, shape)
     found = np.array([fronts(own, profile_x, height, shape) for own, height in zip(sections, heights, strict=True)])
-    profile_y = heights.mean(axis=0)
+    profile_y, flanks = heights.mean(axis=0), _two_flanks(profile_x, heights, shape)
     front = dict(zip(FRONTS, found.mean(axis=0).tolist(), strict=True))
     zeta = {name: value / shape.r_i - 1.0 for name, value in front.items()}
     height = pile_height(sections, shape)
@@ -111,13 +115,34 @@ def measure(x: Array, mass: Array, displacement: Array | None, shape: ColumnShap
         height=height,
         beta=height / shape.h_i,
         area_factor=_area_factor(sections, front["front_height"], height, shape),
-        repose_angle_deg=repose_angle(profile_x, profile_y),
+        repose_angle_deg=_mean_angle(flanks, repose_angle(profile_x, profile_y)),
         undisturbed_radius=still,
         profile_x=profile_x,
         profile_y=profile_y,
         front_range=_ranges(found, shape),
         zeta_range=_ranges(found / shape.r_i - 1.0, shape),
+        repose_low_x_deg=flanks[0],
+        repose_high_x_deg=flanks[1],
     )
+
+
+def _two_flanks(x: Array, heights: Array, shape: ColumnShape) -> tuple[float | None, float | None]:
+    """Angles of the flanks toward smaller and larger x, degrees; None unless there are two.
+
+    x: bin centres, (bins,), m. heights: (sections, bins), m.
+    """
+    if shape.is_round:
+        return None, None
+    if len(heights) == 2:  # a box that spreads to both sides of x = 0
+        high, low = (repose_angle(x, height) for height in heights)
+    else:
+        low, high = inner_repose_angle(x, heights.mean(axis=0)), repose_angle(x, heights.mean(axis=0))
+    return (None, None) if low is None or high is None else (low, high)
+
+
+def _mean_angle(flanks: tuple[float | None, float | None], single: float | None) -> float | None:
+    low, high = flanks
+    return single if low is None or high is None else (low + high) / 2.0
 
 
 def deposit_profile(x: Array, mass: Array, shape: ColumnShape) -> tuple[Array, Array]:

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+CANCELLING = 0.05  # of the released energy: smaller shares of opposite signs need no explanation
+
 
 @dataclass(frozen=True)
 class Dissipation:
@@ -31,6 +33,12 @@ class Dissipation:
     def damping_ratio(self) -> float:
         """Damping over that of a smooth flow; infinite if damping took energy that it should not."""
         return self.damping / self.smooth_damping if self.smooth_damping > 0.0 else (np.inf if self.damping else 0.0)
+
+
+def walls_and_transfer(shares: Mapping[str, float]) -> float | None:
+    """The sum of the two shares where one gives what the other takes; None where they do not cancel."""
+    walls, transfer = shares.get("walls", 0.0), shares.get("transfer", 0.0)
+    return walls + transfer if walls * transfer < 0.0 and min(abs(walls), abs(transfer)) > CANCELLING else None
 
 
 def dissipation(history: Mapping[str, np.ndarray], alpha_d: float) -> Dissipation | None:

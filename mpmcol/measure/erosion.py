@@ -16,7 +16,11 @@ class Erosion:
     """Part of a bed that has moved by UNDISTURBED r_i or more since the release."""
 
     eroded_mass: float  # kg (per metre or per radian in two dimensions, of the modelled part in three)
-    eroded_depth: float  # m, below the surface of the bed at the release
+    eroded_depth: float  # m, below the surface of the bed at the release; at most the thickness of the bed
+
+    def reaches_floor(self, shape: ColumnShape) -> bool:
+        """Whether the lowest points of the bed have moved as well, so that its thickness limits the erosion."""
+        return self.eroded_depth > shape.bed - 0.5 * shape.point_size
 
 
 def measure_erosion(x: Array, mass: Array, displacement: Array, shape: ColumnShape) -> Erosion:
@@ -31,4 +35,5 @@ def measure_erosion(x: Array, mass: Array, displacement: Array, shape: ColumnSha
     moved = np.linalg.norm(displacement, axis=1) >= UNDISTURBED * shape.r_i
     released = (x - displacement)[moved, 1]
     depth = 0.5 * shape.point_size - released.min() if len(released) else 0.0
-    return Erosion(float(mass[moved].sum()), float(depth))
+    # points next to the floor may sink by a part of a cell while the column is loaded
+    return Erosion(float(mass[moved].sum()), float(min(depth, shape.bed)))

@@ -48,6 +48,7 @@ class ColumnShape:
     gate: bool = True  # whether a gate at r_i held the column
     lean: float = 0.0  # distance that its sides lean upslope per height; 0 if they are normal to the base
     obstacles: tuple[Obstacle, ...] = ()  # walls in the way of the flow
+    bed: float = 0.0  # thickness of the granular or elastic base; 0 for a rigid floor
 
     @property
     def a(self) -> float:

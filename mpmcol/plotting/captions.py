@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -12,8 +11,9 @@ from mpmcol.case import Case
 from mpmcol.case.fields import number_of
 from mpmcol.case.geometry import GeometryTable
 from mpmcol.case.reference import field_at
+from mpmcol.case.title import MODELS, run_title, title_without_aspect
 from mpmcol.case.values import leaf_values
-from mpmcol.experiments import OUTLINE
+from mpmcol.experiments import OUTLINE, Experiment
 from mpmcol.io.results import Results
 from mpmcol.io.snapshot import Meta
 from mpmcol.measure import ColumnShape
@@ -21,7 +21,6 @@ from mpmcol.measure.shape import AZIMUTHS
 from mpmcol.plotting.figures import Heading
 from mpmcol.units import length_text
 
-MODELS = {"plane": "plane strain", "axisymmetric": "axisymmetric", "quarter": "3D quarter model", "full": "3D model"}
 LENGTHS = {"r_i": "r_i", "h_i": "h_i", "h": "spacing"}  # symbols
 NAMES = {  # of the laws
     "mohr-coulomb": "Mohr-Coulomb",
@@ -33,7 +32,6 @@ FRICTION = ("friction_deg", "friction_peak_deg", "friction_residual_deg")
 MOST_KEYS = 2  # in the name of a run
 OUTLINE_KEY = "geometry.outline"  # too long for a name
 DERIVED = "stages.k0"  # by default from the friction angle, with which it differs
-_ASPECT = re.compile(r",? *\ba = \d+(\.\d+)?")
 
 
 def heading_of(case: Case, shape: ColumnShape) -> Heading:
@@ -65,15 +63,14 @@ def geometry_of_snapshot(meta: Meta) -> GeometryTable:
 def common_heading(title: str, runs: Sequence[tuple[Case, ColumnShape]]) -> Heading:
     """A title without an aspect ratio, and the parameters that all runs have in common."""
     parameters = [_parameters(vars(shape), _material(case)) for case, shape in runs]
-    return Heading(_ASPECT.sub("", title), ", ".join(p for p in parameters[0] if all(p in own for own in parameters)))
+    return Heading(
+        title_without_aspect(title), ", ".join(p for p in parameters[0] if all(p in own for own in parameters))
+    )
 
 
-def run_title(title: str, model: str, a: float | None) -> str:
-    """The title of a case with the aspect ratio of the column, which may differ from the one that the title had.
-
-    a: None if the column is no rectangle.
-    """
-    return (_ASPECT.sub("", title) or MODELS[model]) + ("" if a is None else f", a = {a:.3g}")
+def noted(heading: Heading, experiment: Experiment) -> Heading:
+    """A heading with the reason why no experiment is drawn."""
+    return heading if experiment.laws else heading._replace(note=experiment.title)
 
 
 def _parameters(shape: Mapping[str, Any], material: Mapping[str, Any]) -> list[str]:

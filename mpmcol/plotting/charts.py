@@ -13,11 +13,20 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
+from mpmcol.case.title import run_title
 from mpmcol.experiments import Experiment
 from mpmcol.io.glossary import ENERGY_UNITS
 from mpmcol.measure import Array, ColumnShape, Measurement
-from mpmcol.plotting.captions import run_title
-from mpmcol.plotting.figures import LABEL_SIZE, EndLabel, Heading, add_heading, label_ends, legend_below, save_figure
+from mpmcol.plotting.figures import (
+    LABEL_SIZE,
+    MOST_ENTRIES,
+    EndLabel,
+    Heading,
+    add_heading,
+    label_ends,
+    legend_below,
+    save_figure,
+)
 from mpmcol.plotting.measured_series import MeasuredSeries
 from mpmcol.plotting.profiles import (
     LengthAxes,
@@ -32,6 +41,7 @@ from mpmcol.plotting.profiles import (
 )
 from mpmcol.plotting.styles import (
     DEPOSIT_STYLE,
+    ENERGY_NAMES,
     ENERGY_STYLES,
     FRONT_LABELS,
     FRONT_STYLES,
@@ -41,6 +51,7 @@ from mpmcol.plotting.styles import (
 from mpmcol.units import length_scale
 
 TIME_LABEL = r"time since release $t\,/\,\sqrt{h_i/g}$ (-)"
+LEAST_RANGE = 0.02  # of the height over h_i: smallest range of its axis
 LEAST_RESIDUAL = 1e-3  # per cent: smallest half-range of the axis of the residual
 
 
@@ -136,8 +147,18 @@ def front_chart(
     for axes, quantity in ((upper, "zeta"), (lower, "beta")):
         draw_band(axes, experiment, quantity, shape.a)
         axes.legend(frameon=False, fontsize=LABEL_SIZE)
+    keep_range(lower)
     upper.set_ylim(bottom=min(0.0, upper.get_ylim()[0]))
     return save_figure(figure, path, svg)
+
+
+def keep_range(axes: Axes) -> None:
+    """Give the vertical axis a range of at least LEAST_RANGE, so that rounding of a constant value is not magnified."""
+    low, high = axes.get_ylim()
+    missing = LEAST_RANGE - (high - low)
+    if missing > 0.0:
+        axes.set_ylim(low - missing / 2.0, high + missing / 2.0)
+    axes.ticklabel_format(axis="y", useOffset=False)
 
 
 def history_panels(heading: Heading) -> tuple[Figure, Axes, Axes]:
@@ -176,7 +197,8 @@ def energy_chart(
     """Draw the potential energy released since the first time, the other energies, and the residual of the balance.
 
     All are in per cent of the potential energy of the column at release. `energies` has (n,) arrays in J under
-    "potential", "residual" and the keys of ENERGY_STYLES; "wall_friction" may be missing.
+    "potential", "residual" and the keys of ENERGY_STYLES; "wall_friction" may be missing. The smallest ones are drawn
+    as their sum where there are more than MOST_ENTRIES lines.
     """
     figure = Figure(figsize=(8.0, 6.0), layout="constrained")
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[4, 1])
@@ -187,9 +209,12 @@ def energy_chart(
         return 100.0 * (energies[name] - energies[name][0]) / total
 
     upper.plot(tau, -change("potential"), color="black", linewidth=2.2, label="potential energy released")
-    for name, style in ENERGY_STYLES.items():
-        if name in energies:  # wall_friction only in runs with friction
-            upper.plot(tau, change(name), **style)
+    shown, others = _largest({name: change(name) for name in ENERGY_STYLES if name in energies}, MOST_ENTRIES - 1)
+    for name, values in shown.items():
+        upper.plot(tau, values, **ENERGY_STYLES[name])
+    if others:
+        names = ", ".join(ENERGY_NAMES[name] for name in others)
+        upper.plot(tau, sum(others.values()), color="0.7", linewidth=1.0, label=f"{names}: sum")
     residual = change("residual")
     lower.plot(tau, residual, color="black")
     largest = float(np.abs(residual).max())
@@ -211,3 +236,10 @@ def energy_chart(
     end = EndLabel(tau[-1], float(residual[-1]), f"largest residual {largest:.1g} %", "black")
     label_ends({upper: ends, lower: [end]})
     return save_figure(figure, path, svg)
+
+
+def _largest(changes: Mapping[str, Array], most: int) -> tuple[dict[str, Array], dict[str, Array]]:
+    """The energies (n,) by name in at most `most` lines: those with a line of their own, and the others, smallest."""
+    order = sorted(changes, key=lambda name: -float(np.abs(changes[name]).max()))
+    own = order if len(order) <= most else order[: most - 1]
+    return tuple({name: changes[name] for name in changes if (name in own) is is_own} for is_own in (True, False))  # type: ignore[return-value]

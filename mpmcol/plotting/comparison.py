@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import sqrt
 from pathlib import Path
@@ -12,14 +12,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from mpmcol.case import experiment_of
+from mpmcol.case import compared_experiment
 from mpmcol.errors import UsageError
-from mpmcol.experiments import Experiment
+from mpmcol.experiments import Experiment, without_laws
 from mpmcol.io.atomic import make_folder
 from mpmcol.io.results import Results
 from mpmcol.measure import Array, ColumnShape, Measurement
-from mpmcol.plotting.captions import common_heading, run_names
-from mpmcol.plotting.charts import TIME_LABEL, draw_band, history_panels
+from mpmcol.plotting.captions import common_heading, noted, run_names
+from mpmcol.plotting.charts import TIME_LABEL, draw_band, history_panels, keep_range
 from mpmcol.plotting.figures import MOST_ENTRIES, Heading, add_heading, legend_below, save_figure
 from mpmcol.plotting.measured_series import MeasuredSeries
 from mpmcol.plotting.profiles import (
@@ -30,6 +30,7 @@ from mpmcol.plotting.profiles import (
     draw_gate,
     draw_gravity,
     draw_points,
+    draw_walls,
     outline,
     reach_of,
     set_up_axes,
@@ -88,10 +89,11 @@ def chart_comparison(
     compared = [_compared(*one) for one in zip(runs, run_names(runs), range(len(runs)), strict=True)]
     experiment = _common_experiment(runs)
     heading = common_heading(f"Comparison of {len(runs)} runs", [(run.case, run.shape) for run in runs])
+    heading = heading._replace(caption=", ".join(filter(None, (heading.caption, _different_slopes(compared)))))
     folder = make_folder(out)
     return [
-        *_profiles(folder / "profile.png", compared, experiment, heading, points, svg),
-        *_histories(folder / "front.png", compared, experiment, heading, svg),
+        *_profiles(folder / "profile.png", compared, experiment, noted(heading, experiment), points, svg),
+        *_histories(folder / "front.png", compared, experiment, noted(heading, experiment), svg),
         *_energies(folder / "energy.png", compared, heading, svg),
     ]
 
@@ -129,19 +131,20 @@ def _compared(results: Results, name: str, i: int) -> ComparedRun:
     return ComparedRun(results, name, history, {"color": RUN_COLOURS[i], "linestyle": RUN_LINES[i], "linewidth": 1.6})
 
 
-def _common_experiment(runs: Sequence[Results]) -> Experiment | None:
-    """The experiment of all runs, or None if they have different ones or columns of different aspect ratios."""
-    found = {experiment_of(run.case).name for run in runs}
+def _common_experiment(runs: Sequence[Results]) -> Experiment:
+    """The experiment of all runs; one without laws if they have different ones, or different aspect ratios."""
+    found = list(dict.fromkeys(compared_experiment(run.case) for run in runs))
     shape = runs[0].shape
-    if len(found) > 1 or not all(np.isclose(run.shape.a, shape.a, rtol=0.01) for run in runs):
-        return None
-    return experiment_of(runs[0].case)
+    if len(found) == 1 and all(np.isclose(run.shape.a, shape.a, rtol=0.01) for run in runs):
+        return found[0]
+    without = [one for one in found if not one.laws]
+    return without[0] if without else without_laws("no experiment drawn: these runs are compared with different values")
 
 
 def _profiles(
     path: Path,
     runs: Sequence[ComparedRun],
-    experiment: Experiment | None,
+    experiment: Experiment,
     heading: Heading,
     points: Sequence[MeasuredSeries],
     svg: bool,
@@ -158,8 +161,7 @@ def _profiles(
     if same_size:
         tallest = max((run.shape for run in runs), key=lambda one: one.h_i)
         flatness = set_up_axes(target, tallest, deposits, reach)
-        for other in (run.shape for run in runs if run.shape.outline != tallest.outline):
-            axes.plot(*(factor * other.surface), **RELEASED)
+        _draw_other_columns(axes, [run for run in runs if run.shape is not tallest], tallest, lambda one: factor)
     else:
         flatness = _set_up_relative(axes, runs, deposits)
     if shape.model == "plane" and all(run.shape.slope_deg == shape.slope_deg for run in runs):
@@ -168,7 +170,7 @@ def _profiles(
     for run, deposit in zip(runs, deposits, strict=True):
         scale = factor if same_size else 1.0 / run.shape.r_i
         lines += axes.plot(*outline(deposit, scale), label=run.label, **run.style)
-    known, names = draw_experiment(target, shape, experiment) if experiment and same_size else ([], [])
+    known, names = draw_experiment(target, shape, experiment) if same_size else ([], [])
     measured, series = draw_points(target, points)
     figure.set_size_inches(8.0, min(6.6 * flatness, 8.0) + 2.1)
     add_heading(axes, heading)
@@ -178,24 +180,52 @@ def _profiles(
 
 def _set_up_relative(axes: Axes, runs: Sequence[ComparedRun], deposits: Sequence[Measurement]) -> float:
     """Axes for columns of different sizes, relative to r_i; returns height over length."""
-    axes.set(xlabel=f"{distance_label(runs[0].shape)} over $r_i$ (-)", ylabel="height over $r_i$ (-)")
+    length = max(deposit.max_distance / run.shape.r_i for run, deposit in zip(runs, deposits, strict=True))
+    top = max(run.shape.a for run in runs)
+    axes.set(
+        xlim=(-0.03 * length, 1.03 * length),
+        ylim=(-0.04 * length, top + 0.07 * length),
+        xlabel=f"{distance_label(runs[0].shape)} over $r_i$ (-)",
+        ylabel="height over $r_i$ (-)",
+    )
     if any(run.shape.gate for run in runs):
         draw_gate(axes, 1.0)
     axes.axhline(0.0, color="black", linewidth=0.8, zorder=0)
-    ends = (deposit.max_distance / run.shape.r_i for run, deposit in zip(runs, deposits, strict=True))
-    return max(run.shape.a for run in runs) / max(ends)
+    _draw_other_columns(axes, runs, None, lambda one: 1.0 / one.r_i)
+    return top / length
+
+
+def _draw_other_columns(
+    axes: Axes, runs: Sequence[ComparedRun], drawn: ColumnShape | None, factor_of: Callable[[ColumnShape], float]
+) -> None:
+    """Column at release and walls of each run that differ from those drawn; the edges of walls have its colour."""
+    known = [] if drawn is None else [drawn]
+    for run in runs:
+        shape, factor = run.shape, factor_of(run.shape)
+        if not any(np.array_equal(shape.surface, one.surface) for one in known):
+            axes.plot(*(factor * shape.surface), **RELEASED)
+        if not (shape.has_sectors or any(shape.obstacles == one.obstacles for one in known)):
+            walls = [(one.low_x, one.high_x, one.height) for one in shape.obstacles]
+            draw_walls(axes, walls, factor, facecolor="none", edgecolor=run.style["color"])
+        known.append(shape)
+
+
+def _different_slopes(runs: Sequence[ComparedRun]) -> str:
+    """A note if the bases are inclined differently: the charts show distances along the base."""
+    slopes = list(dict.fromkeys(run.shape.slope_deg for run in runs))
+    return f"slopes of {', '.join(f'{slope:g}' for slope in slopes)} deg; drawn along the base" if slopes[1:] else ""
 
 
 def _histories(
-    path: Path, runs: Sequence[ComparedRun], experiment: Experiment | None, heading: Heading, svg: bool
+    path: Path, runs: Sequence[ComparedRun], experiment: Experiment, heading: Heading, svg: bool
 ) -> list[Path]:
     figure, upper, lower = history_panels(heading)
     for run in runs:
         upper.plot(run.tau, run.history["front_height"] / run.shape.r_i - 1.0, label=run.label, **run.style)
         lower.plot(run.tau, run.history["height"] / run.shape.h_i, **run.style)
     for axes, quantity in ((upper, "zeta"), (lower, "beta")):
-        if experiment:
-            draw_band(axes, experiment, quantity, runs[0].shape.a)
+        draw_band(axes, experiment, quantity, runs[0].shape.a)
+    keep_range(lower)
     handles, labels = upper.get_legend_handles_labels()
     upper.set(ylabel=r"runout $\zeta$ by front_height (-)")
     legend_below(figure, handles, labels)

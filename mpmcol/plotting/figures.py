@@ -34,10 +34,11 @@ _HALO = withStroke(linewidth=2.5, foreground="white")
 
 
 class Heading(NamedTuple):
-    """Title of a chart, and the parameters of the run in one line below it."""
+    """Title of a chart, and below it a line with the parameters of the run, and one on what the chart does not show."""
 
     title: str
     caption: str = ""
+    note: str = ""
 
 
 class EndLabel(NamedTuple):
@@ -50,13 +51,14 @@ class EndLabel(NamedTuple):
 
 
 def add_heading(axes: Axes, heading: Heading) -> None:
-    """Write title and caption above the axes."""
-    if heading.caption:
+    """Write title, caption and note above the axes."""
+    lines = [text for text in (heading.caption, heading.note) if text]
+    if lines:
         axes.annotate(
-            heading.caption, (0.5, 1.0), (0.0, 4.0), xycoords="axes fraction", textcoords="offset points",
+            "\n".join(lines), (0.5, 1.0), (0.0, 4.0), xycoords="axes fraction", textcoords="offset points",
             ha="center", va="bottom", fontsize=LABEL_SIZE, color="0.3",
         )  # fmt: skip
-    axes.set_title(heading.title, pad=18.0 if heading.caption else 6.0, parse_math=False)
+    axes.set_title(heading.title, pad=6.0 + 12.0 * len(lines), parse_math=False)
 
 
 def use_plain_ticks(axis: Axis) -> None:

@@ -65,10 +65,10 @@ def with_walls(reach: float, walls: Sequence[tuple[float, float]]) -> float:
     return max([reach] + [min(high, 1.1 * max(reach, low)) for low, high in near])
 
 
-def draw_walls(axes: Axes, walls: Sequence[tuple[float, float, float]], factor: float = 1.0) -> None:
+def draw_walls(axes: Axes, walls: Sequence[tuple[float, float, float]], factor: float = 1.0, **style: Any) -> None:
     """Walls from low to high x and up to a height (m times `factor`), which do not change the limits of the axes."""
     for low, high, height in walls:
-        axes.add_patch(Rectangle((factor * low, 0.0), factor * (high - low), factor * height, **WALL_STYLE))
+        axes.add_patch(Rectangle((factor * low, 0.0), factor * (high - low), factor * height, **(WALL_STYLE | style)))
 
 
 def draw_gate(axes: Axes, position: float, lean: float = 0.0) -> None:
@@ -183,7 +183,7 @@ def draw_experiment(target: LengthAxes, shape: ColumnShape, experiment: Experime
     for profile in experiment.profiles if experiment.fits(shape.r_i, shape.h_i) else ():
         if profile.unit == "m" or (zeta and beta):
             scales = (factor, factor) if profile.unit == "m" else (front, height)
-            shown += _draw_profile(target.axes, profile, author_of(profile, experiment), scales)
+            shown += _draw_profile(target.axes, profile, author_of(profile), scales)
             labels.append(str(shown[-1].get_label()))
     return shown, labels
 

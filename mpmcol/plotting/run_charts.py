@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from mpmcol.case import conditions_of, experiment_of
+from mpmcol.case import compared_experiment, conditions_of
 from mpmcol.errors import OutputError, UsageError
 from mpmcol.io.atomic import make_folder
 from mpmcol.io.results import Results
-from mpmcol.plotting.captions import heading_of
+from mpmcol.plotting.captions import heading_of, noted
 from mpmcol.plotting.charts import energy_chart, front_chart, profile_chart
 from mpmcol.plotting.measured_series import MeasuredSeries
 from mpmcol.plotting.styles import FRONT_STYLES
@@ -49,16 +49,17 @@ def chart_run(
         raise UsageError(f"{results.folder}: the run ended before the column was released; there is nothing to chart")
     history = {name: column[released] for name, column in results.history.items()}
     options: dict[str, Any] = {"gravity": results.case.geometry.gravity, "svg": svg}
+    experiment = compared_experiment(results.case)
     options["heading"] = heading_of(results.case, shape)
-    experiment = experiment_of(results.case)
+    compared = {**options, "heading": noted(options["heading"], experiment)}
     time, height, fronts = history["time"], history["height"], {name: history[name] for name in FRONT_STYLES}
     times_by_index = _readable(results, notify)
     deposits = [(times_by_index[i], results.measure(i)) for i in _nearest(times_by_index, times)]
     at_rest = max(times_by_index) == len(results.snapshots) - 1 and results.came_to_rest
     folder = make_folder(out or Path(results.folder))
     return [
-        *profile_chart(folder / "profile.png", shape, deposits, experiment, at_rest=at_rest, points=points, **options),
-        *front_chart(folder / "front.png", shape, time, fronts, height, experiment, **options),
+        *profile_chart(folder / "profile.png", shape, deposits, experiment, at_rest=at_rest, points=points, **compared),
+        *front_chart(folder / "front.png", shape, time, fronts, height, experiment, **compared),
         *energy_chart(folder / "energy.png", shape, time, history, **options),
         *wall_chart(
             folder / "walls.png",

@@ -67,6 +67,7 @@ ENERGY_STYLES: dict[str, dict[str, Any]] = {  # columns of the history
     "walls": {"label": "dissipated at walls", "linestyle": (0, (8, 3)), "color": "0.3"},
     "wall_friction": {"label": "friction on walls", "linestyle": (0, (4, 1, 1, 1)), "color": "#56b4e9"},
 }
+ENERGY_NAMES = {name: str(style["label"]).removeprefix("dissipated ") for name, style in ENERGY_STYLES.items()}
 
 
 def experiment_style(experiment: Experiment) -> ExperimentStyle:
@@ -74,7 +75,6 @@ def experiment_style(experiment: Experiment) -> ExperimentStyle:
     return EXPERIMENT_STYLES.get(experiment.citation, ExperimentStyle("0.4"))
 
 
-def author_of(profile: Profile, default: Experiment) -> Experiment:
+def author_of(profile: Profile) -> Experiment:
     """The data set in which a digitised profile was published."""
-    owners = [one for one in EXPERIMENTS.values() if profile in one.profiles and not one.name.startswith("paper-")]
-    return owners[0] if owners else default
+    return EXPERIMENTS[profile.experiment]

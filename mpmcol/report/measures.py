@@ -10,6 +10,7 @@ from typing import Any
 from mpmcol.experiments import EXPERIMENTS, mark
 from mpmcol.io.results import Results
 from mpmcol.io.run_status import run_seconds
+from mpmcol.measure.dissipation import walls_and_transfer
 from mpmcol.report.model import Figure, Table
 from mpmcol.units import length_text
 
@@ -52,13 +53,18 @@ def measures(results: Results) -> list[Measure]:
         *(_runout(name, summary, shape.r_i, shape.range_label) for name in FRONT_NAMES),
         Measure("Spread of the three runouts", "", f"{summary['spread']:.3f}"),
         _length(HEIGHT, summary["height"], f"beta = {summary['beta']:.3f}"),
-        Measure(ANGLE, "" if angle is None else f"{angle:.1f}°{to_base}", "", angle),
-        _length("Undisturbed radius", undisturbed, "") if undisturbed else Measure("Undisturbed radius"),
+        Measure(ANGLE, "" if angle is None else f"{angle:.1f}°{to_base}{_flanks(summary)}", "", angle),
+        Measure("Undisturbed radius") if undisturbed is None else _length("Undisturbed radius", undisturbed, ""),
         Measure("Area factor", "", f"{summary['area_factor']:.3f}", summary["area_factor"]),
         _time("Front stops after", stop, tau),
         _time(END, summary["time_over_tau"], tau),
         Measure("State at the end", "at rest" if summary["at_rest"] else "still moving"),
     ]
+
+
+def _flanks(summary: Mapping[str, Any]) -> str:
+    low, high = summary.get("repose_low_x_deg"), summary.get("repose_high_x_deg")
+    return "" if low is None or high is None else f" (mean of {low:.1f}° and {high:.1f}°)"
 
 
 def cost_measures(results: Results) -> list[Measure]:
@@ -80,6 +86,7 @@ def energy_measures(results: Results) -> list[Measure]:
     foot = stress.get("weight_at_foot")
     return [
         *(Measure(f"Dissipated by {name.replace('_', ' ')}", _percent(shares.get(name))) for name in SHARES),
+        Measure("Walls and transfer together", _percent(walls_and_transfer(shares))),
         Measure("Weight of the deposit at its foot", "" if foot is None else f"{1e-3 * foot:.3g} kPa"),
         Measure(
             "Pressure that 99 % of the points do not exceed, over this weight", _percent(stress.get("pressure_p99"))
@@ -115,7 +122,8 @@ def comparison_table(names: Sequence[str], runs: Sequence[Sequence[Measure]], ca
 
 def law_table(summary: Mapping[str, Any]) -> Table:
     """Runout (front_height) and height beside every published law that applies."""
-    scores = [one for one in summary["errors"] if one["front_definition"] in ("front_height", "")]
+    errors = summary["errors"] if summary["at_rest"] else ()
+    scores = [one for one in errors if one["front_definition"] in ("front_height", "")]
     columns = (
         "Published by", "Material", "Quantity", "Published", "Computed", "Difference", "Scatter of the experiment",
     )  # fmt: skip

@@ -24,7 +24,7 @@ TYPES = {".png": "image/png", ".gif": "image/gif", ".svg": "image/svg+xml"}
 CHARTS = {  # file of `mpmcol plot` -> what it shows, caption
     "profile.png": (
         "Chart of the height of the deposit over the distance, at several times",
-        "Profiles of the deposit, with its fronts and the experiment",
+        "Profiles of the deposit",
     ),
     "front.png": (
         "Chart of the runout and the height over time",

@@ -11,6 +11,8 @@ from mpmcol.io.results import Results
 from mpmcol.report.model import Table
 from mpmcol.sweep.table import unit_of
 
+ABSENT = "-"  # a key that a case does not have, or without a value
+
 
 def case_files(results: Results) -> list[tuple[str, str]]:
     """Name and text of the case with all defaults, and before it of the case as given, if it is kept and differs."""
@@ -21,13 +23,11 @@ def case_files(results: Results) -> list[tuple[str, str]]:
 
 
 def case_differences(runs: Sequence[Results], names: Sequence[str]) -> Table:
-    """The keys whose values differ between the runs."""
+    """The keys whose values differ between the runs, or that only some of the cases have."""
     values = [leaf_values(results.case) for results in runs]
-    rows = [
-        (with_unit(key), *(_shown(one[key]) for one in values))
-        for key in values[0]
-        if key != "title" and any(one[key] != values[0][key] for one in values[1:])
-    ]
+    keys = dict.fromkeys(key for one in values for key in one if key != "title")
+    texts = {key: [_shown(one.get(key)) for one in values] for key in keys}
+    rows = [(with_unit(key), *cells) for key, cells in texts.items() if len(set(cells)) > 1]
     return Table(("Key", *names), rows or [("none", *("" for _ in names))])
 
 
@@ -42,6 +42,8 @@ def with_unit(key: str) -> str:
 
 
 def _shown(value: Any) -> str:
+    if value is None:
+        return ABSENT
     return f"{value:.10g}" if isinstance(value, float) else str(value)
 
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from mpmcol.case.title import MODELS, title_of
 from mpmcol.io.results import Results
-from mpmcol.plotting.captions import MODELS, run_names, run_title
+from mpmcol.plotting.captions import run_names
 from mpmcol.report.measures import (
     comparison_table,
     cost_measures,
@@ -81,7 +82,7 @@ def _judgement(results: Results) -> list[str]:
 
 
 def _title(results: Results) -> str:
-    return run_title(results.case.title, results.shape.model, results.shape.rectangle_a)
+    return title_of(results.case)
 
 
 def _facts(results: Results) -> list[str]:

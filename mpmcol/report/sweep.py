@@ -117,8 +117,12 @@ def _difference(value: str, published: str) -> float:
 def _run_table(keys: Sequence[str], rows: Sequence[Row]) -> Table:
     columns = {key: with_unit(key) for key in keys if key != ASPECT}
     columns |= {name: text for name, text in COLUMNS.items() if name in rows[0]}  # without measurements if all failed
-    body = [(_name(row), row["status"], *(_short(row[name]) for name in columns)) for row in rows]
+    body = [(_name(row), _state(row), *(_short(row[name]) for name in columns)) for row in rows]
     return Table(("Run", "Status", *columns.values()), body, texts=2)
+
+
+def _state(row: Row) -> str:
+    return f"{row['status']}, still moving" if row.get("at_rest") == "false" else row["status"]
 
 
 def _slope_table(rows: Sequence[Row]) -> Table:

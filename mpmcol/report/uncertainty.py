@@ -19,7 +19,8 @@ STATISTICS = {
     "median": "median", "p75": "75 %", "p95": "95 %",
 }  # fmt: skip
 FIT = {
-    "residual": "scatter and terms that the surface omits", "adjusted_r2": "adjusted R2",
+    "residual": "scatter and terms that the surface omits", "scatter": "of it scatter",
+    "adjusted_r2": "adjusted R2",
     "cross_validated_r2": "cross-validated R2", "grid_share": "error of the grid, over its sum with the variance",
 }  # fmt: skip
 PROBABILITY = {
@@ -57,13 +58,18 @@ def _section(folder: Path, record: Record) -> Section:
     picture = file_picture(folder / CHART_FILE, f"Chart: {CAPTION}", CAPTION) if quantities else None
     inputs = [f"{one['key']} = {one['distribution']}" for one in record["inputs"]]
     counts = f"{record['done']} of {record['samples']} runs of a Latin hypercube (seed {record['seed']}) are done"
-    return Section("Uncertainty", [*inputs, counts], tables, [picture] if picture else [], is_wide=True)
+    notes = [f"{one['quantity']}: {one['note']}" for one in quantities if one.get("note")]
+    return Section("Uncertainty", [*inputs, counts, *notes], tables, [picture] if picture else [], is_wide=True)
 
 
 def _shares(one: Record, keys: Sequence[str]) -> Record:
     """A quantity with a text for the shares of each input."""
-    texts = {key: f"{one['first_order'][key]:.0%} ({one['total'][key]:.0%})" for key in keys}
-    return {**one, **texts}
+    return {**one, **{key: _share(one["first_order"][key], one["total"][key]) for key in keys}}
+
+
+def _share(first: float | None, total: float | None) -> str:
+    """Shares of an input alone and with interactions; empty where they are not given."""
+    return "" if first is None or total is None else f"{first:.0%} ({total:.0%})"
 
 
 def _table(heading: str, columns: Mapping[str, str], rows: Sequence[Record], caption: str) -> Table:

@@ -28,6 +28,7 @@ def column_shape(case: Case, discretization: Discretization) -> ColumnShape:
         lean=case.geometry.lean,
         gate=case.stages.gate,
         obstacles=tuple(obstacles(discretization)),
+        bed=discretization.base,
     )
 
 

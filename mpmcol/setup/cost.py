@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpmcol.case import Case
-from mpmcol.case.slope import slope_factor
+from mpmcol.case.slope import case_slope_factor
 from mpmcol.mpm.grid import NODE
 from mpmcol.mpm.solver import Solver
 from mpmcol.mpm.threads import set_threads
@@ -95,7 +95,7 @@ def durations(case: Case, discretization: Discretization) -> tuple[tuple[float, 
     transit, lifting = discretization.wave_time(case.material.wave_speed**2), discretization.h_i / stages.gate_speed
     longest = stages.equilibrate.max_time_factor * transit, stages.collapse.max_time_factor * tau + lifting
     equilibration = TYPICAL_TRANSITS[stages.initial_stress] * transit
-    collapse = TYPICAL_TAU * slope_factor(case.geometry.slope_deg, case.material, case.friction.floor) * tau + lifting
+    collapse = TYPICAL_TAU * case_slope_factor(case) * tau + lifting
     typical = min(equilibration, longest[0]), min(collapse, longest[1])
     return typical, longest
 

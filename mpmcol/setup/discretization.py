@@ -9,6 +9,7 @@ from math import ceil
 import numpy as np
 
 from mpmcol.case import Case
+from mpmcol.case.geometry import whole_cells
 from mpmcol.case.outline import Outline, area
 from mpmcol.errors import UsageError
 from mpmcol.mpm.boundary import AXIS, OPEN_END, Faces
@@ -18,6 +19,7 @@ from mpmcol.setup.geometry import GEOMETRIES, ROUNDING, Geometry, domain_faces, 
 from mpmcol.setup.unfit_settings import setting_warnings
 from mpmcol.setup.wall_boxes import WallBox, place_walls, rounding_warnings
 from mpmcol.setup.walls import Wall, recorded_walls
+from mpmcol.units import counted
 
 MOST_SHARE = 8.0  # of its cell: largest volume of a point, the end of a slope of 2 degrees
 
@@ -203,12 +205,11 @@ def discretize(case: Case) -> Discretization:
     the domain is too small.
     """
     geometry, warnings = case.geometry, []
-    columns = max(round(geometry.r_i / case.grid.spacing), 1)
-    h = geometry.r_i / columns
+    columns, h = whole_cells(geometry.r_i, case.grid.spacing), geometry.fitted_spacing(case.grid.spacing)
     if abs(h / case.grid.spacing - 1.0) > ROUNDING:
         warnings.append(
             f"grid.spacing became {h:.6g} m ({h / case.grid.spacing - 1.0:+.2%}) "
-            f"so that the radius of {geometry.r_i:g} m is {columns} whole cells"
+            f"so that the radius of {geometry.r_i:g} m is {counted(columns, 'whole cell')}"
         )
     base = 0.0 if geometry.base == "rigid" else _whole_cells("base_thickness", geometry.base_thickness, h, warnings)
     depth = geometry.r_i if geometry.depth is None else _whole_cells("depth", geometry.depth, h, warnings)
@@ -251,9 +252,9 @@ def require_thick_outline(discretization: Discretization) -> None:
 
 def _whole_cells(key: str, length: float, h: float, warnings: list[str]) -> float:
     """A length rounded to whole cells, m; appends a warning if that changes it."""
-    cells = max(round(length / h), 1)
+    cells = whole_cells(length, h)
     if abs(cells * h / length - 1.0) > ROUNDING:
         warnings.append(
-            f"geometry.{key} became {cells * h:.6g} m ({cells * h / length - 1.0:+.2%}), {cells} whole cells"
+            f"geometry.{key} became {cells * h:.6g} m ({cells * h / length - 1.0:+.2%}), {counted(cells, 'whole cell')}"
         )
     return cells * h

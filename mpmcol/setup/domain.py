@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import radians, tan
 
 from mpmcol.case import Case
-from mpmcol.case.slope import slope_factor
+from mpmcol.case.slope import case_slope_factor
 from mpmcol.case.walls import WallTable
 from mpmcol.errors import UsageError
 from mpmcol.experiments import expected_runout
@@ -76,7 +76,7 @@ def expected_front(case: Case) -> float:
 def expected_zeta(case: Case) -> float:
     """Runout over r_i, the longest among the experiments, and longer for lower friction and on a slope."""
     geometry = case.geometry
-    factor = _friction_runout_factor(case) * slope_factor(geometry.slope_deg, case.material, case.friction.floor)
+    factor = _friction_runout_factor(case) * case_slope_factor(case)
     return expected_runout(geometry.model, geometry.a, geometry.section) * factor
 
 

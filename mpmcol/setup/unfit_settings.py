@@ -9,16 +9,18 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator
 from itertools import pairwise
-from math import atan, ceil, degrees, pi, radians, sin, sqrt
+from math import atan, ceil, degrees, inf, pi, radians, sin, sqrt
+from typing import Any
 
 from mpmcol.case import Case
-from mpmcol.case.geometry import GeometryTable
+from mpmcol.case.geometry import GeometryTable, whole_cells
 from mpmcol.case.slope import ENDLESS_REMEDY, endless_flow
 from mpmcol.errors import UsageError
 from mpmcol.setup.domain import LEAST_CELLS, default_length, expected_front, usable
 from mpmcol.setup.shortening import Shortening, shortenings
 from mpmcol.setup.time_step import time_step_warnings
 from mpmcol.setup.unfit_materials import constant_friction, large_grains, light_grains
+from mpmcol.units import counted
 
 FEWEST_CELLS = 6  # in height and radius of a column
 FEWEST_BED_CELLS = 4
@@ -89,10 +91,11 @@ def few_cells(case: Case, h: float) -> str | None:
 def thin_bed(case: Case, h: float) -> str | None:
     """Shape functions smear the surface of the bed and the floor below it over two cells each."""
     thickness = case.geometry.base_thickness
-    if case.geometry.base != "granular" or thickness > (FEWEST_BED_CELLS - 0.01) * h:
+    cells = whole_cells(thickness, h)
+    if case.geometry.base != "granular" or cells >= FEWEST_BED_CELLS:
         return None
     return (
-        f"geometry.base_thickness = {thickness:g} m: the granular bed has only {thickness / h:.2g} cells, and the "
+        f"geometry.base_thickness = {thickness:g} m: the granular bed has only {counted(cells, 'cell')}, and the "
         f"floor below it acts on the flow; set grid.spacing = {thickness / FEWEST_BED_CELLS:.4g} m or less"
     )
 
@@ -109,28 +112,44 @@ def rigid_floor_without_reaction(case: Case, h: float) -> str | None:
 
 
 def rough_floor(case: Case, h: float) -> str | None:
-    """Mohr-Coulomb without dilatancy mobilises sin(phi) in shear: the column yields before it slides on the floor."""
-    floor = case.friction.floor
-    angle = max((angle for _, angle in _angles(case, "friction_")), default=90.0)
-    if floor is None or angle == 0.0 or floor < (mobilised := sin(radians(angle))):
+    """The column yields before it slides on the floor; Mohr-Coulomb without dilatancy mobilises sin(phi) in shear."""
+    floor, (mobilised, text) = case.friction.floor, _shear_strength(case)
+    if floor is None or mobilised == 0.0 or floor < mobilised:
         return None
     return (
-        f"friction.floor = {floor:.4g} ({degrees(atan(floor)):.3g} degrees): the column shears at sin({angle:g} "
-        f"degrees) = {mobilised:.3g} of the pressure before it slides, as on a floor without slip; set less than "
+        f"friction.floor = {floor:.4g} ({degrees(atan(floor)):.3g} degrees): the column shears at {text} of the "
+        "pressure before it slides, nearly as on a floor without slip, with runouts up to 10 % longer; set less than "
         f"{mobilised:.3g}, or omit it"
     )
 
 
 def rough_wall(case: Case, h: float) -> str | None:
     """The same on the faces of walls, where it has no other effect than the smallest such friction."""
-    angle = max((angle for _, angle in _angles(case, "friction_")), default=90.0)
+    mobilised, text = _shear_strength(case)
     for wall in case.walls:
-        if wall.friction >= (mobilised := sin(radians(angle))):
+        if wall.friction >= mobilised > 0.0:
             return (
-                f"walls: friction = {wall.friction:.4g} of {wall.name}: the material shears at sin({angle:g} degrees) "
-                f"= {mobilised:.3g} of the pressure before it slides, as on a rough wall; set less than {mobilised:.3g}"
+                f"walls: friction = {wall.friction:.4g} of {wall.name}: the material shears at {text} of the pressure "
+                f"before it slides, as on a rough wall; set less than {mobilised:.3g}"
             )
     return None
+
+
+def _shear_strength(case: Case) -> tuple[float, str]:
+    """Largest ratio of shear to normal stress of the column without cohesion, and its text; inf without a yield."""
+    for name, ratio in _coefficients(case.material):
+        return ratio, f"{name} = {ratio:.3g}"
+    return inf, ""
+
+
+def _coefficients(material: Any) -> Iterator[tuple[str, float]]:
+    """The largest friction coefficient of a law and its name; nothing for a law without friction."""
+    if hasattr(material, "mu_2"):
+        yield "mu_2", material.mu_2
+    elif hasattr(material, "match"):  # Drucker-Prager, with the coefficient that its angle is matched to
+        yield "mu", material.mobilised_friction
+    elif angles := [value for name, value in material if name.startswith("friction_")]:
+        yield f"sin({max(angles):g} degrees)", sin(radians(max(angles)))
 
 
 def wall_at_gate(case: Case, h: float) -> str | None:
@@ -161,8 +180,8 @@ def friction_in_radians(case: Case, h: float) -> str | None:
     for name, angle in _angles(case, "friction_"):
         if 0.0 < angle < RIGHT_ANGLE:  # 0: undrained clay
             return (
-                f"material.{name} = {angle:g} is an angle in degrees, and the material flows like a liquid; if it is "
-                f'in radians, set "{angle:g} rad" ({degrees(angle):.3g} degrees)'
+                f"material.{name} = {angle:g} is an angle in degrees, with which the material has almost no strength; "
+                f'if it is in radians, set "{angle:g} rad" ({degrees(angle):.3g} degrees)'
             )
     return None
 

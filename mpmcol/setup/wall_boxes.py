@@ -10,13 +10,12 @@ from itertools import combinations
 import numpy as np
 
 from mpmcol.case import Case
-from mpmcol.case.walls import Span, WallTable
+from mpmcol.case.walls import LEAST_CELLS, Span, WallTable, too_thin
 from mpmcol.errors import UsageError
 from mpmcol.mpm.boundary import CONTACT, WALL_INSIDE, Boundary
 from mpmcol.mpm.grid import Grid, grid_shape
 from mpmcol.setup.geometry import ROUNDING, VERTICAL
-
-LEAST_CELLS = 2  # thickness and height of a wall, and distance between two of them: splines are three nodes wide
+from mpmcol.units import counted
 
 KEYS = ("from to", "height", "half_width side_from side_to")  # of a wall, along x, y and z
 
@@ -50,8 +49,8 @@ def place_walls(case: Case, h: float, first: tuple[float, ...], cells: tuple[int
         gaps = [max(a - d, c - b) for a, b, c, d in zip(one.low, one.high, other.low, other.high, strict=True)]
         if max(gaps) < LEAST_CELLS:
             raise UsageError(
-                f"walls {one.name} and {other.name} are {max(max(gaps), 0)} cells of {h:.4g} m apart, expected at "
-                f"least {LEAST_CELLS}: move one of them, or decrease grid.spacing"
+                f"walls {one.name} and {other.name} are {counted(max(max(gaps), 0), 'cell')} of {h:.4g} m apart, "
+                f"expected at least {LEAST_CELLS}: move one of them, or decrease grid.spacing"
             )
     return boxes
 
@@ -71,10 +70,7 @@ def _place(
                 "the domain by geometry.domain_length or geometry.domain_height"
             )
         if (thickness := high[-1] - bottom) < LEAST_CELLS:
-            raise UsageError(
-                f"{given}: {max(thickness, 0)} cells of {h:.4g} m, expected at least {LEAST_CELLS}, since material "
-                "passes thinner walls; decrease grid.spacing, or enlarge the wall"
-            )
+            raise UsageError(f"{given}: {too_thin(thickness, h)}")
     return WallBox(wall.name, tuple(low), tuple(high))
 
 

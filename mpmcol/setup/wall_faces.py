@@ -38,11 +38,12 @@ class WallFace:
 class WallFoot:
     """Where the moment on a wall is about: its foot on the column's side, at the level of the base.
 
-    The foot of a gate in three dimensions is the line around the column; each part of the gate overturns about its own.
+    That on the floor is about the wall, axis or plane of symmetry at x = 0, at the level of the floor. The foot of a
+    gate in three dimensions is the line around the column; each part of the gate overturns about its own.
     """
 
     wall: int
-    normals: np.ndarray  # (n, 3) horizontal, from the column to the wall, at each node of the table of contacts
+    normals: np.ndarray  # (n, 3) horizontal, from the column to the wall, at each node of the table; 0 for the floor
     distance: np.ndarray  # (n,) of the nodes from the foot along them, m
 
 
@@ -58,17 +59,18 @@ def contact_positions(model: Model) -> np.ndarray:
 
 
 def wall_feet(discretization: Discretization, positions: np.ndarray) -> tuple[WallFoot, ...]:
-    """The feet of gate, back wall and all walls of [[walls]], with the positions (n, d) of the nodes of the table."""
+    """The feet of floor, gate, back wall and [[walls]], with the positions (n, d) of the nodes of the table."""
     spans = {box.name: _ends(discretization, box.low[0], box.high[0]) for box in discretization.wall_boxes}
     feet = {name: (low, 1.0) if low + high > 0.0 else (high, -1.0) for name, (low, high) in spans.items()}
-    feet[BACK_WALL] = 0.0, -1.0
+    feet |= {BACK_WALL: (0.0, -1.0), FLOOR: (0.0, 1.0)}
     found = []
     for number, wall in enumerate(discretization.walls):
         if wall.name == GATE_WALL:  # it holds horizontal components only, so that the distance has no effect
             found.append(WallFoot(number, discretization.outward(positions), np.zeros(len(positions))))
         elif wall.name in feet:
             x, direction = feet[wall.name]
-            normals = np.broadcast_to(direction * np.eye(3)[0], (len(positions), 3))
+            level = np.zeros(3) if wall.name == FLOOR else direction * np.eye(3)[0]  # nodes of a floor have no arm
+            normals = np.broadcast_to(level, (len(positions), 3))
             found.append(WallFoot(number, normals, direction * (positions[:, 0] - x)))
     return tuple(found)
 

@@ -15,11 +15,11 @@ def derived_quantities(case: Case, points: Points) -> dict[str, np.ndarray]:
     found = {name: np.zeros(len(points)) for _, law, _ in laws for name in law.DERIVED}
     if not found:
         return found
-    mean, shear = _invariants(points.sigma)
+    (mean, shear), history = _invariants(points.sigma), points.history.T
     for kind, law, material in laws:
         own, params = points.kind == kind, law.make_params(material)
         for name, function in law.DERIVED.items():
-            found[name][own] = function(mean[own], shear[own], params)
+            found[name][own] = function(mean[own], shear[own], history[:, own], params)
     return found
 
 

@@ -7,10 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from mpmcol.case.slope import endless_flow
+from mpmcol.io.results import erosion_of
 from mpmcol.io.snapshot import Snapshot
 from mpmcol.measure.dissipation import Dissipation, dissipation
 from mpmcol.measure.stress import StressQuality, stress_quality
 from mpmcol.simulation.state import Simulation
+from mpmcol.units import length_text
 
 MEASURED = ("position", "stress", "mass", "volume")
 LEAST_RELEASED = 1e-3  # of m g h_i: a column that released less has not moved
@@ -47,11 +50,22 @@ def quality_notes(simulation: Simulation) -> Iterator[str]:
     if (shares := dissipation_of(simulation)) and shares.released > least:
         yield from _dissipation_notes(shares, is_filtered)
     yield from simulation.recorder.flow.notes()
-    if simulation.progress.at_rest:
-        solver = simulation.solver
-        snapshot = simulation.recorder.snapshot_of(solver.points, solver.time, solver.steps, "rest")
-        if quality := stress_quality_of(simulation, snapshot):
-            yield from _stress_notes(quality, is_filtered)
+    if simulation.case.geometry.base == "granular":
+        yield from _erosion_notes(simulation)
+    if simulation.progress.at_rest and (quality := stress_quality_of(simulation, _present(simulation))):
+        yield from _stress_notes(quality, is_filtered)
+
+
+def _present(simulation: Simulation) -> Snapshot:
+    solver = simulation.solver
+    return simulation.recorder.snapshot_of(solver.points, solver.time, solver.steps, "rest")
+
+
+def _erosion_notes(simulation: Simulation) -> Iterator[str]:
+    shape = simulation.recorder.shape
+    if erosion_of(_present(simulation), shape).reaches_floor(shape):
+        cause = endless_flow(simulation.case) or "set a larger geometry.base_thickness"
+        yield f"the bed has moved down to the floor, over its thickness of {length_text(shape.bed)}: {cause}"
 
 
 def _dissipation_notes(shares: Dissipation, is_filtered: bool) -> Iterator[str]:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, Literal, ParamSpec
 
 from mpmcol.case import Case
+from mpmcol.case.title import title_of
 from mpmcol.errors import Interrupted, NumericalFailure, OutputError, UsageError
 from mpmcol.io.atomic import remove
 from mpmcol.io.lock import locked
@@ -87,7 +88,7 @@ def run(
         notify(CACHE_NOTE)
     with stop_request(max_wall) as stop, locked(folder) as lock, run_log() as log:
         notify, progress = _both(notify, log.message), _both(progress, log.progress)
-        log.message(f"mpmcol {code_version()}, {used} threads: {case.title}")
+        log.message(f"mpmcol {code_version()}, {used} threads: {title_of(case)}")
         checkpoint = None if fresh else find_checkpoint(case, folder, force_resume, notify)
         require_stiff_column(case)
         model = build_model(case)  # may refuse the case: before old files are removed

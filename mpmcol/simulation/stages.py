@@ -7,7 +7,7 @@ from math import ceil, log
 
 import numpy as np
 
-from mpmcol.case.slope import ENDLESS_REMEDY, endless_flow, slope_factor
+from mpmcol.case.slope import ENDLESS_REMEDY, case_slope_factor, endless_flow
 from mpmcol.errors import NumericalFailure
 from mpmcol.mpm.kernels import loop
 from mpmcol.mpm.lanes import ID, X
@@ -115,7 +115,7 @@ class Stages:
         options, solver, progress = self.case.stages.collapse, self.solver, self.simulation.progress
         lifting_time = self.model.discretization.h_i / self.case.stages.gate_speed
         limit = options.max_time_factor * self.fall_time + lifting_time
-        slow = slope_factor(self.case.geometry.slope_deg, self.case.material, self.case.friction.floor)
+        slow = case_slope_factor(self.case)
         usual = min(limit, USUAL_DURATION * slow * self.fall_time + lifting_time)
         snapshots = self._snapshot_times(limit, usual)
         self.simulation.show_progress("collapse", min(solver.time / usual, 1.0))

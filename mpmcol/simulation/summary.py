@@ -10,6 +10,7 @@ from typing import Any
 import psutil
 
 from mpmcol.case import case_hash, conditions_of
+from mpmcol.case.title import title_of
 from mpmcol.experiments import profile_scores, score
 from mpmcol.io.glossary import ENERGY_UNITS
 from mpmcol.io.results import RESULT_SCHEMA, erosion_of, measure_snapshot, measure_stop_time
@@ -32,16 +33,17 @@ def summarize(status: str, simulation: Simulation, final: Snapshot) -> dict[str,
     case, model, solver = simulation.case, simulation.model, simulation.solver
     recorder, progress, geometry = simulation.recorder, simulation.progress, simulation.case.geometry
     measured, fall_time = measure_snapshot(final, recorder.shape), simulation.fall_time
+    conditions = conditions_of(case)
     profiles = profile_scores(
         measured.profile_x, measured.profile_y,
-        geometry.model, geometry.r_i, geometry.h_i, geometry.column_section, geometry.slope_deg,
+        geometry.model, geometry.r_i, geometry.h_i, geometry.column_section, conditions,
     )  # fmt: skip
-    scores = score(measured, geometry.a, geometry.model, geometry.column_section, conditions_of(case))
+    scores = score(measured, geometry.a, geometry.model, geometry.column_section, conditions)
     collapse_steps = solver.steps - progress.release_step if progress.stage == "collapse" else 0
     return {
         "schema": RESULT_SCHEMA,
         "status": status,
-        "title": case.title,
+        "title": title_of(case),
         "case_hash": case_hash(case),
         **measured.scalars(),
         "stop_time": _stop_time(simulation) if progress.at_rest else None,
@@ -64,6 +66,7 @@ def summarize(status: str, simulation: Simulation, final: Snapshot) -> dict[str,
         "ledger": recorder.energy_ledger(),
         "dissipation": asdict(shares) if (shares := dissipation_of(simulation)) else None,
         "flow": recorder.flow.as_dict(),
+        "flow_by_material": recorder.flow.of_others(),
         "wall_forces": _peak_forces(simulation),
         "stress": asdict(stress) if (stress := stress_quality_of(simulation, final)) else None,
         "worst_J": [float(J) for J in recorder.extreme_J],

@@ -6,13 +6,15 @@ from collections.abc import Iterator, Mapping
 from math import hypot
 from typing import Any
 
-from mpmcol.case import Case, conditions_of, experiment_of
-from mpmcol.experiments import EXPERIMENTS, Experiment, column_kind, mark
+from mpmcol.case import Case, applicable_experiments, compared_experiment
+from mpmcol.experiments import Experiment, mark
 from mpmcol.io.results import Results
 from mpmcol.studies.pareto.score import BETA, ZETA
 from mpmcol.studies.pareto.shipped import unstudied
 from mpmcol.studies.pareto.studied import StudiedError, studied_error
-from mpmcol.units import length_text
+from mpmcol.units import length_scale
+
+__all__ = ["STILL_MOVING", "applicable_experiment", "applicable_experiments", "judge", "measured_value", "verdict"]
 
 FRONT = "front_height"
 NAMES = {"zeta": "runout", "beta": "height"}
@@ -31,37 +33,17 @@ def judge(results: Results, with_grid: bool = True) -> list[str]:
 
 
 def applicable_experiment(case: Case) -> tuple[Experiment | None, str]:
-    """The first of `applicable_experiments`; or None, and why there is none."""
-    experiments = applicable_experiments(case)
-    if experiments:
-        return experiments[0], ""
-    own = experiment_of(case)
-    if not own.laws:
-        return None, own.title
-    reason = own.misfit(conditions_of(case)) or ", ".join(dict.fromkeys(law.gap(case.geometry.a) for law in own.laws))
-    return None, f"no published experiment applies; {own.citation}: {reason}"
-
-
-def applicable_experiments(case: Case) -> list[Experiment]:
-    """The experiments with which a case can be compared, first that of the case.
-
-    They have been made with this kind of column, a similar material, and this aspect ratio.
-    """
-    geometry, conditions = case.geometry, conditions_of(case)
-    kind = column_kind(geometry.model, geometry.column_section)
-    others = [one for one in EXPERIMENTS.values() if one.model == kind and one.kind == "laboratory"]
-    return [
-        one
-        for one in dict.fromkeys((experiment_of(case), *others))
-        if not one.misfit(conditions) and any(one.expected(quantity, geometry.a) for quantity in NAMES)
-    ]
+    """The experiment with which a case is compared; or None, and why there is none."""
+    found = compared_experiment(case)
+    return (found, "") if found.laws else (None, found.title)
 
 
 def _quantity_line(
     summary: Mapping[str, Any], quantity: str, case: Case, experiment: Experiment | None, error: StudiedError | None
 ) -> str:
     length, value = measured_value(summary, quantity, case.geometry.r_i)
-    text = f"{NAMES[quantity]} {length_text(length)}, {quantity} = {value:.3f}"
+    unit, factor = length_scale(max(case.geometry.r_i, case.geometry.h_i))  # as in the table of a run
+    text = f"{NAMES[quantity]} {factor * length:.4g} {unit}, {quantity} = {value:.3f}"
     expected = experiment.expected(quantity, case.geometry.a) if experiment else None
     if experiment is None or expected is None:
         return text

@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from mpmcol.experiments import EXPERIMENTS, Experiment, Law
+from mpmcol.experiments import Experiment, Law
 from mpmcol.measure import FRONTS
 from mpmcol.plotting.figures import (
     MOST_ENTRIES,
@@ -46,6 +46,7 @@ def sweep_chart(
     experiment: Experiment,
     *,
     heading: Heading,
+    others: Sequence[Experiment] = (),
     slopes: Sequence[Slope] = (),
     svg: bool = False,
 ) -> list[Path]:
@@ -56,7 +57,8 @@ def sweep_chart(
         axis: a column of the rows: "a", or a key of the case. Text values get equidistant ticks.
         series: rows that are not at rest are drawn in grey. A single series shows each definition of the front,
             several series show front_connected with a bar over the three definitions.
-        experiment: drawn with its scatter; laws of other experiments on this kind of column are thin lines.
+        experiment: drawn with its scatter.
+        others: experiments whose laws are thin lines.
         heading: title and caption.
         slopes: fitted lines; their formulas are in the legend entries of the markers.
     """
@@ -65,7 +67,7 @@ def sweep_chart(
     values = [row[axis] for line in series for row in line.rows]
     if axis == ASPECT_COLUMN:
         axes.set(xscale="log", yscale="log", xlim=(min(values) / MARGIN, max(values) * MARGIN), xlabel=ASPECT_LABEL)
-        ends = _draw_laws(axes, quantity, experiment, min(values) / MARGIN, max(values) * MARGIN)
+        ends = _draw_laws(axes, quantity, experiment, others, min(values) / MARGIN, max(values) * MARGIN)
     else:
         _frame_other(axes, axis, values)
         ends = []
@@ -100,7 +102,9 @@ def _frame_other(axes: Axes, axis: str, values: Sequence[Any]) -> None:
         axes.set_xticks(range(len(texts)), texts)
 
 
-def _draw_laws(axes: Axes, quantity: str, experiment: Experiment, low: float, high: float) -> list[EndLabel]:
+def _draw_laws(
+    axes: Axes, quantity: str, experiment: Experiment, others: Sequence[Experiment], low: float, high: float
+) -> list[EndLabel]:
     """The experiment with its scatter and the gaps between the pieces of its law; then all other laws, named at their
     ends."""
     law, style = experiment.law(quantity), experiment_style(experiment)
@@ -115,7 +119,10 @@ def _draw_laws(axes: Axes, quantity: str, experiment: Experiment, low: float, hi
             label = f"{experiment.label(quantity)}: transition, no law"
             axes.axvspan(left, right, color="0.93", zorder=-2, label=label)
     ends = []
-    for other, own in _others(quantity, experiment, law).items():
+    for other in others:
+        own = other.law(quantity)
+        if own is None or not own.pieces or own == law:
+            continue
         style, name = experiment_style(other), other.label(quantity)
         line: dict[str, Any] = {"linewidth": 0.9, "color": style.colour, "linestyle": style.line, "label": name}
         marker = style.marker if other.column else ""  # only one column was tested
@@ -124,16 +131,6 @@ def _draw_laws(axes: Axes, quantity: str, experiment: Experiment, low: float, hi
             axes.plot(a, value, marker=marker, markevery=[-1], **line)
         ends += [EndLabel(a[-1], value[-1], name, style.colour) for a, value in curves[-1:]]
     return ends
-
-
-def _others(quantity: str, experiment: Experiment, law: Law | None) -> dict[Experiment, Law]:
-    """All other laws for this kind of column, each once, under the first experiment that has it."""
-    found: dict[Law, Experiment] = {}
-    for other in EXPERIMENTS.values():
-        own = other.law(quantity) if other.model == experiment.model else None
-        if own and own.pieces and own != law:
-            found.setdefault(own, other)
-    return {other: own for own, other in found.items()}
 
 
 def _curves(law: Law, low: float, high: float) -> list[tuple[np.ndarray, np.ndarray]]:

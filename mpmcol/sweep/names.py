@@ -11,21 +11,36 @@ from typing import Any
 
 from mpmcol.case import Case
 from mpmcol.case.fields import number_of
-from mpmcol.case.reference import field_at
+from mpmcol.case.reference import field_at, key_names
 from mpmcol.case.values import leaf_values
 from mpmcol.sweep.axes import ASPECT, Axis
 
 SHORT_NAMES = {ASPECT: "a"}
 LONGEST_NAME = 80
+_ARRAYS = ("walls", "layers")  # arrays of tables
 UNSAFE = re.compile(r"[^\w.+-]+")  # characters that a folder's name does not get
 
 
 def short_names(keys: Iterable[str]) -> dict[str, str]:
-    """Short names of keys for folders and labels: the last part, or the whole key where two share the last part."""
-    keys = list(keys)
-    shared = Counter(key.rpartition(".")[2] for key in keys)
-    last = {key: key.rpartition(".")[2] for key in keys}
-    return {key: SHORT_NAMES.get(key, last[key] if shared[last[key]] == 1 else key) for key in keys}
+    """Short names of keys for folders and labels: the last parts, or the whole key where two have the same name."""
+    names = {key: SHORT_NAMES.get(key, _last_parts(key)) for key in keys}
+    shared = Counter(names.values())
+    return {key: name if shared[name] == 1 else key for key, name in names.items()}
+
+
+def _last_parts(key: str) -> str:
+    """As many last parts of a key as no other key has; of an item of an array all, with its index.
+
+    The last part alone means the key of the column: height that of geometry, friction_deg that of material.
+    """
+    parts = key.split(".")
+    if parts[0] in _ARRAYS:
+        return key
+    if len(parts) <= 2 and parts[0] != "base_material":
+        return parts[-1]
+    others = [name.split(".") for name in key_names() if name != key]
+    count = next((n for n in range(1, len(parts)) if not any(one[-n:] == parts[-n:] for one in others)), len(parts))
+    return ".".join(parts[-count:])
 
 
 def value_label(name: str, key: str, value: Any) -> str:

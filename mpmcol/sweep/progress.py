@@ -72,11 +72,12 @@ def find_plan(folder: Path) -> tuple[Plan, Path]:
     if case is None:
         raise OutputError(f"{folder}: expected the folder of a sweep (with {PLAN_FILE}) or of a run (with {CASE_FILE})")
     from mpmcol.case import load_case
+    from mpmcol.case.title import title_of
     from mpmcol.sweep.runs import PlannedRun
 
     run = PlannedRun({}, load_case(case), folder.resolve())
     entry = PlanEntry(run.folder.name, {}, run.cost, run.end)
-    return Plan(run.case.title, "", 1, 1, (entry,)), run.folder.parent
+    return Plan(title_of(run.case), "", 1, 1, (entry,)), run.folder.parent
 
 
 def total_progress(runs: list[TrackedRun]) -> float:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mpmcol.case import experiment_of
+from mpmcol.case import common_experiments
 from mpmcol.experiments import Experiment, column_kind
 from mpmcol.io.atomic import atomic_write
 from mpmcol.setup.column_shape import column_shape
@@ -41,6 +41,7 @@ class ChartGroup:
     name: str
     heading: Heading
     experiment: Experiment
+    others: list[Experiment]
     axis: str
     series: list[Series]
     slopes: list[Slope]
@@ -79,13 +80,14 @@ def _chart_groups(outcomes: Sequence[Outcome], rows: Sequence[Row]) -> list[Char
 
 def _chart_group(name: str, group: list[tuple[Outcome, Row]]) -> ChartGroup:
     runs, rows = [outcome.run for outcome, _ in group], [row for _, row in group]
-    keys, steepest = list(runs[0].inputs), max((run.case for run in runs), key=lambda case: case.geometry.slope_deg)
-    experiment = experiment_of(steepest)  # has laws only if all runs are on a horizontal base
+    keys, (experiment, others) = list(runs[0].inputs), common_experiments([run.case for run in runs])
     axis = choose_axis(rows, keys)
     series = group_rows(rows, keys, axis)
     fitted = series if axis == ASPECT_COLUMN else []
     slopes = [slope for line in fitted for slope in fit_slopes(line.rows, experiment, line.label)]
-    return ChartGroup(name, _heading(runs), experiment, axis, series, slopes)
+    from mpmcol.plotting.captions import noted
+
+    return ChartGroup(name, noted(_heading(runs), experiment), experiment, others, axis, series, slopes)
 
 
 def _heading(runs: Sequence[PlannedRun]) -> Heading:
@@ -104,4 +106,13 @@ def _draw(path: Path, quantity: str, group: ChartGroup) -> None:
     shown = [slope for slope in group.slopes if slope.quantity.startswith(quantity)]
     if len(group.series) > 1:
         shown = [slope for slope in shown if slope.quantity in ("beta", FRONT_OF_MANY)]
-    sweep_chart(path, quantity, group.axis, group.series, group.experiment, slopes=shown, heading=group.heading)
+    sweep_chart(
+        path,
+        quantity,
+        group.axis,
+        group.series,
+        group.experiment,
+        others=group.others,
+        slopes=shown,
+        heading=group.heading,
+    )

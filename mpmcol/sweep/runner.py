@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from contextlib import ExitStack, closing
 from pathlib import Path
 
+from mpmcol.case.title import title_without_aspect
 from mpmcol.io.run_folder import discard_run
 from mpmcol.io.run_status import read_status
 from mpmcol.provenance import code_version
@@ -88,7 +89,7 @@ def pending_runs(runs: Sequence[PlannedRun]) -> list[PlannedRun]:
 def make_plan(runs: Sequence[PlannedRun], allocation: Allocation) -> Plan:
     """The plan that is stored in the sweep's folder."""
     entries = tuple(PlanEntry(run.folder.name, run.inputs, run.cost, run.end) for run in runs)
-    return Plan(runs[0].case.title, code_version(), allocation.jobs, allocation.threads, entries)
+    return Plan(title_without_aspect(runs[0].case.title), code_version(), allocation.jobs, allocation.threads, entries)
 
 
 def overview(

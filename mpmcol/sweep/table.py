@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmcol.case import conditions_of, experiment_of, resolved_toml
+from mpmcol.case import experiment_of, resolved_toml
 from mpmcol.case.fields import number_of
 from mpmcol.case.reference import field_at
 from mpmcol.io import columns
@@ -23,6 +23,7 @@ from mpmcol.sweep.engine import Outcome
 
 CSV_FILE, HDF5_FILE = "table.csv", "table.h5"
 TABLE_SCHEMA = 1
+MOVING = "still moving at the end: not compared with experiments"
 
 SIZES = ("spacing_used", "r_i", "h_i", "base_used")
 MEASURED = (
@@ -37,9 +38,10 @@ Row = dict[str, Any]
 def make_rows(outcomes: Sequence[Outcome]) -> list[Row]:
     """A row for each run, in the given order, all with the same columns; None where there is no value.
 
-    Only runs that are done have measurements. In three dimensions the column of a front is the mean around the axis,
-    and the columns .min and .max are its range. Errors are relative; their columns are named by the experiment, the
-    quantity and the front. law.zeta and law.beta are the values expected by the experiment of the case.
+    Only runs that are done have measurements, and only those at rest are compared with experiments. In three dimensions
+    the column of a front is the mean around the axis, and the columns .min and .max are its range. Errors are relative;
+    their columns are named by the experiment, the quantity and the front. law.zeta and
+    law.beta are the values expected by the experiment of the case.
     """
     parts = [_parts(outcome) for outcome in outcomes]
     names = dict.fromkeys(name for alike in zip(*parts, strict=True) for part in alike for name in part)
@@ -86,7 +88,11 @@ def _parts(outcome: Outcome) -> tuple[Row, ...]:
     geometry = run.case.geometry
     result = read_status(run.folder).result or {}
     measured = result if outcome.status == "done" else {}
-    wall = result.get("wall_s", {})
+    wall, at_rest = result.get("wall_s", {}), bool(measured.get("at_rest"))
+
+    def compared(value: float | None) -> float | None:
+        return value if at_rest else None
+
     inputs = {"folder": run.folder.name, "status": outcome.status, **run.inputs}
     seconds = {"seconds": sum(wall.values()) if wall else None, "compile_seconds": wall.get("compile")}
     return (
@@ -95,13 +101,13 @@ def _parts(outcome: Outcome) -> tuple[Row, ...]:
         dict(flatten({name: measured[name] for name in MEASURED if name in measured}, unnamed=("mean",))),
         _laws(outcome),
         {
-            error_column(error["experiment"], error["quantity"], error["front_definition"]): error["error"]
+            error_column(error["experiment"], error["quantity"], error["front_definition"]): compared(error["error"])
             for error in measured.get("errors", ())
         },
-        {f"rms_mm.{score['experiment']}": score["rms_mm"] for score in measured.get("profile_scores", ())},
+        {f"rms_mm.{score['experiment']}": compared(score["rms_mm"]) for score in measured.get("profile_scores", ())},
         seconds | {name: result.get(name) for name in COST},
         {f"version.{name}": version for name, version in result.get("versions", {}).items()},
-        {"message": outcome.result.message},
+        {"message": outcome.result.message or (MOVING if measured and not at_rest else "")},
     )
 
 
@@ -109,8 +115,7 @@ def _laws(outcome: Outcome) -> Row:
     case = outcome.run.case
     geometry = case.geometry
     experiment = experiment_of(case)
-    applies = not experiment.misfit(conditions_of(case))
-    expected = {name: experiment.expected(name, geometry.a) if applies else None for name in ("zeta", "beta")}
+    expected = {name: experiment.expected(name, geometry.a) for name in ("zeta", "beta")}
     unverified = [law.quantity for law in experiment.laws if expected.get(law.quantity) and not law.verified]
     values = {f"law.{quantity}": law[0] if law else None for quantity, law in expected.items()}
     return {**values, "law.unverified": ";".join(unverified)}

@@ -1,4 +1,10 @@
-"""Cost of a wall: time of a step with a dam over that without, from the same state, in interleaved pairs."""
+"""Cost of a boundary: time of a step with it over that without, from the same state, in interleaved pairs.
+
+python scripts/boundaries/wall_cost.py --part dam --pairs 60     # or floor, forces, side-walls; also --dimension 3
+
+dam: a wall that has stopped the flow. floor: friction of the floor instead of no slip. forces: recorded forces.
+side-walls: friction of side walls, in plane strain only.
+"""
 
 from __future__ import annotations
 
@@ -21,6 +27,12 @@ CASES = {  # dimension -> case, overrides, walls, steps of a pair
         "walls=[{from=0.1666, to=0.196, height=0.05}]",
         10,
     ),
+}
+NO_SLIP = ("friction={}", "output.wall_forces=false")
+PARTS = {  # part -> overrides without it, and with it
+    "floor": (NO_SLIP, (*NO_SLIP, "friction.floor=0.268")),
+    "forces": (NO_SLIP, ("friction={}", "output.wall_forces=true")),
+    "side-walls": (NO_SLIP, (*NO_SLIP, "friction.side_walls=0.4", "friction.channel_width=0.2")),
 }
 
 
@@ -48,18 +60,20 @@ def main() -> None:
     """Print the minimum of each and the median of the ratios."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--dimension", type=int, choices=CASES, default=2)
+    parser.add_argument("--part", choices=("dam", *PARTS), default="dam")
     parser.add_argument("--pairs", type=int, default=40)
     arguments = parser.parse_args()
     set_threads(1)
     case, overrides, walls, steps = CASES[arguments.dimension]
-    without, with_dam = solver_of(case, *overrides), solver_of(case, *overrides, walls)
-    while with_dam.time < START:
-        with_dam.advance(START)
-    rows = with_dam.points.rows.copy()
+    before, after = PARTS.get(arguments.part, ((), (walls,)))
+    without, with_part = solver_of(case, *overrides, *before), solver_of(case, *overrides, *after)
+    while with_part.time < START:
+        with_part.advance(START)
+    rows = with_part.points.rows.copy()
     times = (
         1e9
         / len(rows)
-        * np.array([(seconds(without, rows, steps), seconds(with_dam, rows, steps)) for _ in range(arguments.pairs)])
+        * np.array([(seconds(without, rows, steps), seconds(with_part, rows, steps)) for _ in range(arguments.pairs)])
     )
     ratios = times[:, 1] / times[:, 0]
     print(

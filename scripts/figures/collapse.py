@@ -1,4 +1,4 @@
-"""Draw the first figure of the README: four moments of a channel collapse with the measured surface.
+"""Draw the first figure of the README: four moments of a channel collapse with the computed surface.
 
     python scripts/figures/collapse.py [--runs DIR]
 
@@ -23,6 +23,7 @@ from matplotlib.collections import PathCollection
 import mpmcol
 from mpmcol.experiments import find_experiment
 from mpmcol.io.results import Results
+from mpmcol.plotting.profiles import outline
 
 TARGET = Path(__file__).with_suffix(".png")
 MOMENTS = (1.0, 2.0)  # in sqrt(h_i / g), between release and rest
@@ -41,7 +42,7 @@ def compute(folder: Path) -> Results:
 
 
 def draw_moment(axes: Axes, results: Results, index: int, largest: float) -> PathCollection:
-    """Points coloured by displacement, and the measured surface, of one snapshot."""
+    """Points coloured by displacement, and the computed surface, of one snapshot."""
     snapshot, measured, geometry = results.snapshot(index), results.measure(index), results.case.geometry
     column = snapshot.column
     moved = np.linalg.norm(snapshot.arrays["displacement"][column], axis=1) * MM
@@ -50,7 +51,7 @@ def draw_moment(axes: Axes, results: Results, index: int, largest: float) -> Pat
     points = axes.scatter(
         *snapshot.x[column].T[:2] * MM, s=0.7, c=moved, cmap="viridis", vmin=0.0, vmax=largest * MM, linewidths=0
     )
-    axes.plot(measured.profile_x * MM, measured.profile_y * MM, "k-", lw=1.2, label="measured surface")
+    axes.plot(*outline(measured, MM), "k-", lw=1.2, label="computed surface")
     axes.plot(measured.front["front_height"] * MM, 0.0, "kv", ms=6, label="front (front_height)")
     tau = math.sqrt(geometry.h_i / geometry.gravity)
     axes.set_title(rf"$t = {snapshot.time / tau:.1f}\,\sqrt{{h_i/g}}$", fontsize=11)
@@ -70,8 +71,9 @@ def main() -> None:
     figure, panels = plt.subplots(2, 2, figsize=(9.6, 5.6), sharex=True, sharey=True, layout="constrained")
     for index, axes in enumerate(panels.flat):
         points = draw_moment(axes, results, index, largest)
-    zeta = find_experiment("paper-plane", "plane").law("zeta")(geometry.a)  # Eq. 37
-    axes.axvline(geometry.r_i * (1.0 + zeta) * MM, color="tab:red", ls="--", lw=1.0, label="experiments (Eq. 37)")
+    experiment = find_experiment("lube-2007", "plane")
+    zeta = experiment.law("zeta")(geometry.a)  # Eq. 37
+    axes.axvline(geometry.r_i * (1.0 + zeta) * MM, color="tab:red", ls="--", lw=1.0, label=experiment.citation)
     axes.set_title(axes.get_title() + ", at rest", fontsize=11)
     handles, labels = axes.get_legend_handles_labels()
     panels[0, 0].legend(handles, labels, loc="upper right", frameon=False, fontsize=10)

@@ -16,7 +16,6 @@ from pathlib import Path
 
 import mpmcol
 from mpmcol.cli.options import ACCURACY
-from mpmcol.studies.convergence import NORMAL_90
 
 FRICTION = "material.friction_deg"
 RANGE = (18.0, 45.0)
@@ -60,12 +59,12 @@ def main() -> None:
                 case, {one: to[one] for one in quantities}, {FRICTION: RANGE}, overrides=[f"geometry.aspect={aspect}"],
                 accuracy=accuracy, jobs=arguments.jobs, out=folder / "-".join(quantities), notify=lambda line: None,
             )  # fmt: skip
-            value, error = found.values[0].value, found.values[0].error or RANGE[1] - RANGE[0]
-            holds = abs(value - angle) <= NORMAL_90 * error
+            fitted, interval = found.values[0], found.values[0].interval
+            holds = interval is not None and interval[0] <= angle <= interval[1]
             rows.append(
-                {"case": case, "a": aspect, "quantities": " ".join(quantities), "angle": angle, "fitted": value,
-                 "standard_error": error, "grid": (found.values[0].parts or {}).get("grid"), "holds": holds,
-                 "core_seconds": found.record["core_seconds"]}
+                {"case": case, "a": aspect, "quantities": " ".join(quantities), "angle": angle,
+                 "fitted": fitted.value, "standard_error": fitted.error, "grid": (fitted.parts or {}).get("grid"),
+                 "holds": holds, "core_seconds": found.record["core_seconds"]}
             )  # fmt: skip
             print(rows[-1], flush=True)
             with (arguments.out / "intervals.csv").open("w", newline="") as file:

@@ -109,6 +109,13 @@ def test_explain() -> None:
     assert 'Did you mean "grid.spacing"?' in result.stderr
 
 
+def test_explain_finds_percentiles_without_their_number_and_adds_the_key_of_the_case() -> None:
+    number, friction = (invoke("explain", name).stdout for name in ("I", "mu"))
+    assert "flow.I_p5" in number and "flow.I_median" in number and "flow.I_p95" in number and "mu_" not in number
+    assert "flow.mu_p95" in friction and "material.friction_deg" in friction and "mu_s" in friction
+    assert "pressure_p99" in invoke("explain", "pressure").stdout
+
+
 def test_schema_is_json() -> None:
     assert json.loads(invoke("schema").stdout)["title"] == "mpmcol case"
 

@@ -3,21 +3,27 @@
 from __future__ import annotations
 
 import json
+import shutil
 import signal
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from matplotlib.figure import Figure
 
 import mpmcol
 from mpmcol.io.run_status import read_status
+from mpmcol.studies.fit import carry_out_fit, chart
+from mpmcol.studies.fit.quantities import parse_targets
+from mpmcol.studies.fit.unknowns import parse_unknowns
+from mpmcol.studies.fit.values import fitted_values
 from tests.support.cli import invoke
 from tests.support.processes import wait_until
 from tests.support.runs import TINY
 
 FRICTION = "material.friction_deg"
-MEASURED = "zeta=0.5,beta=0.97+-0.01"
+MEASURED = "zeta=0.2,beta=0.99+-0.01"
 COMMAND = [
     "fit", "coarse-channel", "--to", MEASURED, "--vary", f"{FRICTION}=20:44", "--jobs", "1", "--threads", "1",
     *(word for value in TINY[:1] + TINY[2:] for word in ("--set", value)),
@@ -30,6 +36,7 @@ def fitted(tmp_path_factory: pytest.TempPathFactory) -> Path:
     done = invoke(*COMMAND, "--out", str(out))
     assert done.exit_code == 0, done.output
     assert f"{FRICTION} = " in done.stdout and "+-" in done.stdout and "still moved" in done.stdout
+    assert "grid not known" in done.stdout and "zeta: measured 0.2 +- 0.004, computed 0." in done.stdout
     return out
 
 
@@ -37,14 +44,58 @@ def test_a_fit_writes_values_runs_case_and_charts(fitted: Path) -> None:
     record = json.loads((fitted / "fit.json").read_text())
     (unknown,) = record["unknowns"]
     assert 20.0 <= unknown["value"] <= 44.0 and unknown["standard_error"] > 0.0
-    assert sum(part**2 for part in unknown["parts"].values()) == pytest.approx(unknown["standard_error"] ** 2)
+    parts = unknown["parts"]
+    assert parts["grid"] is None  # not studied for this case
+    assert parts["measurement"] ** 2 + parts["scatter"] ** 2 == pytest.approx(unknown["standard_error"] ** 2)
+    assert unknown["low"] <= unknown["interval"][0] < unknown["value"] < unknown["interval"][1] <= unknown["high"]
+    assert record["converged"] is True
+    for target in record["targets"]:
+        difference = (target["fitted"][0] - target["measured"][0]) / target["error_of_difference"][0]
+        assert target["difference"] == [pytest.approx(difference)]
+        assert f"| {target['name']} | {target['measured'][0]:.4g} | " in (fitted / "fit.md").read_text()
     case = mpmcol.load_case(fitted / "fitted.toml")
     assert case.material.friction_deg == pytest.approx(unknown["value"], rel=1e-5)
     assert case.grid.spacing == 0.015
     rows = (fitted / "evaluations.csv").read_text().splitlines()
     assert rows[0].startswith("level,folder,material.friction_deg,zeta,beta,repose [deg]")
     assert len(rows) - 1 == record["runs"] == len(list((fitted / "runs").glob("*/result.json")))
+    assert rows[0].endswith("zeta_at_1,zeta_at_2,beta_at_1,beta_at_2,stop_time [sqrt(h_i/g)]")
     assert all((fitted / name).stat().st_size > 10_000 for name in ("fit.png", "profile.png"))
+
+
+def test_a_misfit_without_a_degree_of_freedom_is_reported(fitted: Path) -> None:
+    """No friction angle in the range gives four times the runout. The first runs are those of the other fit."""
+    command = [*COMMAND[:3], "zeta=2.2+-0.05", *COMMAND[4:], "--out", str(fitted.parent / "missed")]
+    shutil.copytree(fitted / "runs", fitted.parent / "missed" / "runs")
+    done = invoke(*command)
+    assert done.exit_code == 0, done.output
+    assert done.stdout.startswith("no values in the ranges reproduce the measurements: zeta is 0.")
+    assert "below the measured 2.2" in done.stdout and f"{FRICTION} = 20 deg, the nearest value, without" in done.stdout
+    record = json.loads((fitted.parent / "missed" / "fit.json").read_text())
+    (unknown,), (target,) = record["unknowns"], record["targets"]
+    assert record["reproduced"] is False and target["reproduced"] is False and target["difference"][0] < -2.0
+    assert unknown["standard_error"] is unknown["interval"] is unknown["parts"] is None and unknown["end"] == "low"
+    assert "# no values in the ranges reproduce" in (fitted.parent / "missed" / "fitted.toml").read_text()
+
+
+def test_the_chart_of_the_profile_names_the_run_that_it_shows(fitted: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    drawn: list[Figure] = []
+    monkeypatch.setattr(chart, "save_figure", lambda figure, path, svg: [drawn.append(figure)])
+    targets, overrides = parse_targets(MEASURED), [TINY[0], TINY[2]]
+    unknowns = parse_unknowns([f"{FRICTION}=20:44"], "coarse-channel", overrides)
+    fit = carry_out_fit("coarse-channel", overrides, unknowns, targets, fitted, jobs=1, threads=1)
+    chart.profile_chart(fit, fitted / "profile.png")
+    (axes,) = drawn[0].axes
+    labels = [str(line.get_label()) for line in axes.lines]
+    shares = [float(one.shares[0]) for one in fit.solution.evaluations]
+    share = min(shares, key=lambda one: abs(one - float(fit.solution.shares[0])))
+    assert f"run nearest to the answer: friction_deg {unknowns[0].at(share):.4g}" in labels
+    assert axes.get_title().startswith(f"answer: friction_deg {fitted_values(fit)[0].value:.4g} +- ")
+
+
+def test_the_help_states_the_assumed_error() -> None:
+    text = " ".join(invoke("fit", "--help").output.split())
+    assert "Without an error 2 % are assumed" in text and "assumed: 2 % of the largest" in text
 
 
 def test_a_fit_has_a_report(fitted: Path) -> None:
@@ -80,12 +131,14 @@ def test_python_gives_the_same_and_repeats_nothing(fitted: Path) -> None:
     times = {path: path.stat().st_mtime_ns for path in (fitted / "runs").glob("*/result.json")}
     remarks: list[str] = []
     found = mpmcol.fit(
-        "coarse-channel", {"zeta": 0.5, "beta": (0.97, 0.01)}, {FRICTION: (20, 44)}, out=fitted,
+        "coarse-channel", {"zeta": 0.2, "beta": (0.99, 0.01)}, {FRICTION: (20, 44)}, out=fitted,
         overrides=[TINY[0], TINY[2]], jobs=1, threads=1, notify=remarks.append,
     )  # fmt: skip
     assert times == {path: path.stat().st_mtime_ns for path in (fitted / "runs").glob("*/result.json")}
     assert found.values[0].value == json.loads((fitted / "fit.json").read_text())["unknowns"][0]["value"]
     assert FRICTION in repr(found) and FRICTION in found._repr_html_() and "still moved" in remarks[-1]
+    assert "zeta: measured 0.2" in repr(found) and "zeta: measured 0.2" in found._repr_html_()
+    assert found.agreement.comparisons[0].differences.tolist() == found.record["targets"][0]["difference"]
 
 
 def test_fresh_repeats_all_runs(fitted: Path) -> None:

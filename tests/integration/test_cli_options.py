@@ -11,6 +11,7 @@ import click
 import pytest
 
 from mpmcol.cli import COMMANDS, main
+from mpmcol.setup import cores
 from tests.support.cli import invoke, set_options
 from tests.support.runs import TINY
 
@@ -131,3 +132,12 @@ def test_the_default_folder_is_named_by_what_it_holds(
     monkeypatch.setattr("mpmcol.simulation.run.run", stop)
     invoke("run", "coarse-channel", *arguments)
     assert started == [Path("runs") / name]
+
+
+@pytest.mark.parametrize("extra", [(), ("--dry-run",)])
+def test_more_threads_than_cores_are_noted(
+    extra: tuple[str, ...], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(cores, "available_cores", lambda: 1)
+    done = invoke("run", "coarse-channel", *set_options(TINY), "--threads", 2, "--out", str(tmp_path / "r"), *extra)
+    assert done.exit_code == 0 and "note: 2 threads on 1 core: no faster than 1; omit --threads" in done.stderr

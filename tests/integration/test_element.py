@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-from math import asin, degrees, radians, sin, sqrt
+from math import asin, atan, degrees, inf, radians, sin, sqrt, tan
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +11,7 @@ import pytest
 
 import mpmcol
 from mpmcol.cli.element import TESTS
+from mpmcol.mpm.constitutive import mu_i
 from mpmcol.studies.element import run
 from mpmcol.studies.element.paths import PATHS
 from mpmcol.studies.element.run import element_test
@@ -71,12 +72,73 @@ def test_the_rate_raises_the_friction_of_mu_i() -> None:
     assert degrees(asin(0.4)) < found["mobilised_deg"][-1]
 
 
+GRAINS = "I_0 = 0.3, grain_diameter = 1e-3, grain_density = 2500.0"
+COHESIVE = {  # material and its tensile strength
+    "mohr-coulomb": (f"{SAND}, tension = 200.0", 200.0),
+    "drucker-prager": (SAND.replace("mohr-coulomb", "drucker-prager"), 500.0 / tan(radians(33.0))),
+    "mu-i": (
+        "law = 'mu-i', density = 1600.0, youngs_modulus = 10e6, poissons_ratio = 0.2, mu_s = 0.5, mu_2 = 0.7, "
+        + GRAINS,
+        1000.0,
+    ),
+}
+
+
+@pytest.mark.parametrize("law", COHESIVE)
+@pytest.mark.parametrize("limit", [0.0, 0.005, inf])
+def test_an_opened_point_loses_its_tensile_strength_at_the_failure_strain(law: str, limit: float) -> None:
+    """The largest opening strain that it had counts, although no plastic strain is added while it is open."""
+    keys, strength = COHESIVE[law]
+    found = driven(f"{keys}, cohesion = 500.0, failure_strain = {limit}", "extension", 0.02)
+    opening, tension = found["opening_strain"], -found["pressure"]
+    before = (opening > 0.0) & (opening < limit)
+    after = np.roll(opening, 1)[1:] > limit  # with the opening at the end of the step before
+    np.testing.assert_allclose(tension[before], strength, rtol=1e-9)
+    np.testing.assert_allclose(tension[1:][after], 0.0, atol=1e-9)
+    assert before.any() == (limit > 0.0) and after.any() == (limit < inf)
+
+
+def test_failed_grains_have_the_rate_of_grains_without_cohesion() -> None:
+    """The inertial number of a state follows from the strength that is left."""
+    material = mu_i.Material(
+        density=1600.0, youngs_modulus=10e6, poissons_ratio=0.2, mu_s=0.5, mu_2=0.7, I_0=0.3, grain_diameter=1e-3,
+        grain_density=2500.0, cohesion=500.0, failure_strain=0.01,
+    )  # fmt: skip
+    params = mu_i.make_params(material)
+    mean, shear, history = np.array([-1000.0, -1000.0]), np.array([600.0, 1100.0]), (np.array([0.02, 0.0]), np.zeros(2))
+    numbers = mu_i.inertial_number(mean, shear, history, params)
+    np.testing.assert_allclose(mu_i.friction_of(numbers, material), 0.6, rtol=1e-12)
+
+
+@pytest.mark.parametrize("path", ["plane-strain", "triaxial", "shear", "extension"])
+@pytest.mark.parametrize("rate", [0.01, 20.0])
+def test_mu_i_with_equal_coefficients_is_drucker_prager(path: str, rate: float) -> None:
+    """The state after each step of the compiled update, at any rate."""
+    elastic = "density = 1600.0, youngs_modulus = 10e6, poissons_ratio = 0.2, cohesion = 50.0"
+    angle = degrees(atan(0.4))
+    cone = driven(f"law = 'drucker-prager', {elastic}, friction_deg = {angle}, match = 'tangent'", path, 0.02, rate)
+    same, other = (
+        driven(f"law = 'mu-i', {elastic}, mu_s = 0.4, mu_2 = {x}, {GRAINS}", path, 0.02, rate) for x in (0.4, 0.5)
+    )
+    for name, expected in cone.items():
+        np.testing.assert_allclose(same[name], expected, rtol=1e-9, atol=1e-9 * np.abs(expected).max())
+    if path != "extension" and rate > 1.0:
+        assert abs(other["shear"][-1] / cone["shear"][-1] - 1.0) > 0.01
+
+
 def test_the_command_writes_chart_and_table(tmp_path: Path) -> None:
     result = invoke("element", "coarse-channel", "--strain", "0.01", "--steps", "50", "--out", tmp_path / "new")
     assert result.exit_code == 0 and "largest mobilised friction angle 33 deg" in result.output
     assert (tmp_path / "new/element.png").stat().st_size > 5000
     rows = list(csv.reader((tmp_path / "new/element.csv").read_text().splitlines()))
     assert len(rows) == 52 and rows[0][:2] == ["strain", "stress.xx [Pa]"]
+
+
+def test_extension_prints_the_tensile_strength(tmp_path: Path) -> None:
+    keys = ("--set", "material.tension=1.5 kPa", "--test", "extension", "--out", tmp_path / "new")
+    result = invoke("element", "cohesive-column", *keys)
+    assert result.exit_code == 0 and "tensile strength (largest mean tension) 1500 Pa" in result.output
+    assert "opening strain at the end 0.04" in result.output and "friction angle" not in result.output
 
 
 @pytest.mark.parametrize(

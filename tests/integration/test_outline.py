@@ -74,7 +74,7 @@ def test_a_steep_heap_keeps_its_shape_until_the_release_and_then_flows(steep: Re
 
 
 def test_an_outline_is_not_compared_with_laws_of_the_aspect_ratio(steep: Results) -> None:
-    reason = "no published law (no rectangle or walls in the way)"
+    reason = "no published collapse of a column that is no rectangle"
     assert steep.summary["errors"] == steep.summary["profile_scores"] == []
     shown = invoke("measure", steep.folder).stdout
     assert shown.endswith(f"{reason}\n") and "outline of 3 points, r_i = 300 mm" in shown

@@ -23,7 +23,7 @@ from mpmcol.case import load_case
 from mpmcol.cli import main
 from mpmcol.mpm.particles import Points
 from tests.support.cli import invoke
-from tests.support.documents import FOLDERS, READMES, ROOT, Block, anchors, blocks, links
+from tests.support.documents import DOCUMENTS, FOLDERS, ROOT, Block, anchors, blocks, links
 
 MARKS = ((), ("slow",), ("not-run",))
 COARSE = ["--set", "grid.spacing=0.012", "--set", "stages.collapse.max_time_factor=0.5"]
@@ -33,7 +33,7 @@ QUICKER = {  # command of a document -> what is executed instead
 }
 SHELL = 'mpmcol() {{ "{python}" -m mpmcol "$@"; }}; python() {{ "{python}" "$@"; }}; set -euo pipefail; {command}'
 
-documents = pytest.mark.parametrize("document", READMES, ids=lambda path: str(path.relative_to(ROOT)))
+documents = pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: str(path.relative_to(ROOT)))
 
 
 @pytest.fixture(scope="module")

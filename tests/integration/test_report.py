@@ -19,10 +19,11 @@ from mpmcol.sweep.plan import prepare_out, write_plan
 from mpmcol.sweep.runner import make_plan
 from mpmcol.sweep.runs import plan_runs
 from mpmcol.sweep.scheduling import Allocation
+from tests.support import browser
 from tests.support.browser import Loaded, load, print_to_pdf
 from tests.support.cli import invoke, set_options
 from tests.support.report_folders import copy_run, write_study
-from tests.support.runs import TINY
+from tests.support.runs import SMALL_CASES, TINY
 
 HOSTILE = "<script>alert(1)</script>"
 LARGEST = 5e6  # bytes
@@ -132,6 +133,15 @@ def test_equal_cases_have_no_differences(finished: Path, run: Path) -> None:
     assert case_differences(runs, ["a", "b"]).rows == [("none", "", "")]
 
 
+def test_runs_of_different_structure_are_compared() -> None:
+    short = ("stages.collapse.max_time_factor=0.3", "output.snapshots=2")
+    for name, overrides in {"dam": SMALL_CASES["walls"][1:], "cohesive-column": ("grid.spacing=0.25",)}.items():
+        assert invoke("run", name, *set_options((*overrides, *short)), "--out", name).exit_code == 0
+    for pair in (("dam", "cohesive-column"), ("cohesive-column", "dam")):
+        page = report_of(*pair, "--out", "pair.html", "--overwrite")
+        assert "walls.0.height (m)" in page and "material.tension (Pa)" in page
+
+
 def test_the_case_as_given_is_shown_if_it_differs(finished: Path, tmp_path: Path) -> None:
     folder = copy_run(finished, tmp_path / "run", lambda result: None)
     given, resolved = folder / "case.toml", (folder / "case.resolved.toml").read_text()
@@ -145,7 +155,7 @@ def test_a_sweep_with_its_runs_and_charts(sweep: Path) -> None:
     page = html.unescape((sweep / "report.html").read_text())
     assert "2 runs: 2 done" in page and "grid.spacing = 0.015 m" in page
     assert page.count('src="data:image/png') == 2
-    assert len(re.findall(r'<th scope="row">friction\w*</th><td>done</td>', page)) == 2
+    assert len(re.findall(r'<th scope="row">friction\w*</th><td>done, still moving</td>', page)) == 2
 
 
 def test_a_sweep_whose_runs_all_failed(sweep: Path, tmp_path: Path) -> None:
@@ -181,6 +191,16 @@ def test_another_file_is_kept_unless_overwritten(study: Path) -> None:
     assert done.exit_code == 2 and "is not a report of mpmcol; use --overwrite" in done.stderr
     assert Path("mine.html").read_text() == "mine"
     assert "A study" in report_of(study, "--out", "mine.html", "--overwrite")
+
+
+@pytest.mark.parametrize(("required", "outcome"), [("1", pytest.fail.Exception), ("", pytest.skip.Exception)])
+def test_a_missing_browser_is_a_failure_where_it_is_required(
+    required: str, outcome: type[BaseException], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(browser.REQUIRED, required)
+    monkeypatch.setattr(browser.shutil, "which", lambda name: None)
+    with pytest.raises(outcome):
+        browser.find_browser()
 
 
 def unfinish(folder: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
@@ -48,6 +49,20 @@ def test_every_name_in_a_result_is_explained(finished: Path) -> None:
     summary = json.loads((finished / "result.json").read_text())
     assert unexplained(RESULT, names_in(summary)) == set()
     assert all(explain_name(name) for name in names_in(summary))
+
+
+def test_every_array_of_a_snapshot_and_every_file_of_a_run_is_explained(finished: Path) -> None:
+    names = [*Results(finished).snapshot(-1).arrays, *(path.name for path in finished.iterdir() if path.name[0] != ".")]
+    assert {"displacement", "SHA256SUMS", "history.csv", "snapshots"} <= set(names)
+    for name in names:
+        assert invoke("explain", name).exit_code == 0, name
+
+
+def test_explain_accepts_keys_with_indices_as_messages_have_them() -> None:
+    for key in ("layers.0.material.friction_deg", "walls.1.height", "walls.0"):
+        explained, plain = (invoke("explain", name) for name in (key, re.sub(r"\.\d+", "", key)))
+        assert explained.exit_code == 0 and explained.stdout == plain.stdout
+    assert invoke("explain", "layers.0.colour").exit_code != 0
 
 
 def test_every_name_of_failures_and_retries_is_explained(tmp_path: Path) -> None:

@@ -11,6 +11,7 @@ import pytest
 import mpmcol
 from mpmcol.errors import NumericalFailure
 from mpmcol.io.results import Results
+from mpmcol.measure import friction_from_repose
 from mpmcol.plotting.captions import heading_of, heading_of_snapshot
 from mpmcol.plotting.comparison import chart_comparison
 from mpmcol.plotting.render.frame import read_for_rendering
@@ -79,8 +80,12 @@ def test_laws_of_a_horizontal_base_are_not_compared(slope: Results) -> None:
     assert "for a horizontal base; here it slopes by 10 deg" in printed
     angle = slope.measure().repose_angle_deg
     assert angle is not None and f"{angle:.1f} deg to the base, {angle + 10.0:.1f} deg to the horizontal" in printed
+    record = json.loads(invoke("measure", str(slope.folder), "--json").stdout)
+    assert record["friction_from_repose_deg"] == friction_from_repose(angle + 10.0)
+    assert record["friction_from_repose_bias_deg"] is None
+    assert f"friction from repose {record['friction_from_repose_deg']:9.1f} deg" in printed
     again = invoke("run", "inclined-channel", *(f"--set={one}" for one in COARSE), "--out", str(slope.folder)).output
-    assert "no published law for a slope of 10 deg, all are for a horizontal base" in again
+    assert "Lube et al. 2007: for a horizontal base; here it slopes by 10 deg" in again
     assert "against" not in again and "--accuracy" not in again
 
 

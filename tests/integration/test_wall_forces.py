@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import mpmcol
+from mpmcol.cli.run_summary import summary_table
 from mpmcol.io.results import Results
 from mpmcol.measure.wall_forces import peak_forces, wall_force_summary
 
@@ -42,7 +43,7 @@ def test_recording_forces_does_not_change_a_run(runs: Runs) -> None:
     assert not any(name.startswith("force.") for name in runs.plain.history)
     header = (runs.forces.folder / "history.csv").read_text().partition("\n")[0]
     forces = "force.floor.y [N/m],force.back_wall.x [N/m],force.back_wall.y [N/m],force.gate.x [N/m],force.gate.y [N/m]"
-    assert header.endswith(f"{forces},moment.back_wall [N m/m],moment.gate [N m/m]")
+    assert header.endswith(f"{forces},moment.floor [N m/m],moment.back_wall [N m/m],moment.gate [N m/m]")
 
 
 def test_the_gate_carries_the_active_thrust_before_it_opens(runs: Runs) -> None:
@@ -52,6 +53,28 @@ def test_the_gate_carries_the_active_thrust_before_it_opens(runs: Runs) -> None:
     assert forces["back_wall"]["at_release"] == pytest.approx(thrust, rel=0.03)
     assert forces["floor"]["at_release"] == pytest.approx(RHO * G * 0.09 * H_I, rel=0.001)
     assert forces["gate"]["at_end"] == 0.0
+
+
+def test_the_moment_on_the_floor_is_that_of_the_weight_and_of_the_back_wall(runs: Runs) -> None:
+    """At release of r_i / 2, since gate and back wall balance; at the end of the centre of mass of the deposit."""
+    forces, last = runs.forces.summary["wall_forces"], runs.forces.snapshot(-1)
+    assert forces["floor"]["moment_at_release"] == pytest.approx(RHO * G * 0.09 * H_I * 0.045, rel=0.01)
+    weight, mass = RHO * G * 0.09 * H_I, last.arrays["mass"]
+    centre = float(np.average(last.arrays["position"][:, 0], weights=mass))
+    assert forces["floor"]["moment_at_end"] == pytest.approx(
+        weight * centre + forces["back_wall"]["moment_at_end"], rel=0.01
+    )
+    assert 0.06 < centre < 0.09  # it has moved
+    text = summary_table(runs.forces)
+    assert "force on floor: at most" in text and "force on back_wall: at most" in text
+
+
+def test_the_moment_on_the_floor_below_a_cylinder_is_at_two_thirds_of_its_radius(tmp_path: Path) -> None:
+    options = ["grid.spacing=0.0097", "grid.points_per_cell=4", "geometry.aspect=0.8", "geometry.base=rigid"]
+    options += ["method.wall_impulse=true", "stages.initial_stress=k0", "friction.floor=0", "output.wall_forces=true"]
+    case = mpmcol.load_case("quickstart", [*options, "stages.collapse.max_time_factor=0.2", "output.snapshots=1"])
+    forces = mpmcol.run(case, tmp_path, threads=1).summary["wall_forces"]["floor"]
+    assert forces["moment_at_release"] == pytest.approx(forces["at_release"] * 2.0 / 3.0 * case.geometry.r_i, rel=0.01)
 
 
 def test_the_deposit_presses_on_the_back_wall_between_its_active_and_passive_state(runs: Runs) -> None:

@@ -25,8 +25,9 @@ done = {{}}
 for name, *arguments in [
     ("run", "coarse-channel", *tiny, "--out", "run"),
     ("plot", "run"), ("measure", "run", "--json"), ("verify", "run"), ("status", "run"), ("check", "."),
+    ("report", "run"),
     ("sweep", "coarse-channel", "--aspect", "0.8,1.2", *tiny, "--jobs", "1", "--out", "sweep"),
-    ("verify", "sweep"),
+    ("verify", "sweep"), ("report", "sweep"),
 ]:
     result = invoke(name, *arguments)
     done[f"{{name}} {{arguments[0]}}"] = result.exit_code, result.output + str(result.exception or "")
@@ -69,6 +70,8 @@ def test_all_commands_work(done: tuple[Path, dict[str, Any]]) -> None:
     assert {name: output for name, (code, output) in commands.items() if code} == {}
     assert check[0] == 2 and "is a folder; expected a case file" in check[1]
     assert (folder / "run/front.png").is_file() and (folder / "sweep/zeta.png").is_file()
+    for name in ("run", "sweep"):
+        assert "</html>" in (folder / name / "report.html").read_text("utf-8")
     assert "\x1b" not in "".join(output for _, output in commands.values())
 
 

@@ -1,12 +1,14 @@
 """Chromium without a window: what it finds on a page, its console, its print.
 
-`make browser` installs it on Debian; without it the tests that use it are skipped.
+`make browser` installs it on Debian; without it the tests that use it are skipped, or fail
+where `.ci/run` could install it.
 """
 
 from __future__ import annotations
 
 import html
 import json
+import os
 import re
 import shutil
 import subprocess
@@ -20,6 +22,7 @@ import pytest
 
 NAMES = ("chromium", "chromium-browser", "google-chrome")
 INSTALL = "no Chromium here; on Debian, as root: make browser"
+REQUIRED = "MPMCOL_REQUIRE_BROWSER"
 OPTIONS = (
     "--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--no-first-run",
     "--disable-background-networking", "--enable-logging=stderr", "--v=0",
@@ -60,8 +63,10 @@ class Loaded:
 
 
 def find_browser() -> str:
-    """The program; the test is skipped if there is none."""
+    """The program; the test is skipped if there is none, or fails where REQUIRED is set."""
     found = next(filter(None, map(shutil.which, NAMES)), None)
+    if found is None and os.environ.get(REQUIRED):
+        pytest.fail(f"{INSTALL} ({REQUIRED} is set)")
     if found is None:
         pytest.skip(INSTALL)
     return found

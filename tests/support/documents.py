@@ -8,7 +8,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 FOLDERS = ("cases", "mpmcol", "scripts", "tests")
-READMES = (ROOT / "README.md", *sorted(path for name in FOLDERS for path in (ROOT / name).rglob("README.md")))
+DOCUMENTS = (ROOT / "README.md", *sorted(path for name in FOLDERS for path in (ROOT / name).rglob("*.md")))
 
 BLOCK = re.compile(r"^```(\w+)([^\n]*)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")

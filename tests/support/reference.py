@@ -73,7 +73,7 @@ class ReferenceMaterial:
     strain_factor: float = (2.0 / 3.0) ** 0.5  # d eps = strain_factor sqrt(de^p : de^p)
     c_residual: float | None = None  # cohesion after softening; None: constant
     tension: float | None = None  # of the cut-off; None: without one
-    failure_strain: float = np.inf  # under tension; history[0] is the plastic volumetric strain there
+    failure_strain: float = np.inf  # under tension; history[0] is the plastic volumetric or largest opening strain
     mu: float | None = None  # of sqrt(J2) = c + mu p, at vanishing rate
     mu_2: float | None = None  # at infinite rate; None: no dependence on the rate
     I_0: float = 1.0
@@ -102,6 +102,14 @@ class ReferenceMaterial:
             if self.c_residual is None
             else self.c_residual + (self.c - self.c_residual) * np.exp(-self.rate * eps)
         )
+
+    @property
+    def can_fail(self) -> bool:
+        return self.rate == 0.0 and self.c > 0.0 and self.failure_strain < np.inf
+
+    def intact_cohesion(self, history: Array) -> float:
+        """Cohesion of a cone, none after failure in tension."""
+        return 0.0 if history[0] > self.failure_strain else self.c
 
     def present_strength(self, history: Array) -> tuple[float, float]:
         """Cohesion and tensile strength of material with a cut-off, which softening reduces in proportion."""
@@ -418,12 +426,13 @@ def cut_off_return(s: Array, material: ReferenceMaterial, history: Array) -> tup
     return axes @ np.diag(new) @ axes.T, bool(new.min() > tension - slack)
 
 
-def shear_rate(tau: float, p: float, material: ReferenceMaterial, dt: float) -> float:
+def shear_rate(tau: float, p: float, material: ReferenceMaterial, dt: float, c: float | None = None) -> float:
     """Plastic shear rate g (1/s) with tau - G dt g = c + mu(I) p and I = g d sqrt(rho_s / p); 0 without yield.
 
     The positive root of a quadratic equation for g: multiply by I_0 + I.
     """
-    G, c, mu, mu_2 = material.G, material.c, material.mu, material.mu_2
+    c = material.c if c is None else c
+    G, mu, mu_2 = material.G, material.mu, material.mu_2
     over = tau - c - mu * p
     if over <= 0.0:
         return 0.0
@@ -433,14 +442,19 @@ def shear_rate(tau: float, p: float, material: ReferenceMaterial, dt: float) -> 
     return float(np.max(np.roots([G * dt, p * (mu_2 - mu) + G * dt * q - over, -over * q])))
 
 
-def cone_return(s: Array, material: ReferenceMaterial, dt: float) -> tuple[Array, bool]:
-    """Return of the trial stress s (3, 3) at constant volume to sqrt(J2) = c + mu(I) p, and whether it is the apex."""
-    mean, p_apex = np.trace(s) / 3.0, material.c / material.mu
+def cone_return(s: Array, material: ReferenceMaterial, dt: float, history: Array) -> tuple[Array, bool]:
+    """Return of the trial stress s (3, 3) at constant volume to sqrt(J2) = c + mu(I) p, and whether it is the apex.
+
+    At the apex sets history[0], if the material can fail.
+    """
+    mean, c = np.trace(s) / 3.0, material.intact_cohesion(history)
+    p_apex = c / material.mu
     if mean > p_apex:
+        history[0] += (mean - p_apex) / material.K if material.can_fail else 0.0
         return p_apex * IDENTITY, True
     deviator = s - mean * IDENTITY
     tau = np.sqrt(0.5 * np.sum(deviator**2))
-    reduced = tau - material.G * dt * shear_rate(tau, -mean, material, dt)
+    reduced = tau - material.G * dt * shear_rate(tau, -mean, material, dt, c)
     return mean * IDENTITY + deviator * (reduced / tau if tau > 0.0 else 1.0), False
 
 
@@ -526,7 +540,7 @@ def _filtered_point(
 def _apex(material: ReferenceMaterial, history: Array) -> float:
     """Mean stress at the apex of the yield surface; infinite without one."""
     if material.mu is not None:
-        return material.c / material.mu
+        return material.intact_cohesion(history) / material.mu
     if material.phi is None:
         return np.inf
     if material.tension is not None:
@@ -554,7 +568,7 @@ def _stress_of(
     if e_o > 0.0:
         opened = (1.0 + e_o) * d - 1.0
         if opened > 0.0:
-            return p_apex * IDENTITY, J, opened, history
+            return p_apex * IDENTITY, J, opened, _opened(history, material, opened)
         e_o, J = 0.0, J * (1.0 + opened)
         trial = p_apex * IDENTITY + elastic(material, deviatoric, opened)
     else:
@@ -562,7 +576,7 @@ def _stress_of(
         trial = rotated + elastic(material, deviatoric, volumetric)
 
     if material.mu is not None:
-        sigma, at_apex = cone_return(trial, material, dt)
+        sigma, at_apex = cone_return(trial, material, dt, history)
     elif material.tension is not None:
         sigma, at_apex = cut_off_return(trial, material, history)
     else:
@@ -573,7 +587,14 @@ def _stress_of(
         J = J / (1.0 + e_o)
     change = trial - sigma
     _soften(history, material, (change - np.trace(change) / 3.0 * IDENTITY) / (2.0 * material.G))
-    return sigma, J, e_o, history
+    return sigma, J, e_o, _opened(history, material, e_o)
+
+
+def _opened(history: Array, material: ReferenceMaterial, e_o: float) -> Array:
+    """History of a point with opening strain e_o."""
+    if material.can_fail:
+        history[0] = max(history[0], e_o)
+    return history
 
 
 def _soften(history: Array, material: ReferenceMaterial, plastic: Array) -> None:

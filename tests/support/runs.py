@@ -11,6 +11,7 @@ from mpmcol.io.results import Results
 
 TINY = ("grid.spacing=0.015", "output.snapshots=3", "stages.collapse.max_time_factor=1.0")  # of the case coarse-channel
 SHORT = ("stages.collapse.max_time_factor=1.2", "output.snapshots=4")
+BRITTLE = ("material.cohesion=20", "material.failure_strain=1e-3")
 SMALL_CASES = {  # name -> shipped case and overrides, to be cut short with SHORT
     "plane": ("channel", "grid.spacing=0.015"),
     "softening": ("lube-channel-dense", "grid.spacing=0.015"),
@@ -28,7 +29,7 @@ SMALL_CASES = {  # name -> shipped case and overrides, to be cut short with SHOR
         "layers=[{ from = 0.05, to = 0.1, material = { density = 1500 } }]",
     ),
     "granular bed": ("granular-bed", "grid.spacing=0.015"),
-    "mu(I)": ("mu-i-cylinder", "grid.spacing=0.0194", "grid.points_per_cell=4", "material.cohesion=20"),
+    "mu(I)": ("mu-i-cylinder", "grid.spacing=0.0194", "grid.points_per_cell=4", *BRITTLE),
     "failure in tension": ("cohesive-column", "grid.spacing=0.125", "material.failure_strain=1e-3"),
     "quarter": ("quarter", "grid.spacing=0.0194", "geometry.aspect=0.4", "stages.initial_stress=k0"),
     "friction": (

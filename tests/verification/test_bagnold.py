@@ -6,8 +6,9 @@ I = I_0 (tan th - mu_s) / (mu_2 - tan th), and the velocity is
     u(y) = 2/3 (I / d) sqrt(rho / rho_s g cos th) (H^1.5 - (H - y)^1.5)
 
 with the densities rho of the material and rho_s of the grains (GDR MiDi 2004, doi:10.1140/epje/i2003-10153-0). The
-layer starts at 90 % of these velocities and approaches them in some seconds. Later, on a finer grid, or at 30 degrees,
-waves arise from the noise of the stresses and end the uniform flow.
+layer of eight cells is infinite (a grid that is periodic along x) under the gravity of a case with this
+geometry.slope_deg. It starts at 90 % of these velocities and approaches them in some seconds. Later, on a finer grid,
+or at 30 degrees, waves arise from the noise of the stresses and end the uniform flow.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
+import mpmcol
 from mpmcol.failure_modes.toolkit import PLAIN, advance_to, by_id, lattice, points_at
 from mpmcol.mpm.constitutive import mu_i
 from mpmcol.mpm.particles import COLUMN
@@ -60,11 +62,10 @@ def flowing(layer: Layer, share: float) -> Solver:
     normal = material.density * g * np.cos(layer.slope) * (layer.depth - y)
     points.sigma = np.stack([-normal, -normal, -normal, np.tan(layer.slope) * normal], axis=1)
     body = Body(mu_i, mu_i.make_params(material), material.wave_speed**2)
-    settings = PLAIN._replace(
-        gravity_x=g * np.sin(layer.slope),
-        gravity_y=-g * np.cos(layer.slope),
-        free_speed=100.0 * layer.speed(layer.depth),
-    )
+    slope = [f"geometry.slope_deg={np.degrees(layer.slope)}", f"geometry.gravity={g}"]
+    gravity_x, gravity_y, _ = mpmcol.load_case("inclined-channel", slope).geometry.gravity_vector
+    speed = 100.0 * layer.speed(layer.depth)
+    settings = PLAIN._replace(gravity_x=gravity_x, gravity_y=gravity_y, free_speed=speed)
     return PeriodicSolver(points, periodic_grid(h, CELLS + 4, periods=1000), settings, body, body)
 
 

@@ -29,7 +29,10 @@ def runout(phi: float, number: float, tension: bool, folder: Path) -> float:
     return mpmcol.run(mpmcol.load_case("cohesive-column", overrides), folder).measure().zeta["front_height"]
 
 
-@pytest.mark.parametrize("phi", [0.0, pytest.param(20.0, marks=pytest.mark.slow), 30.0])
+SLOW = [pytest.param(phi, marks=pytest.mark.slow) for phi in (20.0, 25.0, 33.0)]
+
+
+@pytest.mark.parametrize("phi", [0.0, 30.0, *SLOW])
 @pytest.mark.parametrize(("tension", "stands", "falls"), [(True, 3.83, 4.0), (False, 2.0, 2.67)])
 def test_a_cut_stands_below_and_falls_above_its_critical_height(
     phi: float, tension: bool, stands: float, falls: float, tmp_path: Path

@@ -20,6 +20,7 @@ SURFACE = Profile(
     unit="m",
     source=f"{_SOURCE}/surface.csv",
     verified=True,
+    experiment="bui-2008",
 )  # fmt: skip
 
 FAILURE = Profile(
@@ -29,6 +30,7 @@ FAILURE = Profile(
     unit="m",
     source=f"{_SOURCE}/failure.csv",
     verified=True,
+    experiment="bui-2008",
 )
 
 

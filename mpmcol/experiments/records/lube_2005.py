@@ -11,6 +11,7 @@ FINAL_SHAPE = Profile(
     unit="1",
     source="alexander-busch/ADWELL, Shape_Lube2005.xlsx, 81 points interpolated; (1, 0) added",
     verified=True,
+    experiment="lube-2005",
 )
 
 EXPERIMENT = Experiment(
@@ -26,6 +27,7 @@ EXPERIMENT = Experiment(
         Law("beta", (Piece(2.8, 20.0, 1.0, -3 / 5),), HEIGHT_SCATTER, verified=True),
     ),
     profiles=(FINAL_SHAPE,),
+    channel_width=0.1,
     note=(
         "Lengths are relative to the half-width of the column. Source: Lagree et al. 2011 "
         "(doi:10.1017/jfm.2011.335), Eq. 3.1-3.2. beta: h_f / r_i is about a^(2/5) at large a. The digitised "

@@ -13,5 +13,6 @@ EXPERIMENT = Experiment(
     kind="laboratory",
     material="fine quartz sand, repose 29.5 deg",
     laws=(Law("zeta", (Piece(0.5, 2.3, 1.2, 1.0), Piece(2.3, 20.0, 1.9, 2 / 3)), RUNOUT_SCATTER, verified=False),),
+    channel_width=0.1,
     note="A variant of the law of lube-2005, not another data set. The break was not checked in the original.",
 )

@@ -23,6 +23,8 @@ MODULES = (
     "initial",
     "heaps",
     "friction",
+    "slopes",
+    "beds",
     "softening",
     "collapses",
 )

@@ -30,9 +30,9 @@ class ConstitutiveLaw(Hashable, Protocol):
 
     @property
     def DERIVED(self) -> dict[str, Derived]:
-        """Quantities that follow from the stress of a point, for output: name -> function (mean, shear, params).
+        """Quantities that follow from the state of a point: name -> function (mean, shear, history, params).
 
-        mean, shear: mean stress and sqrt(J2) (n,), Pa. Returns (n,).
+        mean, shear: mean stress and sqrt(J2) (n,), Pa; history: a pair of (n,). Returns (n,).
         """
 
     @property
@@ -68,6 +68,10 @@ class ConstitutiveLaw(Hashable, Protocol):
 
     def apex(self, history: Any, params: Any) -> Any:
         """Mean stress of a point that has opened, Pa."""
+
+    @property
+    def after_opening(self) -> Any:
+        """(history, opening, params): the history of a point after a step that left it with this opening strain."""
 
 
 LAWS: dict[str, ConstitutiveLaw] = {

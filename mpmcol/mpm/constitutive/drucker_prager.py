@@ -18,6 +18,8 @@ from math import cos, inf, radians, sin, sqrt, tan
 from typing import Literal, NamedTuple
 
 from mpmcol.mpm.constitutive.elastic import Derived, Elasticity
+from mpmcol.mpm.constitutive.failure import after_expansion, remaining
+from mpmcol.mpm.constitutive.failure import after_opening as after_opening
 from mpmcol.mpm.constitutive.invariants import active_ratio, return_from_tension
 from mpmcol.mpm.constitutive.mohr_coulomb import MOST_DEGREES
 from mpmcol.mpm.jit import device
@@ -45,6 +47,11 @@ class Material(Elasticity):
         "plane-strain",
     )
     cohesion: float = quantity("cohesion c", "Pa", 0.0, ge=0.0)
+    failure_strain: float = quantity(
+        "plastic volumetric strain at the apex, under tension, beyond which a point loses its cohesion; 0: once it has "
+        "reached the apex; inf: never",
+        "", inf, ge=0.0, allow_inf=True,
+    )  # fmt: skip
 
     @property
     def mobilised_friction(self) -> float:
@@ -59,13 +66,14 @@ class Material(Elasticity):
 
 
 class DruckerPragerParams(NamedTuple):
-    """Moduli (Pa), mu, strength without pressure f c (Pa), and the mean stress at the apex (Pa)."""
+    """Moduli (Pa), mu, strength without pressure f c and mean stress at the apex (Pa), strain that ends the two."""
 
     bulk_modulus: float
     shear_modulus: float
     friction: float
     strength: float
     apex: float
+    failure_strain: float
 
 
 PARAMS = DruckerPragerParams
@@ -80,24 +88,26 @@ def make_params(material: Material) -> DruckerPragerParams:
         material.mobilised_friction,
         MATCHES[material.match](phi) * material.cohesion,
         material.cohesion / tan(phi) if phi > 0.0 else inf,
+        material.failure_strain if material.cohesion > 0.0 else inf,
     )
 
 
 @device
 def may_yield(mean, shear, history, params):
     """The yield function."""
-    return shear - (params.strength - params.friction * mean)
+    return shear - (remaining(params.strength, history, params) - params.friction * mean)
+
+
+@device
+def apex(history, params):
+    """Mean stress of an opened point, Pa."""
+    return remaining(params.apex, history, params)
 
 
 @device
 def return_map(mean, shear, history, params, dt):
     """Return mean and shear stress to the yield surface; see `ConstitutiveLaw.return_map`."""
     yields = may_yield(mean, shear, history, params)
-    mean, shear, released, _ = return_from_tension(mean, shear - yields, params.apex, params.bulk_modulus)
-    return mean, shear, history, released, yields
-
-
-@device
-def apex(history, params):
-    """Mean stress of an opened point, Pa."""
-    return params.apex
+    limit = apex(history, params)
+    mean, shear, released, _ = return_from_tension(mean, shear - yields, limit, params.bulk_modulus)
+    return mean, shear, after_expansion(history, released, params), released, yields

@@ -10,7 +10,7 @@ import numpy as np
 from mpmcol.mpm.jit import device
 from mpmcol.units import Table, option, quantity
 
-Derived = Callable[[np.ndarray, np.ndarray, Any], np.ndarray]
+Derived = Callable[[np.ndarray, np.ndarray, Any, Any], np.ndarray]
 
 STATE: tuple[str, ...] = ()
 INVARIANTS = False
@@ -77,3 +77,9 @@ def return_map(s1, s2, s3, history, params, dt):
 def apex(history, params):
     """Infinite: elastic points never open."""
     return np.inf
+
+
+@device
+def after_opening(history, opening, params):
+    """The history itself: opening changes nothing."""
+    return history

@@ -13,9 +13,10 @@ from math import cos, inf, radians, sin, sqrt, tan
 from typing import Literal, NamedTuple
 
 from mpmcol.mpm.constitutive.elastic import Derived, Elasticity
+from mpmcol.mpm.constitutive.failure import after_opening as after_opening
+from mpmcol.mpm.constitutive.failure import remaining
 from mpmcol.mpm.constitutive.pyramid import excess_with_cut_off, return_to_cone, return_with_cut_off
 from mpmcol.mpm.jit import device
-from mpmcol.mpm.simd import where_positive
 from mpmcol.units import option, quantity
 
 STATE: tuple[str, ...] = ()
@@ -61,8 +62,8 @@ class Material(Elasticity):
 class MohrCoulombParams(NamedTuple):
     """Moduli (Pa), N_phi, N_psi, mean stress at the apex (Pa); strength 2 c sqrt(N_phi) and tensile strength (Pa).
 
-    cut_off: 1 where the last two apply, in place of the apex, until the plastic volumetric strain under tension, the
-    first history variable, exceeds failure_strain; 0 without cohesion, which leaves nothing to lose.
+    cut_off: 1 where the last two apply, in place of the apex, until the first history variable exceeds
+    failure_strain (`failure`); 0 without cohesion, which leaves nothing to lose.
     """
 
     bulk_modulus: float
@@ -86,6 +87,8 @@ def make_params(material: Material) -> MohrCoulombParams:
     tension = min(apex if material.tension is None else material.tension, UNLIMITED)
     if failure is None:
         failure = inf if material.tension is None else DOUBLED
+    if material.cohesion == 0.0:
+        failure = inf
     return MohrCoulombParams(
         material.bulk_modulus,
         material.shear_modulus,
@@ -143,11 +146,10 @@ def return_map(s1, s2, s3, history, params, dt):
 @device
 def apex(history, params):
     """Mean stress of an opened point, Pa."""
-    return where_positive(history[0] - params.failure_strain, 0.0, params.tension)
+    return remaining(params.tension, history, params)
 
 
 @device
 def present_strength(history, params):
     """2 c sqrt(N_phi) and tensile strength (Pa), both zero where material has failed in tension."""
-    lost = history[0] - params.failure_strain
-    return where_positive(lost, 0.0, params.strength), where_positive(lost, 0.0, params.tension)
+    return remaining(params.strength, history, params), remaining(params.tension, history, params)

@@ -139,6 +139,12 @@ def apex(history, params):
 
 
 @device
+def after_opening(history, opening, params):
+    """The history itself: opening changes nothing."""
+    return history
+
+
+@device
 def present_strength(remaining, params):
     """sin(phi) and c (Pa), where this share of the softening remains."""
     return (

@@ -15,12 +15,14 @@ Material under tension, which cohesion allows, has no rate dependence. mu_2 = mu
 
 from __future__ import annotations
 
-from math import asin, degrees, sqrt
-from typing import Literal, NamedTuple
+from math import asin, degrees, inf, sqrt
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
 from mpmcol.mpm.constitutive.elastic import Derived, Elasticity
+from mpmcol.mpm.constitutive.failure import after_expansion, remaining
+from mpmcol.mpm.constitutive.failure import after_opening as after_opening
 from mpmcol.mpm.constitutive.invariants import active_ratio, return_from_tension
 from mpmcol.mpm.jit import device
 from mpmcol.mpm.simd import sqrt as root
@@ -47,6 +49,11 @@ class Material(Elasticity):
         "density rho_s of the grains, larger than that of the bulk material (density)", "kg/m3", gt=0.0
     )
     cohesion: float = quantity("cohesion c", "Pa", 0.0, ge=0.0)
+    failure_strain: float = quantity(
+        "plastic volumetric strain at the apex, under tension, beyond which a point loses its cohesion; 0: once it has "
+        "reached the apex; inf: never",
+        "", inf, ge=0.0, allow_inf=True,
+    )  # fmt: skip
 
     @property
     def friction_deg(self) -> float:
@@ -65,7 +72,9 @@ class Material(Elasticity):
 
 
 class MuIParams(NamedTuple):
-    """Moduli (Pa), mu_s, mu_2 - mu_s, I_0, (I_0 / d) / sqrt(rho_s) (SI), c and mean stress at the apex (Pa)."""
+    """Moduli (Pa), mu_s, mu_2 - mu_s, I_0, (I_0 / d) / sqrt(rho_s) (SI), c and mean stress at the apex (Pa), and the
+    strain that ends both.
+    """
 
     bulk_modulus: float
     shear_modulus: float
@@ -75,20 +84,21 @@ class MuIParams(NamedTuple):
     rate_scale: float
     cohesion: float
     apex: float
+    failure_strain: float
 
 
 PARAMS = MuIParams
 
 
-def inertial_number(mean: np.ndarray, shear: np.ndarray, params: MuIParams) -> np.ndarray:
+def inertial_number(mean: np.ndarray, shear: np.ndarray, history: Any, params: MuIParams) -> np.ndarray:
     """I of the last step (n,), from the stress that the return has left: I_0 (mu - mu_s) / (mu_2 - mu).
 
     0 without flow, without pressure, and without dependence on the rate.
     """
-    strength = params.cohesion - params.mu_s * mean
+    strength = remaining(params.cohesion, history, params) - params.mu_s * mean
     fast, flowing = params.mu_excess * np.maximum(-mean, 0.0), (shear > strength) & (mean < 0.0)
-    remaining = np.maximum(fast - (shear - strength), np.finfo(float).eps * fast)
-    return params.I_0 * np.where(flowing & (fast > 0.0), (shear - strength) / np.where(fast > 0.0, remaining, 1.0), 0.0)
+    rest = np.maximum(fast - (shear - strength), np.finfo(float).eps * fast)
+    return params.I_0 * np.where(flowing & (fast > 0.0), (shear - strength) / np.where(fast > 0.0, rest, 1.0), 0.0)
 
 
 DERIVED: dict[str, Derived] = {"inertial_number": inertial_number}
@@ -121,31 +131,34 @@ def make_params(material: Material) -> MuIParams:
         material.I_0 / (material.grain_diameter * sqrt(material.grain_density)),
         material.cohesion,
         material.cohesion / material.mu_s,
+        material.failure_strain if material.cohesion > 0.0 else inf,
     )
 
 
 @device
 def may_yield(mean, shear, history, params):
     """Shear stress above the strength at vanishing rate."""
-    return shear - (params.cohesion - params.mu_s * mean)
+    return shear - (remaining(params.cohesion, history, params) - params.mu_s * mean)
+
+
+@device
+def apex(history, params):
+    """Mean stress of an opened point, Pa."""
+    return remaining(params.apex, history, params)
 
 
 @device
 def return_map(mean, shear, history, params, dt):
     """Return mean and shear stress with the strength at the rate of this step; see `ConstitutiveLaw.return_map`."""
     pressure = where_positive(mean, 0.0, -mean)
-    slow, excess = params.cohesion - params.mu_s * mean, params.mu_excess * pressure
+    slow, excess = remaining(params.cohesion, history, params) - params.mu_s * mean, params.mu_excess * pressure
     alpha = (params.shear_modulus * params.rate_scale * dt) * root(pressure)
     fast = slow + excess
     # B^2 - 4 H without cancellation
     difference = shear - fast + alpha
     discriminant = difference * difference + 4.0 * (alpha * excess)
     flowing = 2.0 * (fast * shear + slow * alpha) / (fast + shear + alpha + root(discriminant))
-    new_mean, new_shear, released, opens = return_from_tension(mean, flowing, params.apex, params.bulk_modulus)
-    return new_mean, new_shear, history, released, where_positive(opens, opens, shear - flowing)
-
-
-@device
-def apex(history, params):
-    """Mean stress of an opened point, Pa."""
-    return params.apex
+    limit = apex(history, params)
+    new_mean, new_shear, released, opens = return_from_tension(mean, flowing, limit, params.bulk_modulus)
+    new_history = after_expansion(history, released, params)
+    return new_mean, new_shear, new_history, released, where_positive(opens, opens, shear - flowing)

@@ -33,7 +33,8 @@ TENSORS: dict[int, ModuleType] = {2: stress_2d, 3: stress_3d}  # by dimension; b
 
 def make_stress_update(dimension: int, law: ConstitutiveLaw) -> Callable[..., Any]:
     """The stress update of one point, or of eight as vectors, with the formulas of `law` frozen in."""
-    tensors, may_yield, return_map, apex = TENSORS[dimension], law.may_yield, law.return_map, law.apex
+    tensors, may_yield, return_map = TENSORS[dimension], law.may_yield, law.return_map
+    apex, after_opening = law.apex, law.after_opening
     strain_increment, volume_ratio, rotate = tensors.strain_increment, tensors.volume_ratio, tensors.rotate
     isotropic, add_elastic, select, contract = (
         tensors.isotropic, tensors.add_elastic, tensors.select, tensors.contract,
@@ -66,6 +67,7 @@ def make_stress_update(dimension: int, law: ConstitutiveLaw) -> Callable[..., An
             yields = where_positive(is_open, 0.0, yields)
             t = select(yields, returned, t)
             history, opening, ratio = apply_return(yields, new_history, history, released, opening, ratio, settings)
+        history = after_opening(history, opening, params)
         return t, J * ratio, opening, history, 0.5 * V0 * J * contract(add(s, t), e)
 
     return stress_update

@@ -184,9 +184,9 @@ def as_image(figure: Figure, size: tuple[int, int], mode: str = "RGB") -> Image.
 
 def add_title(figure: Figure, meta: Meta, note: str) -> None:
     """Add the title at the upper left, and the parameters of the run below it."""
-    title, caption = heading_of_snapshot(meta)
-    figure.text(0.03, 1 - 0.35 * HEAD, f"{title}{note}", size=TITLE_SIZE, va="center", parse_math=False)
-    figure.text(0.03, 1 - 0.75 * HEAD, caption, size=SMALL_SIZE, va="center", color="0.3")
+    heading = heading_of_snapshot(meta)
+    figure.text(0.03, 1 - 0.35 * HEAD, f"{heading.title}{note}", size=TITLE_SIZE, va="center", parse_math=False)
+    figure.text(0.03, 1 - 0.75 * HEAD, heading.caption, size=SMALL_SIZE, va="center", color="0.3")
 
 
 def add_time(page: Image.Image, snapshot: Snapshot) -> None:

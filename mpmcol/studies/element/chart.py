@@ -28,18 +28,23 @@ def write_table(folder: Path, columns: Columns) -> Path:
 
 
 def draw_chart(folder: Path, case: Case, path: StrainPath, columns: Columns) -> list[Path]:
-    """Write element.png: stress path, shear stress over strain, volumetric strain over strain. Raises OutputError."""
+    """Write element.png: stress path, and shear stress or tension and volumetric strain over strain.
+
+    Raises OutputError.
+    """
     figure = Figure(figsize=(11.0, 3.8), layout="constrained")
-    stress_path, shear, volume = figure.subplots(1, 3)
+    stress_path, strength, volume = figure.subplots(1, 3)
     kilo = 1e-3
     stress_path.plot(kilo * columns["pressure"], kilo * columns["shear"])
     stress_path.set(xlabel="pressure $p$ (kPa)", ylabel=r"shear stress $\sqrt{J_2}$ (kPa)")
     stress_path.plot(kilo * columns["pressure"][-1], kilo * columns["shear"][-1], "o")
-    shear.plot(100.0 * columns["strain"], kilo * columns["shear"])
-    shear.set(xlabel=f"{path.strain} (%)", ylabel=r"shear stress $\sqrt{J_2}$ (kPa)")
+    is_tension = path.measures == "tension"
+    strength.plot(100.0 * columns["strain"], kilo * (-columns["pressure"] if is_tension else columns["shear"]))
+    label = "mean tension $-p$ (kPa)" if is_tension else r"shear stress $\sqrt{J_2}$ (kPa)"
+    strength.set(xlabel=f"{path.strain} (%)", ylabel=label)
     volume.plot(100.0 * columns["strain"], 100.0 * columns["volumetric_strain"])
     volume.set(xlabel=f"{path.strain} (%)", ylabel="volumetric strain (%), dilation > 0")
-    for axes in (stress_path, shear, volume):
+    for axes in (stress_path, strength, volume):
         axes.grid(alpha=0.3)
-    add_heading(shear, Heading(f"{case.material.law}: {path.description}", case.title))
+    add_heading(strength, Heading(f"{case.material.law}: {path.description}", case.title))
     return save_figure(figure, folder / "element.png", svg=False)

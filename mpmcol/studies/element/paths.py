@@ -7,6 +7,7 @@ so that the stress `controlled` stays at its initial value. A new path is one en
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 XX, XY, YY, ZZ = 0, 1, 4, 8  # entries of a velocity gradient xx xy xz yx yy yz zx zy zz
 
@@ -23,6 +24,7 @@ class StrainPath:
     rates: dict[int, float]
     free: tuple[int, ...] = ()
     controlled: int = 0  # of xx yy zz xy yz xz
+    measures: Literal["shear", "tension"] = "shear"  # strength that the test gives
 
     def gradient(self, free_rate: float) -> tuple[float, ...]:
         """The velocity gradient (9) at unit rate of the strain."""
@@ -38,5 +40,7 @@ PATHS = {
         "triaxial compression at constant lateral stress", "vertical strain", {YY: -1.0}, (XX, ZZ), 0
     ),
     "shear": StrainPath("simple shear at constant normal stress", "shear strain", {XY: 1.0}, (YY,), 1),
-    "extension": StrainPath("isotropic extension", "volumetric strain", {XX: 1 / 3, YY: 1 / 3, ZZ: 1 / 3}),
+    "extension": StrainPath(
+        "isotropic extension", "volumetric strain", {XX: 1 / 3, YY: 1 / 3, ZZ: 1 / 3}, measures="tension"
+    ),
 }

@@ -84,7 +84,7 @@ def _columns(case: Case, states: list[State], strain: np.ndarray) -> Columns:
     history = np.array([state[3] for state in states])
     columns |= {name: history[:, k] for k, name in enumerate(law.STATE)}
     params: Any = law.make_params(case.material)
-    return columns | {name: function(mean, shear, params) for name, function in law.DERIVED.items()}
+    return columns | {name: function(mean, shear, history.T, params) for name, function in law.DERIVED.items()}
 
 
 def _tensors(stress: np.ndarray) -> np.ndarray:

@@ -10,6 +10,7 @@ import numpy as np
 
 from mpmcol.case import load_case
 from mpmcol.errors import UsageError
+from mpmcol.studies.fit.agreement import Agreement, agreement_of
 from mpmcol.studies.fit.forward import Forward, levels_for, make_level
 from mpmcol.studies.fit.quantities import Target
 from mpmcol.studies.fit.search import Notify, Search, Solution
@@ -32,6 +33,16 @@ class Fit:
     targets: tuple[Target, ...]
     solution: Solution
     folder: Path
+
+    @property
+    def agreement(self) -> Agreement:
+        """The measurements beside the computed values."""
+        return agreement_of(self.targets, self.solution)
+
+    @property
+    def is_grid_known(self) -> bool:
+        """Whether the error of the grid is known for any of the measured quantities."""
+        return self.solution.last.level.errors is not None and any(one.has_grid_error for one in self.targets)
 
 
 def carry_out_fit(

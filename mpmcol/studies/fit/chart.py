@@ -11,12 +11,13 @@ from matplotlib.figure import Figure
 
 from mpmcol.io.results import Results
 from mpmcol.measure import Measurement
-from mpmcol.plotting.figures import legend_below, save_figure
+from mpmcol.plotting.figures import LABEL_SIZE, legend_below, save_figure
 from mpmcol.plotting.profiles import LengthAxes, set_up_axes
 from mpmcol.studies.fit import Fit
 from mpmcol.studies.fit.forward import Evaluation
 from mpmcol.studies.fit.quantities import PROFILE, Target
 from mpmcol.studies.fit.surface import misfit
+from mpmcol.studies.fit.values import FittedValue, fitted_values
 from mpmcol.units import length_scale
 
 SAMPLES = 61
@@ -45,8 +46,8 @@ def response_chart(fit: Fit, path: Path) -> list[Path]:
 
 
 def profile_chart(fit: Fit, path: Path) -> list[Path]:
-    """The deposit in the middle of the ranges and with the fitted values, and the measured profile."""
-    before, after = _middle(fit), fit.solution.last
+    """The deposit in the middle of the ranges and that of the run nearest to the answer, and the measured profile."""
+    before, after = _middle(fit), _nearest(fit)
     shape, reach = Results(after.folders[0]).shape, 0.0
     profiles = [target for target in fit.targets if target.name == PROFILE]
     if profiles:
@@ -55,7 +56,7 @@ def profile_chart(fit: Fit, path: Path) -> list[Path]:
     figure = Figure(figsize=(9.0, 4.2), layout="constrained")
     target = LengthAxes(figure.subplots(), unit, factor)
     set_up_axes(target, shape, [before.deposits[0], after.deposits[0]], reach)
-    for one, label, style in ((before, "before", "--"), (after, "fitted", "-")):
+    for one, label, style in ((before, "middle of the ranges", "--"), (after, "run nearest to the answer", "-")):
         deposit: Measurement = one.deposits[0]
         values = ", ".join(
             f"{unknown.name} {unknown.at(float(share)):.4g}"
@@ -70,6 +71,7 @@ def profile_chart(fit: Fit, path: Path) -> list[Path]:
             factor * measured.x, factor * measured.values, factor * measured.errors, fmt="o", color="black", ms=4,
             capsize=2, label="measured",
         )  # fmt: skip
+    target.axes.set_title("answer: " + ", ".join(map(_answer, fitted_values(fit))), fontsize=LABEL_SIZE)
     legend_below(figure, *target.axes.get_legend_handles_labels(), columns=2)
     return save_figure(figure, path, svg=False)
 
@@ -117,16 +119,28 @@ def _line(fit: Fit, k: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _draw_solution(axes: Axes, fit: Fit, k: int) -> None:
-    unknown, solution = fit.unknowns[k], fit.solution
-    width = unknown.high - unknown.low
-    value = unknown.low + float(solution.shares[k]) * width
-    axes.axvline(value, color="C3", label="fitted, with its standard error")
-    if solution.precision is not None:
-        error = width * float(solution.precision.errors[k])
-        low, high = max(value - error, unknown.low), min(value + error, unknown.high)
+    unknown, found = fit.unknowns[k], fitted_values(fit)[k]
+    grid = "" if fit.is_grid_known else " (grid not known)"
+    label = "nearest value" if found.error is None else f"fitted, with its standard error{grid}"
+    axes.axvline(found.value, color="C3", label=label)
+    if found.error is not None:
+        low, high = max(found.value - found.error, unknown.low), min(found.value + found.error, unknown.high)
         axes.axvspan(low, high, color="C3", alpha=0.15, linewidth=0)
+
+
+def _answer(found: FittedValue) -> str:
+    """A fitted value in a few words."""
+    error = " (no standard error)" if found.error is None else f" +- {found.error:.2g}"
+    return f"{found.key.rpartition('.')[2]} {found.value:.4g}{error}"
 
 
 def _middle(fit: Fit) -> Evaluation:
     """The evaluation in the middle of the ranges."""
     return fit.solution.evaluations[0]
+
+
+def _nearest(fit: Fit) -> Evaluation:
+    """The evaluation on the grid of the answer whose values are nearest to the fitted ones."""
+    solution = fit.solution
+    own = [one for one in solution.evaluations if one.level == solution.last.level]
+    return min(own, key=lambda one: float(np.linalg.norm(one.shares - solution.shares)))

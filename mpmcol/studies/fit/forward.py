@@ -14,6 +14,7 @@ from mpmcol.errors import UsageError
 from mpmcol.io.results import Results
 from mpmcol.measure import Measurement
 from mpmcol.studies.convergence import NORMAL_90
+from mpmcol.studies.fit.course import course_of
 from mpmcol.studies.fit.quantities import Target, measured_deposit, scalars_of
 from mpmcol.studies.fit.unknowns import SPACING, Unknown, settings
 from mpmcol.studies.pareto.recommend import Recommendation, options, recommend
@@ -57,6 +58,7 @@ class Evaluation:
     folders: tuple[Path, ...]
     at_rest: bool
     core_seconds: float
+    courses: tuple[Mapping[str, float], ...] = ()  # of each run: quantities of the collapse in time
 
     @property
     def mean(self) -> np.ndarray:
@@ -64,10 +66,10 @@ class Evaluation:
         return np.asarray(self.values.mean(axis=0))
 
     @property
-    def scalars(self) -> dict[str, float]:
-        """Mean of all quantities."""
-        each = [scalars_of(deposit) for deposit in self.deposits]
-        return {name: float(np.mean([one[name] for one in each])) for name in each[0]}
+    def quantities(self) -> list[dict[str, float]]:
+        """All quantities of each run."""
+        courses = self.courses or ({},) * len(self.deposits)
+        return [{**scalars_of(one), **course} for one, course in zip(self.deposits, courses, strict=True)]
 
 
 @dataclass(frozen=True)
@@ -125,7 +127,13 @@ class Forward:
     def _evaluation(self, level: Level, shares: np.ndarray, folders: Sequence[Path]) -> Evaluation:
         results = [Results(folder) for folder in folders]
         deposits = tuple(measured_deposit(one) for one in results)
-        values = np.array([np.concatenate([target.of(deposit) for target in self.targets]) for deposit in deposits])
+        courses = tuple(course_of(one) for one in results)
+        values = np.array(
+            [
+                np.concatenate([target.of(deposit, course) for target in self.targets])
+                for deposit, course in zip(deposits, courses, strict=True)
+            ]
+        )
         if not np.isfinite(values).all():
             raise UsageError(
                 f"{folders[0]}: the deposit has no value of one of the measured quantities (a repose angle needs a "
@@ -133,7 +141,7 @@ class Forward:
             )
         return Evaluation(
             level, shares, values, deposits, tuple(folders), all(one.came_to_rest for one in results),
-            sum(float(one.summary["core_seconds"]) for one in results),
+            sum(float(one.summary["core_seconds"]) for one in results), courses,
         )  # fmt: skip
 
 

@@ -12,6 +12,7 @@ from mpmcol.errors import UsageError
 from mpmcol.io.results import Results
 from mpmcol.measure import Measurement
 from mpmcol.plotting.measured_series import read_points
+from mpmcol.studies.fit.course import COURSE, COURSE_UNITS
 from mpmcol.units import to_unit
 
 FRONT = "front_height"  # definition of the front
@@ -54,6 +55,8 @@ QUANTITIES = {
         Quantity("undisturbed_radius", "m", "undisturbed radius", lambda deposit: deposit.undisturbed_radius),
     )
 }  # fmt: skip
+MEANINGS = {name: quantity.meaning for name, quantity in QUANTITIES.items()} | COURSE
+NO_COURSE: Mapping[str, float] = {}
 
 
 @dataclass(frozen=True)
@@ -70,14 +73,24 @@ class Target:
     x: np.ndarray
     is_stated: bool = True  # whether the errors are the user's
 
-    def of(self, measured: Measurement) -> np.ndarray:
-        """The same quantity in a computed deposit, (n,)."""
+    @property
+    def has_grid_error(self) -> bool:
+        """Whether it is known how the error of the grid acts on it."""
+        quantity = QUANTITIES.get(self.name)
+        return self.name == PROFILE or (quantity is not None and (quantity.runout, quantity.height) != (0.0, 0.0))
+
+    def of(self, measured: Measurement, course: Mapping[str, float] = NO_COURSE) -> np.ndarray:
+        """The same quantity in a computed deposit or, if it is one of COURSE, in the course of the collapse, (n,)."""
         if self.name == PROFILE:
             return np.interp(self.x, measured.profile_x, measured.profile_y, right=0.0)
+        if self.name in COURSE:
+            return np.array([course.get(self.name, np.nan)])
         return np.array([QUANTITIES[self.name].of(measured)])
 
     def grid_modes(self, measured: Measurement, r_i: float) -> np.ndarray:
         """Its change (n, 2) per relative error of the runout and of the height."""
+        if self.name in COURSE:
+            return np.zeros((1, 2))
         if self.name != PROFILE:
             quantity, value = QUANTITIES[self.name], self.of(measured)
             return np.column_stack((quantity.runout * value, quantity.height * value))
@@ -131,6 +144,11 @@ def grid_covariance(
     return np.asarray((modes * np.array([errors["runout"], errors["height"]]) ** 2) @ modes.T)
 
 
+def unit_of(name: str) -> str:
+    """Unit of a quantity; "" without one."""
+    return QUANTITIES[name].unit if name in QUANTITIES else COURSE_UNITS.get(name, "")
+
+
 def scalars_of(measured: Measurement) -> dict[str, float]:
     """All quantities of a deposit."""
     return {name: quantity.of(measured) for name, quantity in QUANTITIES.items()}
@@ -147,7 +165,7 @@ def _parse(part: str) -> Target:
     if not (equals and value.strip()):
         raise UsageError(f"--to {part}: {EXPECTED}")
     name = name.strip()
-    unit = QUANTITIES[name].unit if name in QUANTITIES else ""
+    unit = unit_of(name)
     try:
         number, deviation = _number(value, unit), _number(error or "0", unit)
     except ValueError as reason:
@@ -160,14 +178,16 @@ def _number(text: str, unit: str) -> float:
     if unit == "deg":
         text = text.removesuffix("deg").removesuffix("°").strip()
         return to_unit(text, "")
+    if unit in COURSE_UNITS.values():
+        return to_unit(text, "")
     return to_unit(text, unit)
 
 
 def _target(name: str, value: float, error: float, where: str) -> Target:
-    if name not in QUANTITIES:
-        known = ", ".join(f"{one.name} ({one.meaning})" for one in QUANTITIES.values())
+    if name not in MEANINGS:
+        known = ", ".join(f"{one} ({meaning})" for one, meaning in MEANINGS.items())
         raise UsageError(f"{where}: no quantity {name!r}; expected one of {known}")
     if not (0.0 < value < np.inf and 0.0 <= error < np.inf):
         raise UsageError(f"{where}: expected a value > 0 and an error >= 0")
     deviation = np.array([error or ASSUMED_ERROR * value])
-    return Target(name, QUANTITIES[name].unit, np.array([value]), deviation, np.array([]), error > 0.0)
+    return Target(name, unit_of(name), np.array([value]), deviation, np.array([]), error > 0.0)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -39,10 +39,15 @@ class Solution:
     surface: Surface
     precision: Precision | None  # of the shares; None: the targets do not determine the unknowns
     chi_squared: float
-    freedom: int  # targets less unknowns
     last: Evaluation  # the evaluation next to the solution
     evaluations: tuple[Evaluation, ...]
     causes: dict[str, np.ndarray]  # covariance (m, m) of the differences between computed and measured by cause
+    is_converged: bool = True  # whether the last step was smaller than CONVERGED standard errors
+
+    @property
+    def step(self) -> np.ndarray:
+        """Distance (n,) of the solution from the values of the last runs."""
+        return np.asarray(np.abs(self.shares - self.last.shares))
 
 
 class Search:
@@ -63,10 +68,11 @@ class Search:
         """Search from `shares` on, with runs of a level, until the unknowns change by less than their errors."""
         for _ in range(MOST_STEPS):
             solution = self.solution(self._at(level, shares))
-            if (np.abs(solution.shares - shares) < self._tolerance(solution)).all():
+            if self._is_converged(solution):
                 return solution
             shares = solution.shares
-        return self.solution(min((one for one in self.evaluations if one.level == level), key=self._misfit))
+        best = self.solution(min((one for one in self.evaluations if one.level == level), key=self._misfit))
+        return replace(best, is_converged=self._is_converged(best))
 
     def solution(self, here: Evaluation) -> Solution:
         """Least squares on the response surface near an evaluation."""
@@ -77,8 +83,7 @@ class Search:
         fitted = surface.value(shares)
         return Solution(
             shares, fitted, surface, precision(surface.gradient(shares), causes),
-            misfit(fitted - self.measured, total), len(self.measured) - len(shares), here, tuple(self.evaluations),
-            causes,
+            misfit(fitted - self.measured, total), here, tuple(self.evaluations), causes,
         )  # fmt: skip
 
     def surface(self, level: Level, centre: np.ndarray) -> tuple[Surface, float]:
@@ -119,9 +124,9 @@ class Search:
     def _misfit(self, one: Evaluation) -> float:
         return misfit(one.mean - self.measured, np.asarray(sum(self._causes(one, len(one.values)).values())))
 
-    def _tolerance(self, solution: Solution) -> np.ndarray:
+    def _is_converged(self, solution: Solution) -> bool:
         errors = np.zeros(len(solution.shares)) if solution.precision is None else solution.precision.errors
-        return np.asarray(np.maximum(CONVERGED * errors, LEAST_CHANGE))
+        return bool((solution.step < np.maximum(CONVERGED * errors, LEAST_CHANGE)).all())
 
     def _line(self, one: Evaluation) -> str:
         unknowns = ", ".join(

@@ -37,6 +37,14 @@ def fit_surface(u: np.ndarray, y: np.ndarray, centre: np.ndarray) -> Surface:
     return Surface(coefficients)
 
 
+def fit_plane(u: np.ndarray, y: np.ndarray, centre: np.ndarray) -> np.ndarray:
+    """Slopes (m, n) of a plane through values y (k, m) at points u (k, n), weighted as those of a surface."""
+    weight = np.sqrt(nearness(u, centre))[:, None]
+    terms = np.column_stack((np.ones(len(u)), u))
+    coefficients, *_ = np.linalg.lstsq(weight * terms, weight * y, rcond=None)
+    return np.asarray(coefficients[1:].T)
+
+
 def nearness(u: np.ndarray, centre: np.ndarray) -> np.ndarray:
     """Weights (k,) of points u (k, n) by their distance from a point."""
     distance = np.linalg.norm(u - centre, axis=1) / NEAR

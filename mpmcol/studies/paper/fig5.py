@@ -53,7 +53,7 @@ def evaluate(completed: CompletedRuns, quick: bool) -> FigureResult:
         ),
         Comparison("cost of the finest grid relative to the coarsest", rows[-1]["cost"], unit="times"),
     ]
-    return FigureResult(rows, comparisons, {"fig5.png": lambda path: _draw(path, rows)})
+    return FigureResult(rows, comparisons, {"fig5.png": lambda path: draw(path, rows)})
 
 
 def _row(row: dict[str, Any], coarsest: dict[str, Any]) -> dict[str, Any]:
@@ -65,7 +65,8 @@ def _row(row: dict[str, Any], coarsest: dict[str, Any]) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _draw(path: Path, rows: list[dict[str, Any]]) -> None:
+def draw(path: Path, rows: list[dict[str, Any]]) -> None:
+    """Draw runout and cost over the spacing, from the rows of the table."""
     figure = Figure(figsize=(7.0, 4.4), layout="constrained")
     axes = figure.subplots()
     h = [row["h_mm"] for row in rows]

@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-from functools import partial
-
-from mpmcol.experiments import find_experiment
 from mpmcol.measure import FRONTS
-from mpmcol.plotting.figures import Heading
-from mpmcol.studies.paper.report import Comparison, FigureResult, error_summary, series_row
+from mpmcol.studies.paper.report import Comparison, Draw, FigureResult, error_summary, law_charts, series_row
 from mpmcol.studies.runs import CompletedRun, CompletedRuns, StudyRun, study_run
-from mpmcol.sweep.charts import sweep_chart
-from mpmcol.sweep.series import ASPECT_COLUMN, Series
+from mpmcol.sweep.series import Series
 
 TITLE = "Figure 6: runout in the channel"
 MATERIALS = {"Mohr-Coulomb": "lube-channel", "loose": "lube-channel-loose", "dense": "lube-channel-dense"}
@@ -49,10 +44,12 @@ def evaluate(completed: CompletedRuns, quick: bool) -> FigureResult:
         charted.append(Series(label, [run.row for run in finest]))
         if finest and label == "Mohr-Coulomb":
             comparisons += _point_counts(finest)
-    experiment = find_experiment("paper", "plane")
-    draw = partial(sweep_chart, axis=ASPECT_COLUMN, series=charted, experiment=experiment, heading=Heading("channel"))
-    charts = {"fig6.png": lambda path: draw(path, "zeta"), "fig6-beta.png": lambda path: draw(path, "beta")}
-    return FigureResult(rows, comparisons, charts)
+    return FigureResult(rows, comparisons, charts_of(charted))
+
+
+def charts_of(series: list[Series]) -> dict[str, Draw]:
+    """The charts by file name."""
+    return law_charts({"fig6.png": "zeta", "fig6-beta.png": "beta"}, MATERIALS.values(), series, "channel")
 
 
 def _point_counts(finest: list[CompletedRun]) -> list[Comparison]:

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from functools import partial
-
-from mpmcol.experiments import find_experiment
 from mpmcol.measure import FRONTS
-from mpmcol.plotting.figures import Heading
-from mpmcol.studies.paper.report import QUANTITIES, Comparison, FigureResult, error_summary, series_row
+from mpmcol.studies.paper.report import (
+    QUANTITIES,
+    Comparison,
+    Draw,
+    FigureResult,
+    error_summary,
+    law_charts,
+    series_row,
+)
 from mpmcol.studies.runs import CompletedRuns, StudyRun
-from mpmcol.sweep.charts import sweep_chart
-from mpmcol.sweep.series import ASPECT_COLUMN, Series
+from mpmcol.sweep.series import Series
 
 TITLE = "Figure 8: runout and height of cylinders"
 ASPECTS = (0.55, 0.9, 1.7, 2.75, 5.0, 7.0)
@@ -58,10 +61,12 @@ def evaluate(completed: CompletedRuns, quick: bool) -> FigureResult:
         rows += [{"model": "quarter", **row} for row in series]
         comparisons += _comparisons(series, "quarter") + _model_comparisons(completed)
         charted.append(Series("quarter", [run.row for run in solid]))
-    experiment = find_experiment("paper", "axisymmetric")
-    draw = partial(sweep_chart, axis=ASPECT_COLUMN, series=charted, experiment=experiment, heading=Heading("cylinder"))
-    charts = {"fig8-zeta.png": lambda path: draw(path, "zeta"), "fig8-beta.png": lambda path: draw(path, "beta")}
-    return FigureResult(rows, comparisons, charts)
+    return FigureResult(rows, comparisons, charts_of(charted))
+
+
+def charts_of(series: list[Series]) -> dict[str, Draw]:
+    """The charts by file name."""
+    return law_charts({"fig8-zeta.png": "zeta", "fig8-beta.png": "beta"}, ["lube-cylinder"], series, "cylinder")
 
 
 def _comparisons(series: list[dict[str, object]], label: str) -> list[Comparison]:

@@ -4,16 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from mpmcol.case import common_experiments, load_case
 from mpmcol.io.atomic import atomic_write
 from mpmcol.measure import FRONTS
+from mpmcol.plotting.figures import Heading
 from mpmcol.studies.convergence import first_order_value
 from mpmcol.studies.markdown import document, images, table
 from mpmcol.studies.runs import CompletedRun
+from mpmcol.sweep.charts import sweep_chart
+from mpmcol.sweep.series import ASPECT_COLUMN, Series
 from mpmcol.sweep.table import csv_text
 
 QUANTITIES = (*(f"zeta.{front}" for front in FRONTS), "beta")
@@ -75,8 +80,20 @@ def series_row(runs: Iterable[CompletedRun], finest: CompletedRun) -> dict[str, 
         line[f"{quantity} converged +-"] = converged and converged.error
         line[f"{quantity} converged error"] = None if law is None or converged is None else converged.value / law - 1.0
     line["law.zeta"], line["law.beta"] = row["law.zeta"], row["law.beta"]
-    line["spread"], line["steps"], line["seconds"] = row["spread"], row["steps"], row["seconds"]
+    line |= {name: row[name] for name in ("spread", "at_rest", "steps", "seconds")}
     return line
+
+
+def law_charts(files: Mapping[str, str], cases: Iterable[str], series: Sequence[Series], title: str) -> dict[str, Draw]:
+    """Charts of runout or height over the aspect ratio, beside the experiments that apply to the cases.
+
+    files: name of the chart -> "zeta" or "beta".
+    """
+    experiment, others = common_experiments([load_case(name) for name in cases])
+    options: dict[str, Any] = {"series": series, "experiment": experiment, "others": others, "heading": Heading(title)}
+    return {
+        name: partial(sweep_chart, quantity=quantity, axis=ASPECT_COLUMN, **options) for name, quantity in files.items()
+    }
 
 
 def error_summary(

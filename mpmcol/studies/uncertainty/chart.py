@@ -61,7 +61,7 @@ def uncertainty_chart(path: Path, analysis: Analysis) -> list[Path]:
         axes.set_ylabel("runs")
     handles = {
         **_statistics_handles(),
-        **_draw_shares(lower.subplots(), [one for one in shown if one.shares], analysis),
+        **_draw_shares(lower.subplots(), [one for one in shown if one.shares and one.shares.is_given], analysis),
     }
     legend_below(figure, list(handles.values()), list(handles), columns=3)
     plan = analysis.plan
@@ -127,11 +127,17 @@ def _draw_shares(axes: Axes, shown: Sequence[Quantity], analysis: Analysis) -> d
             note.set_visible(bool(share >= NOTED))
         handles[text] = bars
         ends += shares
-    axes.set_yticks(positions, [LABELS.get(one.name, label(one)) for one in shown])
+    axes.set_yticks(positions, [bar_label(one) for one in shown])
     axes.set(xlim=(0.0, max(1.0, float(ends.max(initial=0.0)))), xlabel="share of the variance of the sample")
     axes.xaxis.set_major_formatter(PercentFormatter(1.0))
     axes.spines[["top", "right"]].set_visible(False)
     return handles
+
+
+def bar_label(one: Quantity) -> str:
+    """Name of a quantity, with a remark if its shares are not reliable."""
+    remark = "\n(not reliable)" if one.shares and one.shares.note else ""
+    return LABELS.get(one.name, label(one)) + remark
 
 
 def _layers(shown: Sequence[Quantity], names: dict[str, str]) -> list[tuple[str, np.ndarray, dict[str, Any]]]:

@@ -9,6 +9,7 @@ from typing import Any
 from mpmcol.provenance import code_version
 from mpmcol.studies.uncertainty.analysis import Analysis, Quantity
 from mpmcol.studies.uncertainty.statistics import QUANTILES
+from mpmcol.studies.uncertainty.surface import VarianceShares
 from mpmcol.sweep.names import short_names
 
 RECORD_SCHEMA = 1
@@ -48,7 +49,7 @@ def quantity_row(one: Quantity) -> dict[str, Any]:
     """A quantity as in uncertainty.json; flattened, a row of uncertainty.csv. None where there is no value."""
     low, high = one.statistics.median_interval or (None, None)
     statistics = asdict(one.statistics)
-    shares = asdict(one.shares) if one.shares else {}
+    shares = _shares_row(one.shares) if one.shares else {}
     return {
         "quantity": one.name,
         "unit": one.unit,
@@ -60,6 +61,17 @@ def quantity_row(one: Quantity) -> dict[str, Any]:
         "grid_standard_deviation": one.grid_deviation,
         "grid_share": one.grid_share,
     }
+
+
+def _shares_row(shares: VarianceShares) -> dict[str, Any]:
+    """Fit of the surface and shares; these are None where they are not given."""
+    row = asdict(shares)
+    if not shares.is_given:
+        row |= {name: dict.fromkeys(row[name]) for name in ("first_order", "total")} | {
+            "residual": None,
+            "scatter": None,
+        }
+    return {**row, "note": shares.note or None}
 
 
 def summary_lines(analysis: Analysis) -> Iterator[str]:
@@ -83,6 +95,21 @@ def summary_lines(analysis: Analysis) -> Iterator[str]:
     yield from _share_lines(analysis, width)
 
 
+def _share_text(shares: VarianceShares, key: str) -> str:
+    """Share of an input alone and, in brackets, with interactions, per cent."""
+    if not shares.is_given:
+        return "-"
+    return f"{100.0 * shares.first_order[key]:.0f} ({100.0 * shares.total[key]:.0f})"
+
+
+def _residual_text(shares: VarianceShares) -> str:
+    """Share of the residual and, in brackets, of the scatter in it, per cent."""
+    if not shares.is_given:
+        return "-"
+    scatter = "" if shares.scatter is None else f" ({100.0 * shares.scatter:.0f})"
+    return f"{100.0 * shares.residual:.0f}{scatter}"
+
+
 def label(one: Quantity) -> str:
     """Name of a quantity with its unit."""
     return one.name if one.unit in ("", "deg") else f"{one.name} [{one.unit}]"
@@ -104,16 +131,19 @@ def _share_lines(analysis: Analysis, width: int) -> Iterator[str]:
         yield "the variance is not split: the runs are too few, or all equal"
         return
     columns = [f"{name:>{max(len(name), 12)}}" for name in names.values()]
-    yield f"{'variance, %':{width}}  {'  '.join(columns)}  residual    surface  R2: adjusted  cross-validated  grid"
+    fit = "residual (scatter)    surface  R2: adjusted  cross-validated"
+    yield f"{'variance, %':{width}}  {'  '.join(columns)}  {fit}  grid"
     for one, shares in split:
-        inputs = [f"{100.0 * shares.first_order[key]:.0f} ({100.0 * shares.total[key]:.0f})" for key in names]
+        inputs = [_share_text(shares, key) for key in names]
         cells = [f"{text:>{len(column)}}" for text, column in zip(inputs, columns, strict=True)]
         grid = (
             "not studied" if one.grid_share is None else f"{100.0 * one.grid_share:.0f} (sd {one.grid_deviation:.2g})"
         )
         yield (
-            f"{label(one):{width}}  {'  '.join(cells)}  {100.0 * shares.residual:8.0f}  {shares.surface:>9}"
+            f"{label(one):{width}}  {'  '.join(cells)}  {_residual_text(shares):>18}  {shares.surface:>9}"
             f"  {shares.adjusted_r2:12.2f}  {shares.cross_validated_r2:15.2f}  {grid}"
         )
-    yield "  of each input alone (with interactions); residual: scatter of the runs, and terms that the surface omits;"
+    yield from (f"  {label(one)}: {shares.note}" for one, shares in split if shares.note)
+    yield "  of each input alone (with interactions); residual: scatter of the runs and terms that the surface omits,"
+    yield "  which are separated for a single input only;"
     yield "  grid: variance of its error by the study, over its sum with the variance of the sample"

@@ -14,6 +14,8 @@ from mpmcol.studies.uncertainty.statistics import differ
 
 RUNS_PER_TERM = 2  # least number of runs for each coefficient of a surface
 SOBOL_SAMPLES = 4096
+LEAST_R2 = 0.0  # cross-validated, below which a run is predicted worse than by the mean: shares are not given
+RELIABLE_R2 = 0.5  # cross-validated, below which shares are given as not reliable
 QUADRATIC, LINEAR = "quadratic", "linear"
 
 
@@ -32,6 +34,22 @@ class VarianceShares:
     first_order: dict[str, float]  # by key: share of the input alone
     total: dict[str, float]  # by key: with its interactions
     residual: float  # share of scatter, and of terms that the surface omits
+    scatter: float | None  # share of scatter alone, at most the residual; None for several inputs
+
+    @property
+    def is_given(self) -> bool:
+        """Whether the surface describes the runs well enough to state shares."""
+        return self.cross_validated_r2 >= LEAST_R2
+
+    @property
+    def note(self) -> str:
+        """What is to be known about the shares; "" if the surface describes the runs."""
+        found = f"cross-validated R2 {self.cross_validated_r2:.2f}: the runs are too few, or scatter"
+        if not self.is_given:
+            return f"the surface does not describe the runs, and shares are not given ({found})"
+        if self.cross_validated_r2 < RELIABLE_R2:
+            return f"the surface describes the runs poorly, and the shares are not reliable ({found})"
+        return ""
 
 
 def variance_shares(inputs: Sequence[UncertainInput], x: np.ndarray, y: np.ndarray, seed: int) -> VarianceShares | None:
@@ -63,6 +81,7 @@ def variance_shares(inputs: Sequence[UncertainInput], x: np.ndarray, y: np.ndarr
     r2 = 1.0 - float((residuals**2).sum()) / spread
     adjusted = 1.0 - (1.0 - r2) * (len(y) - 1.0) / (len(y) - terms.shape[1])
     explained = max(adjusted, 0.0)
+    scatter = neighbour_variance(z[:, 0], y) * (len(y) - 1.0) / spread if len(inputs) == 1 else None
     indices = _sobol(inputs, surface, coefficients, seed)
     keys = [one.key for one in inputs]
     return VarianceShares(
@@ -73,7 +92,22 @@ def variance_shares(inputs: Sequence[UncertainInput], x: np.ndarray, y: np.ndarr
         first_order=dict(zip(keys, (explained * indices[0]).tolist(), strict=True)),
         total=dict(zip(keys, (explained * indices[1]).tolist(), strict=True)),
         residual=1.0 - explained,
+        scatter=None if scatter is None else min(scatter, 1.0 - explained),
     )
+
+
+def neighbour_variance(x: np.ndarray, y: np.ndarray) -> float:
+    """Variance of the scatter of y (n,) about a smooth function of x (n,), n >= 3, all different.
+
+    Each value is compared with the straight line between its neighbours (Gasser et al. 1986,
+    doi:10.1093/biomet/73.3.625). Steps of the function between neighbours count as scatter.
+    """
+    order = np.argsort(x)
+    x, y = x[order], y[order]
+    before = (x[2:] - x[1:-1]) / (x[2:] - x[:-2])
+    after = 1.0 - before
+    difference = before * y[:-2] + after * y[2:] - y[1:-1]
+    return float(np.mean(difference**2 / (before**2 + after**2 + 1.0)))
 
 
 def _terms(z: np.ndarray, surface: str) -> np.ndarray:

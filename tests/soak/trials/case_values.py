@@ -9,18 +9,30 @@ import math
 import random
 import tomllib
 from collections.abc import Iterator
+from contextlib import suppress
 from copy import deepcopy
 from datetime import date
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import tomli_w
 
 from mpmcol.case import flattened_text, key_names, shipped_cases
-from mpmcol.case.fields import allowed, converter_of, item_number, minimum, number_of, subtable, value_type
+from mpmcol.case.fields import (
+    allowed,
+    converter_of,
+    item_number,
+    item_table,
+    minimum,
+    number_of,
+    subtable,
+    value_type,
+)
 from mpmcol.case.outline import OutlinePoints
-from mpmcol.case.reference import field_at, fields_at
+from mpmcol.case.reference import MATERIALS, field_at, fields_at
+from mpmcol.case.toml_lines import value_at
 from mpmcol.units import FACTORS, Number
 from tests.support.bad_input import failure_in_reading, find_failure
 
@@ -30,7 +42,13 @@ WRONG_TYPES = (
     True, False, 0, -1, 2**63 - 1, -(2**63), math.nan, math.inf, -math.inf, "", " ", "x", "é\u202e\x1b[0m", "x" * 3000,
     [], [[]], [1, 2], ["a"], {}, {"a": {"b": 1}}, date(1979, 5, 27),
 )  # fmt: skip
-STRUCTURAL = ("extends", "schema", "material.law", "geometry.model")  # another value makes other keys invalid
+STRUCTURAL = (
+    "extends",
+    "schema",
+    "material.law",
+    "layers.material.law",
+    "geometry.model",
+)  # another value makes other keys invalid
 NEAR = (-1e-9, 0.0, 1e-9)  # beside a bound
 POWERS = ((-1.0, 1.0), (-6.0, 6.0), (-29.9, 29.9), (-320.0, 308.0))  # of ten
 
@@ -62,6 +80,7 @@ def _change(draw: random.Random, tables: dict[str, Any], only_valid: bool) -> tu
     """A key and its new value; None to leave the key out."""
     law = tables["material"].get("law") if isinstance(tables.get("material"), dict) else None
     key = draw.choice([key for key in key_names() if not only_valid or (key not in STRUCTURAL and _is_value(key, law))])
+    key = _in_an_item(draw, tables, key)
     path = tuple(key.split("."))
     if not only_valid and draw.random() < 0.1:
         return draw.choice((key + "s", key.upper(), f"{key}.x", path[-1], f"é.{key}")), 1
@@ -75,7 +94,31 @@ def _is_value(key: str, law: str) -> bool:
     """Whether a key is a value, not a table, in a case with this law."""
     *table, name = key.split(".")
     field = fields_at(tuple(table), law).get(name)
-    return field is not None and not (subtable(field) or key in ("material", "base_material"))
+    return field is not None and not (subtable(field) or item_table(field) or tuple(key.split(".")) in MATERIALS)
+
+
+def _in_an_item(draw: random.Random, tables: dict[str, Any], key: str) -> str:
+    """A key of an array of tables with the index of an item, which is added if there is none; other keys as given."""
+    array, _, inside = key.partition(".")
+    if not inside or array not in ("layers", "walls"):
+        return key
+    items = tables.get(array)
+    if not isinstance(items, list) or not items:
+        items = tables[array] = [_item(tables, array)]
+    return f"{array}.{draw.randrange(len(items))}.{inside}"
+
+
+def _item(tables: dict[str, Any], array: str) -> dict[str, Any]:
+    """A layer, or a wall in front of the column, with the base that walls need."""
+    if array == "layers":
+        return {"to": 0.05, "material": {"density": 2000.0}}
+    for table, values in (("geometry", {"base": "rigid"}), ("method", {"wall_impulse": True})):
+        if isinstance(tables.setdefault(table, {}), dict):
+            tables[table] |= values
+    geometry = tables["geometry"]
+    radius = geometry.get("radius") if isinstance(geometry, dict) else None
+    start = 2.0 * radius if isinstance(radius, float) and math.isfinite(radius) else 0.6
+    return {"from": start, "to": 1.5 * start, "height": 0.5 * start}
 
 
 def _values(draw: random.Random, field: Any) -> Iterator[Any]:
@@ -110,20 +153,24 @@ def _number(draw: random.Random, number: Number) -> float:
 
 
 def _put(tables: dict[str, Any], key: str, value: Any) -> None:
-    *path, name = key.split(".")
-    for part in path:
-        if not isinstance(tables.get(part), dict):
-            tables[part] = {}
-        tables = tables[part]
-    tables[name] = value
+    """Set a key, through the items of arrays of tables; what is in its way becomes a table."""
+    parts = key.split(".")
+    table: Any = tables
+    for part, following in pairwise(parts):
+        place = int(part) if isinstance(table, list) else part
+        inside = table[place] if isinstance(table, list) else table.get(part)
+        if not (isinstance(inside, dict) or (isinstance(inside, list) and following.isdecimal())):
+            inside = table[place] = {}
+        table = inside
+    table[parts[-1]] = value
 
 
 def _remove(tables: dict[str, Any], key: str) -> None:
     *path, name = key.split(".")
-    for part in path:
-        tables = tables.get(part, {}) if isinstance(tables, dict) else {}
-    if isinstance(tables, dict):
-        tables.pop(name, None)
+    with suppress(KeyError):
+        table = value_at(tables, tuple(path))
+        if isinstance(table, dict):
+            table.pop(name, None)
 
 
 def _as_toml(value: Any) -> str:

@@ -1,6 +1,7 @@
 """Equal digests of the final state for any threads, threading layer and instruction set, in every model and law.
 
-A trial is a model, a law, a threading layer and an instruction set, with 1 to 8 threads. For another instruction set
+A trial is a model, a law, a threading layer and an instruction set, with 1 to 8 threads; some are cases with walls,
+friction, a bed, an outline and a slope instead of a model with each law. For another instruction set
 than that of this machine, Numba compiles for another processor, and NumPy and the C library are restricted to the
 variants that this processor has.
 """
@@ -25,6 +26,24 @@ MODELS = {  # case; spacing in m and duration of the collapse in sqrt(h_i / g): 
     "axisymmetric": ("lube-cylinder", (0.005, 0.5), (0.01, 0.2)),
     "quarter": ("lube-quarter", (0.0139, 0.5), (0.0194, 0.1)),
 }
+BOUNDARIES = {  # the same, and what differs from the case
+    "walls, friction and slope": (
+        "dam", (0.0075, 0.5), (0.015, 0.2), "geometry.slope_deg = 10.0", "friction.back_wall = 0.2",
+        "friction.side_walls = 0.3", "friction.channel_width = 0.1", "stages.gate_speed = 0.5",
+    ),
+    "bed on a slope": (
+        "granular-bed", (0.0075, 0.3), (0.015, 0.1), "geometry.slope_deg = 20.0", "base_material.friction_deg = 25.0",
+    ),
+    "outline": (
+        "heap", (0.01, 0.5), (0.02, 0.2), "friction.floor = 0.3",
+        "layers = [{ from = 0.05, to = 0.1, material = { density = 1500.0 } }]",
+    ),
+    "walls in three dimensions": (
+        "lube-quarter", (0.0139, 0.5), (0.0194, 0.1), 'geometry.base = "rigid"', "friction.floor = 0.3",
+        "method.wall_impulse = true",
+        "walls = [{ from = 0.14, to = 0.2, height = 0.06, side_from = 0.03, side_to = 0.12, friction = 0.2 }]",
+    ),
+}  # fmt: skip
 SOIL = "density = 2650.0, youngs_modulus = 10e6, poissons_ratio = 0.2"
 LAWS = {
     "mohr-coulomb": "friction_deg = 33.0, dilatancy_deg = 3.0, cohesion = 100.0",
@@ -69,9 +88,13 @@ TARGETS: dict[str, dict[str, str]] = {
     "skylake-avx512": target("skylake-avx512", ("ICL", "SPR"), ()),
     "generic": target("generic", ("",), ("FMA", "FMA4", "AVX2", "AVX512F", "AVX512VL")),
 }
-CELLS = list(itertools.product(TARGETS, LAWS, LAYERS, MODELS))  # the last varies first
+CELLS = [  # the last varies first; some of each kind in the small count
+    *itertools.islice(itertools.product(TARGETS, LAWS, LAYERS, MODELS), len(MODELS)),
+    *itertools.product(TARGETS, list(LAWS)[:1], LAYERS, BOUNDARIES),
+    *itertools.islice(itertools.product(TARGETS, LAWS, LAYERS, MODELS), len(MODELS), None),
+]
 COUNT = len(CELLS)
-SMALL_COUNT = len(MODELS)
+SMALL_COUNT = len(MODELS) + len(BOUNDARIES)
 
 
 def trial(seed: int, folder: Path) -> str | None:
@@ -91,14 +114,13 @@ def trial(seed: int, folder: Path) -> str | None:
 
 def case_text(model: str, law: str, slow: bool) -> str:
     """The case file of a trial."""
-    source, usual, cheap = MODELS[model]
+    source, usual, cheap, *own = {**MODELS, **BOUNDARIES}[model]
     spacing, tau = cheap if slow else usual
     material = f'material = {{ law = "{law}", {SOIL}{", " * bool(LAWS[law])}{LAWS[law]} }}'
-    collapse = f"collapse = {{ max_time_factor = {tau} }}"
-    stages = f'stages = {{ initial_stress = "k0", equilibrate = {{ damping = 0.5 }}, {collapse} }}'
     lines = (
-        "schema = 1", f'extends = "{source}"', f"grid = {{ spacing = {spacing} }}", material, stages,
-        "output = { snapshots = 1 }",
+        "schema = 1", f'extends = "{source}"', f"grid = {{ spacing = {spacing} }}", material,
+        'stages.initial_stress = "k0"', "stages.equilibrate.damping = 0.5",
+        f"stages.collapse.max_time_factor = {tau}", "output = { snapshots = 1 }", *own,
     )  # fmt: skip
     return "\n".join(lines) + "\n"
 

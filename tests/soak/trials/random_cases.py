@@ -1,11 +1,11 @@
 """Random valid cases end with a plausible result, or stop with an error: none completes with an impossible one.
 
 The draw covers all models, laws, bases, initial stresses and gates, slopes up to 40 degrees (in 3D 10), friction angles
-of 15 to 45 degrees, cohesions up to 1 kPa, Young's moduli of 0.1 to 100 MPa, Poisson's ratios up to 0.49, aspect ratios
-of 0.2 to 35 and r_i / h of 8 to 80; some columns in 2D are heaps and trapezoids, some stand without a gate, and
-walls stand in the way of some. A case that would take longer than SECONDS gets another spacing, and after some tries
-other values altogether. The draw therefore has few fine and few tall columns, fewer of stiff material and in 3D, and
-in 3D hardly any finer than r_i / h = 12.
+of 15 to 45 degrees, also of beds, cohesions up to 1 kPa, Young's moduli of 0.1 to 100 MPa, Poisson's ratios up to 0.49,
+aspect ratios of 0.2 to 35 and r_i / h of 8 to 80; some columns in 2D are heaps and trapezoids, some stand without a
+gate, and walls stand in the way of some. A case that would take longer than SECONDS gets another spacing, and after
+some tries other values altogether. The draw therefore has few fine and few tall columns, fewer of stiff material and
+in 3D, and in 3D hardly any finer than r_i / h = 12.
 
 The file random_cases-ends.csv beside the folders of the trials has one line for each case: how it ended.
 """
@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from mpmcol.case import Case, load_case
-from mpmcol.case.slope import slope_factor
+from mpmcol.case.slope import case_slope_factor, flow_materials
 from mpmcol.errors import NumericalFailure, UsageError
 from mpmcol.experiments import expected_runout
 from mpmcol.io.results import Results
@@ -99,6 +99,7 @@ def _values(draw: random.Random) -> Iterator[tuple[str, Any]]:
     base = draw.choice(("elastic", "rigid") if '"elastic"' in material else ("elastic", "rigid", "granular"))
     yield "material", material
     yield "geometry.base", base
+    yield "base_material", _base_material(draw, base, material)
     if base == "rigid" and draw.random() < 0.5:
         yield "friction.floor", _log_uniform(draw, 0.2, 2.0)
     if model == "plane" and release == "one-sided" and draw.random() < 0.3:
@@ -147,8 +148,28 @@ def _walls(draw: random.Random, model: str) -> str:
     if draw.random() < 0.7:
         parts += [f"to = {start + draw.uniform(0.4, 1.0) * RADIUS}"]
         parts += [f"height = {draw.uniform(0.3, 1.5) * RADIUS}"] if draw.random() < 0.7 else []
-        parts += [f"half_width = {draw.uniform(0.4, 1.5) * RADIUS}"] if model in ("quarter", "full") else []
+        parts += _across(draw, model)
     return f"[{{ {', '.join(parts)} }}]"
+
+
+def _across(draw: random.Random, model: str) -> list[str]:
+    """The width of a wall in 3D, in the middle or beside it."""
+    if model not in ("quarter", "full"):
+        return []
+    if draw.random() < 0.5:
+        return [f"half_width = {draw.uniform(0.4, 1.5) * RADIUS}"]
+    left = draw.uniform(-1.5 if model == "full" else 0.0, 0.5) * RADIUS
+    return [f"side_from = {left}", f"side_to = {left + draw.uniform(0.4, 1.5) * RADIUS}"]
+
+
+def _base_material(draw: random.Random, base: str, material: str) -> str:
+    """Another density and stiffness, and of a bed of Mohr-Coulomb other friction, for some bases; "" for the others."""
+    if base == "rigid" or draw.random() < 0.6:
+        return ""
+    parts = [f"density = {draw.uniform(1400.0, 2700.0)}", f"youngs_modulus = {_log_uniform(draw, 1e5, 1e8)}"]
+    if base == "granular" and '"mohr-coulomb"' in material:
+        parts += [f"friction_deg = {draw.uniform(15.0, 45.0)}", "dilatancy_deg = 0.0"]
+    return f"{{ {', '.join(parts)} }}"
 
 
 def _layers(draw: random.Random, height: float) -> str:
@@ -189,6 +210,8 @@ def _material(draw: random.Random) -> str:
         }
         values |= {"grain_diameter": _log_uniform(draw, 1e-4, 1e-2), "grain_density": draw.uniform(2000.0, 3000.0)}
         values |= {"cohesion": cohesion}
+    if law in CONES and cohesion:
+        values |= {"failure_strain": (0.0, 0.1, "inf")[int(cohesion) % 3]}
     return "{ " + ", ".join(f"{key} = {value}" for key, value in values.items()) + " }"
 
 
@@ -211,15 +234,13 @@ def inconsistencies(case: Case, results: Results) -> Iterator[str]:
     if not np.isfinite([*front.values(), measured.beta]).all():
         yield f"runout {front} and height {measured.beta} are not finite"
     usual = expected_runout(geometry.model, geometry.a, geometry.section)
-    if (
-        not front["front_connected"]
-        <= MOST_ZETA * usual * slope_factor(geometry.slope_deg, case.material, case.friction.floor) + 1.0
-    ):
+    if not front["front_connected"] <= MOST_ZETA * usual * case_slope_factor(case) + 1.0:
         yield f"its front is at {front['front_connected']:.3g} r_i"
     is_reported = any("detached particles" in warning for warning in results.summary["warnings"])
     if front["front_max"] > 2.0 * max(front["front_connected"], 0.0) + STRAY and not is_reported:
         yield f"detached particles are at {front['front_max']:.3g} r_i, the pile at {front['front_connected']:.3g}"
-    leaves = geometry.slope_deg > getattr(case.material, "friction_deg", 90.0)  # all of it may flow away from the wall
+    weakest = min(getattr(material, "friction_deg", 90.0) for material in flow_materials(case).values())
+    leaves = geometry.slope_deg > weakest  # all of it may flow away from the wall
     least = 0.0 if leaves else np.finfo(float).tiny
     if not (least <= measured.beta <= MOST_BETA and history["height"].max() <= MOST_BETA * geometry.h_i):
         yield f"its height is {measured.beta:.3g} h_i, at most {history['height'].max() / geometry.h_i:.3g}"

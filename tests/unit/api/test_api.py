@@ -8,11 +8,13 @@ import runpy
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 import mpmcol
+from mpmcol.cli.measure_text import text_of
 from mpmcol.errors import MpmcolError, OutputError, UsageError
 from mpmcol.io.html import html_table
 from mpmcol.sweep import runner
@@ -67,6 +69,24 @@ def test_texts_in_tables_are_escaped() -> None:
         "<table><thead><tr><th>&lt;b&gt;</th></tr></thead>"
         "<tbody><tr><td>a &amp; b</td><td>0.1235</td><td></td></tr></tbody></table>"
     )
+
+
+@pytest.mark.parametrize(
+    ("cells", "text"),
+    [(20, "9 to 15 deg below that of the material"), (6, "is not studied for this column and grid")],
+)
+def test_the_angle_of_repose_is_mapped_to_a_friction_angle(finished: Path, cells: int, text: str) -> None:
+    """The README of mpmcol/measure has 19.7 and 21.0 degrees for a channel of a = 1 and 30 degrees."""
+    found = mpmcol.measure(finished)
+    assert found.friction_from_repose is None and "friction from repose" not in text_of(found)  # not at rest
+    measurement = replace(found.measurement, repose_angle_deg=19.7)
+    shape = replace(found.shape, spacing=found.shape.r_i / cells)
+    deposit = replace(found, at_rest=True, measurement=measurement, shape=shape)
+    assert deposit.friction_from_repose == pytest.approx(21.0, abs=0.05)
+    (line,) = (line for line in text_of(deposit).splitlines() if line.startswith("friction from repose"))
+    assert " 21.0 deg; " in line and text in line
+    steep = replace(deposit, measurement=replace(measurement, repose_angle_deg=46.0))
+    assert steep.friction_from_repose is None
 
 
 def test_measure_and_plot_take_results_or_a_folder(finished: Path, tmp_path: Path) -> None:

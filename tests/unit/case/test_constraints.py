@@ -175,6 +175,11 @@ RIGID = ["geometry.base=rigid", "method.wall_impulse=true"]
         (["method.wall_impulse=false", "output.wall_forces=true"], "needs the reaction of walls"),
         (["geometry.release=two-sided", "friction.back_wall=0.3"], "which only a one-sided plane column has"),
         (["geometry.model=quarter", "friction.back_wall=0"], "which only a one-sided plane column has"),
+        (["geometry.model=quarter", "friction.back_wall=0"], "in 3D a wall with friction is one of [[walls]]"),
+        (
+            ["geometry.model=full", "friction.side_walls=0.3", "friction.channel_width=0.2"],
+            "in 3D the sides of a channel are [[walls]] with side_from or side_to, and friction",
+        ),
         (["friction.side_walls=0.3"], "is given, but friction.channel_width = absent: give both, or neither"),
         (["friction.channel_width=0.2"], "is given, but friction.side_walls = absent: give both, or neither"),
         (
@@ -194,3 +199,11 @@ def test_friction_changes_the_hash_only_where_it_is_given(write: Write) -> None:
         for more in ([], ["output.wall_forces=true"], ["friction.floor=0.4"], ["friction.floor=0.3"])
     )
     assert others[0] == base and len({base, *others}) == 3
+
+
+def test_a_cone_without_friction_has_no_apex_at_which_it_could_fail() -> None:
+    elastic = "density=1800.0, youngs_modulus=5e6, poissons_ratio=0.3"
+    clay = f"material={{law='drucker-prager', {elastic}, friction_deg=0.0, cohesion=1e3, failure_strain=%s}}"
+    (problem,) = problems_of("coarse-channel", clay % "0.0")
+    assert "which has no apex" in problem.message and "failure_strain" in str(problem)
+    load_case("coarse-channel", [clay % "inf"])

@@ -136,6 +136,40 @@ def test_a_misplaced_key_is_reported_with_its_table_or_law(write: Write) -> None
     assert of_other_law.hint == "not a key of law mohr-coulomb, but of mohr-coulomb-softening"
 
 
+@pytest.mark.parametrize(
+    ("addition", "message", "hint"),
+    [
+        ("[[layers]]\nto = 0.03\nfriction_deg = 22", '"friction_deg"', "material = { friction_deg = ... }"),
+        ("[[walls]]\nfrom = 0.2\nmu = 0.3", 'unknown key "mu"', "the friction of a wall is its key friction"),
+        ("[[walls]]\nfrom = 0.2\nfriction_deg = 15", "unknown key", "the friction of a wall is its key friction"),
+        ("[walls]\nfrom = 0.2", "walls = a table: expected an array of tables", "write [[walls]]"),
+        ("[layers]\nto = 0.03", "layers = a table: expected an array of tables", "write [[layers]]"),
+        ('[output]\nsnapshots = "20"', "expected an integer >= 1", "write 20 without quotes"),
+        ('[output]\nwall_forces = "true"', "expected true or false", "write true without quotes"),
+        ("[output]\nhalf_width = 3", 'unknown key "half_width"', "move this key to [[walls]]"),
+    ],
+)
+def test_the_hint_names_the_way_to_give_a_value(write: Write, addition: str, message: str, hint: str) -> None:
+    problem = only_problem(write(f"{GOOD}\n{addition}\n"))
+    assert message in problem.message and hint in problem.hint
+
+
+def test_a_number_in_quotes_is_no_misspelt_one(write: Write) -> None:
+    assert only_problem(write(GOOD), 'grid.points_per_cell="4"').hint == "write 4 without quotes"
+
+
+def test_a_layer_whose_law_is_no_name_is_one_problem(write: Write) -> None:
+    problem = only_problem(write(f"{GOOD}\n[[layers]]\nto = 0.03\nmaterial = {{ law = [] }}\n"))
+    assert problem.message.startswith('[[layers]] 1: material law = []: expected "elastic", "mohr-coulomb"')
+
+
+@pytest.mark.parametrize("own", ['law = "elastic"', 'law = "elastic", friction_deg = 22'])
+def test_a_layer_with_another_law_is_one_problem(write: Write, own: str) -> None:
+    problem = only_problem(write(f"{GOOD}\n[[layers]]\nto = 0.03\nmaterial = {{ {own} }}\n"))
+    assert problem.message == '[[layers]] 1: material law = "elastic": must be that of the column, "mohr-coulomb"'
+    assert (problem.hint, problem.about) == ("", "layers.material.law")
+
+
 def test_missing_keys_are_reported_at_their_table(write: Write) -> None:
     problems = problems_of(write(GOOD.replace("spacing = 0.002\n", "").replace("density = 2650.0\n", "")))
     assert [(problem.line, problem.message) for problem in problems] == [

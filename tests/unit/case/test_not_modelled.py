@@ -22,6 +22,8 @@ ASKED = {  # key -> part of the answer
     "obstacle": "obstacles and end walls are boxes: [[walls]]",
     "material.mu_0": 'material.law = "mu-i"',
     "material.grain_size": 'material.law = "mu-i"',
+    "friction.mu": "give it to floor, back_wall or side_walls: a coefficient",
+    "friction.friction_deg": "give it to floor, back_wall or side_walls: a coefficient",
     "material.mu": "material.friction_deg, atan(mu)",
     "material.tension_cutoff": "material.cohesion",
 }

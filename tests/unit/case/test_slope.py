@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from mpmcol.case import case_hash, conditions_of, experiment_of, load_case
-from mpmcol.case.slope import LARGEST_FACTOR, endless_flow, slope_factor
+from mpmcol.case.slope import ENDLESS_REMEDY, LARGEST_FACTOR, endless_flow, slope_factor
+from mpmcol.setup.discretization import discretize
 from tests.support.case_files import GOOD, Write, only_problem
 
 SIN_PHI = math.sin(math.radians(28.5))  # of the case inclined-channel
@@ -69,7 +70,7 @@ def test_the_flow_stops_below_the_friction_in_shear() -> None:
 
 def test_no_experiment_applies_to_a_slope() -> None:
     case = load_case("coarse-channel", ["geometry.slope_deg=10"])
-    assert experiment_of(case).laws == () and "slope of 10 deg" in experiment_of(case).title
+    assert experiment_of(case).laws == () and "it slopes by 10 deg" in experiment_of(case).title
     own = experiment_of(load_case("coarse-channel"))
     assert own.laws and own.misfit(conditions_of(case)) == "for a horizontal base; here it slopes by 10 deg"
 
@@ -112,3 +113,35 @@ def test_vertical_sides_are_parallel_to_gravity() -> None:
     np.testing.assert_allclose(upward, -downward, rtol=1e-12)
     normal = load_case("inclined-channel", ["geometry.sides=normal"])
     assert normal.geometry.polygon is None and case_hash(normal) == case_hash(load_case("inclined-channel"))
+
+
+@pytest.mark.parametrize(
+    ("case", "overrides", "limit", "texts"),
+    [
+        (
+            "granular-bed",
+            ["base_material.friction_deg=20"],
+            18.9,
+            ("bed and column flow on", "the friction of the bed in shear is 18.9 degrees"),
+        ),
+        ("granular-bed", [], 28.6, ("the flow does not stop", "the friction of the material in shear is 28.6 degrees")),
+        ("layered-column", [], 20.5, ("the flow does not stop", "the friction of layer 1 in shear is 20.5 degrees")),
+    ],
+)
+def test_the_weakest_of_column_layers_and_bed_limits_the_slope(
+    case: str, overrides: list[str], limit: float, texts: tuple[str, str]
+) -> None:
+    below, above = (load_case(case, [*overrides, f"geometry.slope_deg={limit + step}"]) for step in (-0.1, 0.1))
+    assert endless_flow(below) == "" and all(text in endless_flow(above) for text in texts)
+    assert below.stages.collapse.max_time_factor == pytest.approx(10.0 * LARGEST_FACTOR)
+    assert load_case(case, overrides).stages.collapse.max_time_factor == 10.0
+    (note,) = (text for text in discretize(above).warnings if text.startswith("geometry.slope_deg"))
+    assert note == f"{endless_flow(above)}; {ENDLESS_REMEDY}"
+
+
+def test_a_strong_bed_leaves_the_limit_of_the_column() -> None:
+    """An elastic base, and a bed with cohesion, do not flow."""
+    weak = ["material.friction_deg=20", "geometry.slope_deg=25"]
+    for own in (["base_material.friction_deg=40"], ["base_material.cohesion=500"]):
+        assert "the friction of the material" in endless_flow(load_case("granular-bed", [*weak, *own]))
+    assert "the friction of the material" in endless_flow(load_case("channel", weak))

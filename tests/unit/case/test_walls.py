@@ -9,7 +9,7 @@ from mpmcol.errors import CaseError, UsageError
 from mpmcol.setup.discretization import discretize
 from mpmcol.setup.model import build_model
 from mpmcol.setup.time_step import case_limit
-from tests.support.case_files import Write
+from tests.support.case_files import GOOD, Write, only_problem
 
 COARSE = ("grid.spacing=0.0075",)
 QUARTER = ("geometry.base=rigid", "method.wall_impulse=true", "stages.initial_stress=k0", "grid.spacing=0.0194")
@@ -69,9 +69,7 @@ def test_walls_need_a_firm_floor_and_the_reaction_of_walls(overrides: tuple[str,
 @pytest.mark.parametrize(
     ("walls", "overrides", "message"),
     [
-        ("{from=0.18, to=0.19}", (), "1 cells of 0.0075 m, expected at least 2"),
-        ("{from=0.18, height=0.01}", (), "height = 0.01 m: 1 cells"),
-        ("{from=0.18, to=0.21}, {from=0.22}", (), "are 1 cells of 0.0075 m apart"),
+        ("{from=0.18, to=0.21}, {from=0.22}", (), "are 1 cell of 0.0075 m apart"),
         ("{from=0.18, to=5}", ("geometry.domain_length=1",), "to = 5 m: outside the domain"),
     ],
 )
@@ -79,6 +77,45 @@ def test_walls_that_do_not_fit_the_grid_are_refused(walls: str, overrides: tuple
     with pytest.raises(UsageError) as refused:
         discretize(with_walls(walls, *overrides))
     assert message in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("given", "line", "message"),
+    [
+        ("from = 0.18\nto = 0.19", 7, "[[walls]] 2: to = 0.19: wall wall-2: 1 cell of 0.0075 m, expected at least 2"),
+        ("from = 0.18\nheight = 0.01", 7, "[[walls]] 2: height = 0.01: wall wall-2: 1 cell of 0.0075 m"),
+        ("from = 0.05\nto = 0.2", 6, "[[walls]] 2: from = 0.05: wall wall-2: overlaps the column"),
+        ("from = 0.4\nto = 0.45", 5, "[[walls]] 2: walls wall-1 and wall-2 overlap"),
+    ],
+)
+def test_the_refusal_of_a_wall_names_its_line(write: Write, given: str, line: int, message: str) -> None:
+    text = f'extends = "dam"\nschema = 1\n[[walls]]\nfrom = 0.3\n[[walls]]\n{given}\n'
+    problem = only_problem(write(text))
+    assert (problem.line, problem.message[: len(message)]) == (line, message)
+    assert problem.about in ("walls", "walls.to", "walls.height", "walls.from")
+
+
+def test_a_missing_radius_is_the_only_problem_of_a_case_with_walls(write: Write) -> None:
+    text = GOOD.replace("radius = ", "height = ").replace("aspect = ", "# ")
+    assert "height" in text.partition("[geometry]")[2]
+    problem = only_problem(
+        write(text), "walls=[{from=0.3, to=0.35}]", 'geometry.base="rigid"', "method.wall_impulse=true"
+    )
+    assert "radius is missing" in problem.message
+
+
+def test_the_refusal_of_a_name_is_printable() -> None:
+    with pytest.raises(CaseError) as refused:
+        with_walls('{from=0.18, name="a\\u001b[0m"}')
+    assert "wall a?[0m: expected letters" in str(refused.value) and str(refused.value).replace("\n", "").isprintable()
+
+
+def test_a_wall_in_a_quarter_is_as_thick_as_its_half(write: Write) -> None:
+    """The half width is the part that is modelled: one cell of a quarter, two of a full column."""
+    wall = "{from=0.194, to=0.2522, height=0.0582, half_width=0.0194}"
+    with pytest.raises(CaseError, match=r"half_width = 0.0194: wall wall-1: 1 cell of 0.0194 m"):
+        with_walls(wall, case="quarter")
+    assert with_walls(wall, "geometry.model=full", case="quarter").walls
 
 
 def test_edges_are_on_nodes_and_the_domain_ends_in_an_end_wall() -> None:

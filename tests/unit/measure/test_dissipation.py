@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mpmcol.measure.dissipation import dissipation
+from mpmcol.measure.dissipation import dissipation, walls_and_transfer
 
 NAMES = ("kinetic", "potential", "elastic", "plastic", "filter", "damping", "walls", "transfer")
 
@@ -41,3 +41,10 @@ def test_without_damping_no_ratio_is_too_high() -> None:
 @pytest.mark.parametrize("stages", [["equilibrate"], ["release"]])
 def test_nothing_is_released_before_the_collapse(stages: list[str]) -> None:
     assert dissipation(history(stages, RELEASED), 0.05) is None
+
+
+@pytest.mark.parametrize(
+    ("walls", "transfer", "together"), [(3.715, -3.595, 0.12), (-0.3, 0.2, -0.1), (0.3, 0.2, None), (0.2, -0.01, None)]
+)
+def test_shares_that_cancel_are_added(walls: float, transfer: float, together: float | None) -> None:
+    assert walls_and_transfer({"walls": walls, "transfer": transfer}) == (together and pytest.approx(together))

@@ -8,7 +8,7 @@ import pytest
 from mpmcol.measure import ColumnShape, measure_erosion
 
 S, R = 0.01, 0.1  # m: size of a point, r_i
-SHAPE = ColumnShape("plane", "one-sided", r_i=R, h_i=0.1, spacing=2 * S, density=2000.0, point_size=S)
+SHAPE = ColumnShape("plane", "one-sided", r_i=R, h_i=0.1, spacing=2 * S, density=2000.0, point_size=S, bed=4 * S)
 
 
 def bed() -> np.ndarray:
@@ -30,3 +30,14 @@ def test_mass_and_depth_of_what_moved_by_a_hundredth_of_r_i(share: float, rows: 
 def test_an_empty_bed_is_not_eroded() -> None:
     nothing = np.zeros((0, 2))
     assert vars(measure_erosion(nothing, np.zeros(0), nothing, SHAPE)) == {"eroded_mass": 0.0, "eroded_depth": 0.0}
+
+
+@pytest.mark.parametrize(("rows", "through"), [(4, True), (3, False)])
+def test_the_depth_is_at_most_the_thickness_of_the_bed(rows: int, through: bool) -> None:
+    """Points next to the floor may have sunk by less than half their size before the release."""
+    released = bed()
+    released[released[:, 1] < -3 * S, 1] -= 0.4 * S
+    displacement = np.zeros_like(released)
+    displacement[released[:, 1] > -rows * S, 0] = R
+    erosion = measure_erosion(released + displacement, np.ones(len(released)), displacement, SHAPE)
+    assert erosion.eroded_depth == pytest.approx(rows * S) and erosion.reaches_floor(SHAPE) is through

@@ -43,6 +43,11 @@ PLASTIC = {
         "cohesion_residual": 10.0, "tension": 40.0,
     },
     "drucker-prager": {"friction_deg": 33.0, "match": "tangent", "cohesion": 20.0},
+    "drucker-prager, brittle": {"friction_deg": 33.0, "match": "tangent", "cohesion": 100.0, "failure_strain": 2e-4},
+    "mu-i, brittle": {
+        "mu_s": 0.4, "mu_2": 0.7, "I_0": 0.3, "grain_diameter": 0.05, "grain_density": 2500.0, "cohesion": 100.0,
+        "failure_strain": 2e-4,
+    },
     "mu-i": {
         "mu_s": 0.4, "mu_2": 0.7, "I_0": 0.3, "grain_diameter": 0.05, "grain_density": 2500.0, "cohesion": 20.0,
     },
@@ -69,11 +74,15 @@ def reference_material(law: str) -> reference.ReferenceMaterial:
             1e6, 0.25, radians(33.0), radians(5.0), 100.0, tension=50.0, failure_strain=0.0
         )
     if law == "mohr-coulomb, clay":
-        return reference.ReferenceMaterial(1e6, 0.25, 0.0, 0.0, 150.0, tension=100.0)
+        return reference.ReferenceMaterial(1e6, 0.25, 0.0, 0.0, 150.0, tension=100.0, failure_strain=1.0)
     if law in ("mohr-coulomb-softening, cohesion", "mohr-coulomb-softening, tension"):
         return reference.ReferenceMaterial(
             1e6, 0.25, radians(45.0), 0.0, 100.0, radians(30.0), rate=5.0, c_residual=10.0, tension=keys.get("tension")
         )
+    if law.partition(",")[2]:  # brittle cones
+        rate = {"mu_2": 0.7, "I_0": 0.3, "d": 0.05, "rho_s": 2500.0} if law.startswith("mu-i") else {}
+        mu = 0.4 if rate else tan(radians(33.0))
+        return reference.ReferenceMaterial(1e6, 0.25, c=100.0, mu=mu, failure_strain=2e-4, **rate)
     if law == "drucker-prager":
         return reference.ReferenceMaterial(1e6, 0.25, c=20.0, mu=tan(radians(33.0)))
     if law == "mu-i":
@@ -141,6 +150,7 @@ LAW_CASES: list[tuple[int, str, dict]] = [  # dimension, law of the column, chan
     (2, "mohr-coulomb", FILTER | AXISYMMETRIC),
     *((2, law, change) for law in CONES for change in ({}, AXISYMMETRIC, FILTER, {"opening_strain": False})),
     *((2, f"mohr-coulomb, {kind}", change) for kind in ("brittle", "clay") for change in ({}, FILTER)),
+    *((2, f"{law}, brittle", change) for law in CONES for change in ({}, FILTER, {"opening_strain": False})),
     (2, "mohr-coulomb-softening, cohesion", {}),
     *(pytest.param(3, f"mohr-coulomb, {kind}", {}, marks=pytest.mark.slow) for kind in ("brittle", "clay")),
     *(pytest.param(3, law, change, marks=pytest.mark.slow) for law in CONES for change in ({}, FILTER)),

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 
 from mpmcol.api import measured
 from mpmcol.errors import OutputError, UsageError
-from mpmcol.experiments import EXPERIMENTS
+from mpmcol.experiments import EXPERIMENTS, without_laws
 from mpmcol.io import results
 from mpmcol.plotting import charts, profiles, run_charts
 from mpmcol.plotting.figures import MOST_ENTRIES
@@ -64,7 +64,7 @@ def test_a_run_gives_three_charts_with_units_on_every_axis(run: SyntheticRun, sa
 def test_an_arrow_shows_gravity_on_a_slope(tmp_path: Path, figures: list[Figure]) -> None:
     for degrees in (0.0, 30.0):
         shape = replace(SHAPE, slope_deg=degrees)
-        charts.profile_chart(tmp_path / "p.png", shape, [(0.3, deposit(1.5, shape))], EXPERIMENTS["paper-plane"])
+        charts.profile_chart(tmp_path / "p.png", shape, [(0.3, deposit(1.5, shape))], EXPERIMENTS["lube-2007"])
     level, inclined = ([text for text in one.axes[0].texts if "$g$" in text.get_text()] for one in figures)
     (arrow,) = inclined
     x, y = arrow.xyann  # type: ignore[attr-defined]  # of the tail, from the tip
@@ -73,7 +73,7 @@ def test_an_arrow_shows_gravity_on_a_slope(tmp_path: Path, figures: list[Figure]
 
 def test_profile_chart_has_equal_axes_and_the_fronts_at_their_positions(tmp_path: Path, figures: list[Figure]) -> None:
     final = deposit(1.5)
-    charts.profile_chart(tmp_path / "p.png", SHAPE, [(0.1, deposit(0.5)), (0.3, final)], EXPERIMENTS["paper-plane"])
+    charts.profile_chart(tmp_path / "p.png", SHAPE, [(0.1, deposit(0.5)), (0.3, final)], EXPERIMENTS["lube-2007"])
     axes = figures[0].axes[0]
     assert axes.get_aspect() == 1.0
     for name, front in final.front.items():
@@ -87,7 +87,7 @@ def test_profile_chart_has_equal_axes_and_the_fronts_at_their_positions(tmp_path
 
 def test_profile_falls_to_the_floor_on_both_sides_of_a_gap(tmp_path: Path, figures: list[Figure]) -> None:
     gap = replace(deposit(0.5), profile_x=np.arange(8.0), profile_y=np.array([2.0, 1.0, 0, 0, 0, 0, 1.0, 0]))
-    charts.profile_chart(tmp_path / "p.png", SHAPE, [(0.3, gap)], EXPERIMENTS["paper-plane"])
+    charts.profile_chart(tmp_path / "p.png", SHAPE, [(0.3, gap)], EXPERIMENTS["lube-2007"])
     heights = line(figures[0], 0, "$t$")[1][:: profiles.SAMPLES]
     assert heights[1:] == pytest.approx([2e3, 1e3, 0, np.nan, np.nan, 0, 1e3, 0], nan_ok=True)
 
@@ -112,14 +112,14 @@ def test_the_surface_is_a_smooth_line_that_keeps_the_area() -> None:
 @pytest.mark.parametrize(("at_rest", "name"), [(True, "deposit"), (False, "last state")])
 def test_only_the_last_profile_has_a_name(tmp_path: Path, figures: list[Figure], at_rest: bool, name: str) -> None:
     deposits = [(0.1, deposit(0.5)), (0.3, deposit(1.5))]
-    charts.profile_chart(tmp_path / "p.png", SHAPE, deposits, EXPERIMENTS["paper-plane"], at_rest=at_rest)
+    charts.profile_chart(tmp_path / "p.png", SHAPE, deposits, EXPERIMENTS["lube-2007"], at_rest=at_rest)
     labels = [text for entry in figures[0].axes[0].lines if (text := str(entry.get_label())).startswith("$t$")]
     assert [text.partition("}$")[2] for text in labels] == ["", f", {name}"]
 
 
 def test_distances_of_a_two_sided_release_start_at_the_plane_of_symmetry(tmp_path: Path, figures: list[Figure]) -> None:
     half = replace(SHAPE, release="two-sided")
-    charts.profile_chart(tmp_path / "p.png", half, [(0.3, deposit(1.5, half))], EXPERIMENTS["paper-plane"])
+    charts.profile_chart(tmp_path / "p.png", half, [(0.3, deposit(1.5, half))], EXPERIMENTS["lube-2007"])
     assert figures[0].axes[0].get_xlabel() == "distance from the plane of symmetry (mm)"
 
 
@@ -138,7 +138,7 @@ def test_no_experimental_front_in_a_gap_and_no_profiles_for_another_column(
     tmp_path: Path, figures: list[Figure]
 ) -> None:
     gap = replace(SHAPE, h_i=0.18)
-    charts.profile_chart(tmp_path / "p.png", gap, [(0.3, deposit(1.5, gap))], EXPERIMENTS["paper-plane"])
+    charts.profile_chart(tmp_path / "p.png", gap, [(0.3, deposit(1.5, gap))], EXPERIMENTS["lube-2007"])
     charts.profile_chart(tmp_path / "q.png", SHAPE, [(0.3, deposit(1.5))], EXPERIMENTS["bui-2008"])
     labels = [[str(c.get_label()) for c in figure.axes[0].containers] for figure in figures]
     assert labels == [["Lube et al. 2007 (unverified): height, scatter"], []]
@@ -226,7 +226,7 @@ def test_the_gate_is_drawn_in_the_profile_chart(run: SyntheticRun, figures: list
 
 def test_large_columns_have_axes_in_m(tmp_path: Path, figures: list[Figure]) -> None:
     large = replace(SHAPE, r_i=9.0, h_i=9.0, spacing=0.2, point_size=0.1)
-    charts.profile_chart(tmp_path / "p.png", large, [(3.0, deposit(1.5, large))], EXPERIMENTS["paper-plane"])
+    charts.profile_chart(tmp_path / "p.png", large, [(3.0, deposit(1.5, large))], EXPERIMENTS["lube-2007"])
     axes = figures[0].axes[0]
     assert axes.get_xlabel() == "distance from the wall (m)" and axes.get_ylabel() == "height (m)"
     assert line(figures[0], 0, "front_max")[0] == pytest.approx(22.5, rel=0.02)
@@ -238,6 +238,29 @@ def test_the_height_panel_uses_its_range(run: SyntheticRun, figures: list[Figure
     assert 0.6 < low < 0.7 and 1.05 < high < 1.15  # from the deposit to the scatter of the experiment
 
 
+def test_a_height_that_hardly_changes_is_not_magnified(tmp_path: Path, figures: list[Figure]) -> None:
+    time = np.linspace(0.0, 1.0, 50)
+    height = SHAPE.h_i * (0.99889 + 1e-6 * np.sin(40.0 * time))
+    charts.front_chart(tmp_path / "f.png", SHAPE, time, {"front_height": time}, height, without_laws("none"))
+    axes = figures[0].axes[1]
+    low, high = axes.get_ylim()
+    assert high - low == pytest.approx(charts.LEAST_RANGE) and low < 0.99889 < high
+    figures[0].draw_without_rendering()
+    assert axes.yaxis.get_offset_text().get_text() == ""
+
+
+def test_at_most_seven_energies_have_lines_and_no_energy_is_left_out(tmp_path: Path, figures: list[Figure]) -> None:
+    time = np.linspace(0.0, 1.0, 20)
+    energies = {name: (i + 1.0) * time for i, name in enumerate(charts.ENERGY_STYLES)}
+    total = sum(values[-1] for values in energies.values())
+    energies |= {"potential": -total * time, "residual": 0.0 * time}
+    charts.energy_chart(tmp_path / "e.png", SHAPE, time, energies)
+    lines = [one for one in figures[0].axes[0].lines if not str(one.get_label()).startswith("_")]
+    assert len(lines) == MOST_ENTRIES and str(lines[-1].get_label()).endswith(": sum")
+    released, *others = (float(np.asarray(one.get_ydata())[-1]) for one in lines)
+    assert sum(others) == pytest.approx(released)
+
+
 def test_a_run_without_release_is_rejected(run: SyntheticRun, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(SyntheticRun, "history", {"stage": np.array(["equilibrate"]), "time": np.array([0.1])})
     with pytest.raises(UsageError, match="before the column was released"):
@@ -246,7 +269,7 @@ def test_a_run_without_release_is_rejected(run: SyntheticRun, monkeypatch: pytes
 
 def test_a_missing_folder_is_an_output_error(tmp_path: Path) -> None:
     with pytest.raises(OutputError):
-        charts.profile_chart(tmp_path / "gone" / "p.png", SHAPE, [(0.3, deposit(1.5))], EXPERIMENTS["paper-plane"])
+        charts.profile_chart(tmp_path / "gone" / "p.png", SHAPE, [(0.3, deposit(1.5))], EXPERIMENTS["lube-2007"])
 
 
 def test_plot_command_prints_the_paths(run: SyntheticRun, saved: list[Figure]) -> None:
@@ -277,8 +300,8 @@ def test_measure_command_json_and_csv_agree(run: SyntheticRun) -> None:
     row = csv_row(text)
     assert record["stop_time"] == pytest.approx(0.25 / np.sqrt(0.09 / 9.81), rel=0.05)
     assert float(row["zeta.front_height"]) == pytest.approx(record["zeta"]["front_height"], rel=1e-5)
-    score = next(s for s in record["scores"] if s["experiment"] == "paper-plane" and s["quantity"] == "beta")
-    assert float(row["error.paper-plane.beta"]) == pytest.approx(score["error"], rel=1e-4)
+    score = next(s for s in record["scores"] if s["experiment"] == "lube-2007" and s["quantity"] == "beta")
+    assert float(row["error.lube-2007.beta"]) == pytest.approx(score["error"], rel=1e-4)
     assert score["within_scatter"] == (abs(score["error"]) <= score["scatter"])
     assert row["error.balmforth-kerswell-2005.beta"] == ""
     assert len(record["profile"]["x"]) == len(record["profile"]["y"])

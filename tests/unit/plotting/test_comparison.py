@@ -14,6 +14,7 @@ from matplotlib.lines import Line2D
 from mpmcol.case import Case, load_case
 from mpmcol.errors import UsageError
 from mpmcol.measure import ColumnShape
+from mpmcol.measure.shape import Obstacle
 from mpmcol.plotting import comparison
 from mpmcol.plotting.captions import run_names
 from mpmcol.plotting.comparison import MOST_RUNS, chart_comparison
@@ -102,6 +103,26 @@ def test_columns_of_different_sizes_are_compared_relative_to_their_radius(
         np.nanmax(line.get_xdata()[np.isfinite(line.get_ydata())]) for line in axes.lines if len(line.get_xdata()) > 9
     ]
     assert ends[0] == pytest.approx(ends[1], rel=0.02) and ends[0] == pytest.approx(2.5, rel=0.05)
+
+
+@pytest.mark.parametrize("size", [1.0, 2.0])
+def test_each_column_and_its_walls_are_drawn(tmp_path: Path, figures: list[Figure], size: float) -> None:
+    dam = replace(SHAPE, r_i=size * 0.09, obstacles=(Obstacle(0.2, 0.22, 0.03),))
+    low = replace(SHAPE, h_i=0.05)
+    chart_comparison([run_in(tmp_path, name, shape=one) for name, one in (("a", low), ("b", dam))], out=tmp_path)
+    axes = figures[0].axes[0]
+    drawn = [np.round(np.asarray(one.get_xydata()), 9).tolist() for one in axes.lines]
+    for shape in (dam, low):
+        factor = 1e3 if size == 1.0 else 1.0 / shape.r_i
+        assert np.round(factor * shape.surface.T, 9).tolist() in drawn
+        assert [patch.get_x() for patch in axes.patches] == pytest.approx([0.2 * (1e3 if size == 1.0 else 1 / 0.18)])
+
+
+def test_different_slopes_are_stated(tmp_path: Path, figures: list[Figure]) -> None:
+    shapes = {"a": SHAPE, "b": replace(SHAPE, slope_deg=10.0)}
+    chart_comparison([run_in(tmp_path, name, shape=one) for name, one in shapes.items()], out=tmp_path)
+    for figure in figures[:2]:
+        assert any("slopes of 0, 10 deg; drawn along the base" in text.get_text() for text in figure.axes[0].texts)
 
 
 def test_the_experiment_is_left_out_where_aspect_ratios_differ(tmp_path: Path, figures: list[Figure]) -> None:

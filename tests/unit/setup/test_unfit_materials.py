@@ -13,25 +13,41 @@ BEADS = {
 }  # fmt: skip
 
 
+def inline(**keys: str) -> str:
+    return "{" + ", ".join(f"{key} = {value}" for key, value in keys.items()) + "}"
+
+
 def warnings_for(**keys: str) -> list[str]:
-    material = ", ".join(f"{key} = {value}" for key, value in (BEADS | keys).items())
-    case = mpmcol.load_case("coarse-channel", [f"material={{{material}}}", "grid.spacing=0.01"])
+    case = mpmcol.load_case("coarse-channel", [f"material={inline(**BEADS | keys)}", "grid.spacing=0.01"])
     return setting_warnings(case, 0.01)
 
 
-@pytest.mark.parametrize(
+WRONG = pytest.mark.parametrize(
     ("keys", "text"),
     [
-        ({"mu_2": "0.48"}, "material.mu_2 = mu_s = 0.48: friction does not depend on the rate"),
-        ({"grain_diameter": "0.02"}, "material.grain_diameter = 20 mm is larger than a cell of 10 mm"),
-        ({"density": "2650.0"}, "material.density = 2650 kg/m3 is that of the material with its pores"),
+        ({"mu_2": "0.48"}, "mu_2 = mu_s = 0.48: friction does not depend on the rate"),
+        ({"grain_diameter": "0.02"}, "grain_diameter = 20 mm is larger than a cell of 10 mm"),
+        ({"density": "2650.0"}, "density = 2650 kg/m3 is that of the material with its pores"),
     ],
 )
+
+
+@WRONG
 def test_a_wrong_parameter_is_noted_and_a_right_one_is_not(keys: dict[str, str], text: str) -> None:
     usual = warnings_for()
     (added,) = set(warnings_for(**keys)) - set(usual)
-    assert added.startswith(text)
+    assert added.startswith(f"material.{text}")
     assert not any("mu_2" in warning or "grain" in warning for warning in usual)
+
+
+@WRONG
+def test_a_wrong_parameter_of_a_bed_or_layer_is_noted(keys: dict[str, str], text: str) -> None:
+    """The materials of the column have no such parameter."""
+    bed = mpmcol.load_case("granular-bed", [f"base_material={inline(**BEADS | keys)}"])
+    assert any(note.startswith(f"base_material.{text}") for note in setting_warnings(bed, 0.01))
+    layers = f"layers=[{{from = 0.02, to = 0.05, material = {inline(**keys)}}}]"
+    column = mpmcol.load_case("coarse-channel", [f"material={inline(**BEADS)}", layers])
+    assert any(note.startswith(f"layers.0.material.{text}") for note in setting_warnings(column, 0.01))
 
 
 def test_undrained_clay_has_no_note_on_its_friction() -> None:

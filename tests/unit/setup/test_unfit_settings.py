@@ -19,13 +19,11 @@ from tests.support.runs import TINY
 
 SAND = ("geometry.aspect=1", "grid.spacing=0.005")  # of lube-channel, with an elastic base and wall_impulse = false
 BED = ["geometry.base=granular", "geometry.base_thickness=0.012", "method.wall_impulse=true"]
-BED = ["geometry.base=granular", "geometry.base_thickness=0.012", "method.wall_impulse=true"]
 UNFIT = [  # overrides of SAND, beginning of the warning, what it proposes
     (["grid.points_per_cell=1"], "grid.points_per_cell = 1", "grid.points_per_cell=9"),
     (["grid.spacing=0.02"], "grid.spacing = 0.0225 m: the radius", "grid.spacing=0.015"),
     (["geometry.aspect=0.3", "grid.spacing=0.0075"], "grid.spacing = 0.0075 m: the height", "grid.spacing=0.0045"),
-    (BED, "geometry.base_thickness = 0.012 m: the granular bed", "grid.spacing=0.003"),
-    (BED, "geometry.base_thickness = 0.012 m: the granular bed", "grid.spacing=0.003"),
+    (BED, "geometry.base_thickness = 0.012 m: the granular bed has only 2 cells", "grid.spacing=0.003"),
     (["geometry.base=rigid"], "method.wall_impulse = false", "method.wall_impulse=true"),
     (
         ["geometry.base=rigid", "method.wall_impulse=true", "friction.floor=31 deg"],
@@ -51,6 +49,10 @@ SOFTENING = [
 ]
 
 
+MU_I = ("geometry.base=rigid", "method.wall_impulse=true")  # of mu-i-cylinder, whose mu_2 is 0.643
+MU_I_NOTE = "friction.floor = 0.9 (42 degrees): the column shears at mu_2 = 0.643 of the pressure before it slides"
+
+
 def warnings_of(case: str, *overrides: str) -> list[str]:
     """Warnings of a case, without those of lengths that are rounded to whole cells."""
     return [text for text in discretize(load_case(case, overrides)).warnings if " became " not in text]
@@ -71,6 +73,35 @@ def test_an_unfit_wall_is_reported(walls: str, beginning: str, proposed: str) ->
     (warning,) = warnings_of("frictional-floor", f"walls=[{walls}]")
     assert warning.startswith(beginning) and "\n" not in warning
     assert warnings_of("frictional-floor", f"walls=[{proposed}]") == []
+
+
+def test_friction_is_compared_with_the_largest_that_each_law_mobilises() -> None:
+    (warning,) = warnings_of("mu-i-cylinder", *MU_I, "friction.floor=0.9")
+    assert warning.startswith(MU_I_NOTE) and "set less than 0.643" in warning
+    assert warnings_of("mu-i-cylinder", *MU_I, "friction.floor=0.64") == []
+    (warning,) = warnings_of("mu-i-cylinder", *MU_I, "walls=[{from=0.2, to=0.25, friction=0.65}]")
+    assert "the material shears at mu_2 = 0.643" in warning
+    matched = (
+        'material={law="drucker-prager", friction_deg=33, match="compression", density=2650, youngs_modulus=3.5e6, '
+    )
+    matched += "poissons_ratio=0.2}"
+    (warning,) = warnings_of("frictional-floor", matched, "friction.floor=0.8")
+    assert "the column shears at mu = 0.768" in warning
+    assert warnings_of("frictional-floor", matched, "friction.floor=0.75") == []
+    elastic = matched.replace("drucker-prager", "elastic").replace(' friction_deg=33, match="compression",', "")
+    assert warnings_of("frictional-floor", elastic, "friction.floor=5") == []
+    clay = ("material.friction_deg=0", "material.cohesion=5000")
+    assert warnings_of("frictional-floor", *clay, "walls=[{from=0.2, to=0.25, friction=0.1}]") == []
+
+
+def test_a_bed_has_as_many_cells_as_it_is_rounded_to() -> None:
+    """19.6 mm of cells of 5.105 mm: 3.9, which become four."""
+    quarter = ("geometry.base=granular", "method.wall_impulse=true")
+    warnings = discretize(load_case("lube-quarter", quarter)).warnings
+    assert any("geometry.base_thickness became 0.0204211 m (+2.11%), 4 whole cells" in text for text in warnings)
+    assert not any("the granular bed has only" in text for text in warnings)
+    (warning,) = warnings_of("lube-channel", *SAND, *BED, "geometry.base_thickness=0.005")
+    assert "has only 1 cell, and" in warning
 
 
 @pytest.mark.parametrize(("overrides", "beginning"), SOFTENING)

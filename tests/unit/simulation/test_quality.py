@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 import mpmcol
+from mpmcol.cli.run_summary import summary_table
 from mpmcol.measure.dissipation import Dissipation
 from mpmcol.measure.stress import StressQuality
 from mpmcol.simulation.quality import _dissipation_notes, _stress_notes
@@ -54,3 +55,21 @@ def test_large_numerical_losses_are_reported() -> None:
 def test_locking_is_named() -> None:
     (note,) = _stress_notes(replace(QUIET, pressure_p1=-0.7, pressure_p99=1.8, pressure_max=1.9), False)
     assert "volumetric locking: 98 % of the pressures are between -0.7 and 1.8 times" in note
+
+
+def test_a_bed_that_flows_down_to_the_floor_is_reported(tmp_path: Path) -> None:
+    options = ["grid.spacing=0.015", "grid.points_per_cell=4", "geometry.aspect=1", "geometry.base_thickness=0.03"]
+    options += ["stages.collapse.max_time_factor=3", "output.snapshots=1", "geometry.domain_length=1"]
+    steep = ["geometry.slope_deg=25", "base_material.friction_deg=15"]
+    flowing = mpmcol.run(mpmcol.load_case("granular-bed", [*options, *steep]), tmp_path / "steep", threads=1)
+    assert flowing.summary["erosion"]["eroded_depth"] <= 0.03
+    cause = "geometry.slope_deg = 25: bed and column flow on and do not stop on this slope"
+    notes = [text for text in flowing.summary["warnings"] if cause in text]
+    assert [text.split(",")[0] for text in notes[-2:]] == [
+        "the column still moved at the time limit",
+        "the bed has moved down to the floor",
+    ]
+    assert not any("twice as many steps" in text for text in flowing.summary["warnings"])
+    assert "down to a depth of 30 mm, its whole thickness" in summary_table(flowing)
+    resting = mpmcol.run(mpmcol.load_case("granular-bed", options), tmp_path / "horizontal", threads=1)
+    assert not any("down to the floor" in text for text in resting.summary["warnings"])

@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+import itertools
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
+from unittest.mock import ANY
 
 import numpy as np
 import pytest
 
 from mpmcol.errors import CaseError, UsageError
 from mpmcol.measure import Measurement
-from mpmcol.studies.fit import require_enough
+from mpmcol.studies.convergence import NORMAL_90
+from mpmcol.studies.fit import Fit, require_enough
+from mpmcol.studies.fit.agreement import agreement_of, largest_misfit
+from mpmcol.studies.fit.course import course_of
 from mpmcol.studies.fit.forward import Evaluation, Level, levels_for
 from mpmcol.studies.fit.identify import remarks
 from mpmcol.studies.fit.quantities import (
@@ -24,9 +31,10 @@ from mpmcol.studies.fit.quantities import (
     read_profile,
     targets_of,
 )
-from mpmcol.studies.fit.search import Search, Solution
+from mpmcol.studies.fit.search import MOST_STEPS, Search, Solution
 from mpmcol.studies.fit.surface import best_point, corrected, design, fit_surface, misfit, pooled_variance, precision
 from mpmcol.studies.fit.unknowns import Unknown, parse_unknowns, settings
+from mpmcol.studies.fit.values import FittedValue, fitted_values
 
 FRICTION, FLOOR = Unknown("material.friction_deg", 20.0, 40.0), Unknown("friction.floor", 0.1, 0.5)
 COARSE = Level("level1", (), 10.0, None, "")
@@ -52,9 +60,10 @@ class Synthetic:
 
     def __init__(
         self, unknowns: Sequence[Unknown], targets: Sequence[Target], formula: Callable[..., tuple[float, ...]],
-        scatter: float = 0.0,
+        scatter: float = 0.0, course: Callable[..., dict[str, float]] = lambda *values: {},
     ) -> None:  # fmt: skip
         self.unknowns, self.targets, self.formula, self.scatter = tuple(unknowns), tuple(targets), formula, scatter
+        self.course = course
         self.calls: list[str] = []
 
     def evaluate(self, level: Level, shares: Sequence[np.ndarray]) -> list[Evaluation]:
@@ -69,8 +78,10 @@ class Synthetic:
             deposit(shift * zeta * (1.0 + sign * self.scatter), *others)
             for sign in np.linspace(-1.0, 1.0, self.repeats)
         )
-        found = np.array([np.concatenate([target.of(one) for target in self.targets]) for one in deposits])
-        return Evaluation(level, shares, found, deposits, (Path("a"), Path("b")), self.at_rest, 1.0)
+        course = self.course(*values)
+        found = np.array([np.concatenate([target.of(one, course) for target in self.targets]) for one in deposits])
+        folders, courses = (Path("a"), Path("b")), (course,) * len(deposits)
+        return Evaluation(level, shares, found, deposits, folders, self.at_rest, 1.0, courses)
 
 
 def runout_of(friction: float) -> tuple[float, float]:
@@ -183,8 +194,128 @@ def remarks_of(forward: Any) -> str:
     return "\n".join(remarks(forward.unknowns, forward.targets, solve(forward)))
 
 
-def test_a_value_at_the_end_of_its_range_is_reported() -> None:
-    assert "at the end of its range, 40" in remarks_of(Synthetic([FRICTION], targets_of({"zeta": 0.3}), runout_of))
+def fitted(forward: Any, solution: Solution) -> list[FittedValue]:
+    return fitted_values(Fit("channel", (), forward.unknowns, forward.targets, solution, Path()))
+
+
+def slope(friction: float) -> tuple[float, float]:
+    """Zeta falls by 0.05, beta rises by 0.01 per degree."""
+    return 1.5 - 0.05 * (friction - 20.0), 0.5 + 0.01 * (friction - 20.0)
+
+
+def test_measurements_that_no_value_reproduces_have_no_standard_error() -> None:
+    """At the end of the range zeta is 0.5 instead of 0.4 +- 0.01: 9 standard errors with a scatter of 0.5 % per run."""
+    forward = Synthetic([FRICTION], targets_of({"zeta": (0.4, 0.01)}), slope)
+    solution = solve(forward, [FINE])
+    agreement = agreement_of(forward.targets, solution)
+    assert (agreement.freedom, agreement.is_reproduced, agreement.has_errors) == (1, False, False)
+    (compared,) = agreement.comparisons
+    total = np.sqrt(sum(solution.causes.values())[0, 0])
+    assert compared.differences == pytest.approx([0.1 / total], rel=1e-3) and total > 0.01
+    (value,) = fitted(forward, solution)
+    assert (value.error, value.interval, value.end) == (None, None, "high")
+    assert str(value) == "material.friction_deg = 40 deg, the nearest value, without a standard error"
+    text = "\n".join(remarks(forward.unknowns, forward.targets, solution))
+    assert "no values in the ranges reproduce the measurements: zeta is 0.5, 25% above the measured 0.4 (" in text
+    assert "at the end of its range, 40, and the measurements are not reproduced there" in text
+
+
+def test_a_quantity_that_never_reaches_the_measured_value_is_reported() -> None:
+    """Zeta is largest inside the range: one measured value and one unknown, and still a misfit."""
+
+    def formula(friction: float) -> tuple[float, float]:
+        return 1.0 - 0.002 * (friction - 30.0) ** 2, 0.5
+
+    forward = Synthetic([FRICTION], targets_of({"zeta": (1.2, 0.01)}), formula)
+    solution = solve(forward, [FINE])
+    assert FRICTION.at(solution.shares[0]) == pytest.approx(30.0, abs=0.5)
+    assert "zeta is 1, 17% below the measured 1.2" in next(remarks([FRICTION], forward.targets, solution))
+    assert fitted(forward, solution)[0].error is None
+
+
+def test_an_interval_at_the_end_of_the_range_is_one_sided() -> None:
+    """Zeta is 0.5 at the end, 0.49 is measured: within the errors, so that the friction angle may be larger."""
+    forward = Synthetic([FRICTION], targets_of({"zeta": (0.49, 0.01)}), slope)
+    solution = solve(forward, [FINE])
+    (value,) = fitted(forward, solution)
+    assert agreement_of(forward.targets, solution).is_reproduced and value.error and value.interval
+    assert value.interval == (pytest.approx(40.0 - NORMAL_90 * value.error), 40.0) and value.end == "high"
+    assert f"95 %, one-sided: at least {value.interval[0]:.4g}" in str(value)
+    text = next(remarks([FRICTION], forward.targets, solution))
+    assert "at the end of its range, 40, where the measurements are reproduced within their errors" in text
+
+
+def test_an_interval_is_cut_to_the_range() -> None:
+    forward = Synthetic([FRICTION], targets_of({"zeta": (0.6, 0.1)}), slope)
+    (value,) = fitted(forward, solve(forward, [FINE]))
+    assert value.value == pytest.approx(38.0, abs=0.1) and value.interval and value.interval[1] == 40.0
+    assert value.error and value.interval[0] == pytest.approx(value.value - NORMAL_90 * value.error)
+    assert "to 40, cut to the range" in str(value)
+
+
+def test_contradicting_measurements_enlarge_the_errors_by_the_misfit() -> None:
+    """Zeta asks for 25, beta for 35 degrees. Errors are those by the misfit, the interval that of Student's t."""
+    forward = Synthetic([FRICTION], targets_of({"zeta": (1.25, 0.05), "beta": (0.65, 0.01)}), slope)
+    solution = solve(forward, [FINE])
+    agreement, found = agreement_of(forward.targets, solution), solution.precision
+    assert not agreement.is_reproduced and agreement.has_errors and agreement.freedom == 1 and found
+    difference = solution.fitted - [1.25, 0.65]
+    chi_squared = difference @ np.linalg.inv(sum(solution.causes.values())) @ difference
+    (value,) = fitted(forward, solution)
+    assert value.error == pytest.approx(20.0 * found.errors[0] * np.sqrt(chi_squared))
+    assert value.interval and value.error and agreement.quantile == pytest.approx(np.tan(0.45 * np.pi))  # t, 1 degree
+    text = agreement.statement
+    assert "zeta is" in text and "beta is" in text and "the standard errors are enlarged by" in text
+
+
+def test_agreeing_measurements_leave_the_errors() -> None:
+    forward = Synthetic([FRICTION], targets_of({"zeta": (1.0, 0.05), "beta": (0.6, 0.01)}), slope)
+    agreement = agreement_of(forward.targets, solve(forward, [FINE]))
+    assert (agreement.scale, agreement.quantile, agreement.statement) == (1.0, NORMAL_90, "")
+
+
+@pytest.mark.parametrize("names", [("zeta",), ("zeta", "beta")])
+def test_intervals_contain_the_value_as_often_as_stated(names: tuple[str, ...]) -> None:
+    """Deposits whose measured values scatter by their standard errors, over the whole range: 90 % of 80 intervals."""
+    draw, level, held = np.random.default_rng(5), Level("level1", ("own",), 40.0, None, ""), 0
+    for _ in range(80):
+        friction = draw.uniform(FRICTION.low, FRICTION.high)
+        exact = dict(zip(("zeta", "beta"), slope(friction), strict=True))
+        measured = {name: (exact[name] * (1.0 + 0.05 * draw.normal()), 0.05 * exact[name]) for name in names}
+        forward = Synthetic([FRICTION], targets_of(measured), slope)
+        (value,) = fitted(forward, solve(forward, [level]))
+        held += value.interval is not None and value.interval[0] <= friction <= value.interval[1]
+    assert 66 <= held < 80  # 72 +- 2.7 by the binomial distribution
+
+
+def test_limits_of_the_misfit() -> None:
+    """Two standard errors for one value; for two, chi squared has the tail exp(-x / 2)."""
+    tail = math.erfc(2.0 / math.sqrt(2.0))
+    assert largest_misfit(1) == pytest.approx(4.0) and largest_misfit(2) == pytest.approx(-2.0 * np.log(tail))
+
+
+def test_an_error_of_the_grid_that_is_not_studied_is_not_zero() -> None:
+    targets = targets_of({"zeta": (1.0, 0.05)})
+    coarse, fine = (Synthetic([FRICTION], targets, slope) for _ in range(2))
+    (unknown,), (known,) = fitted(coarse, solve(coarse, [COARSE])), fitted(fine, solve(fine, [FINE]))
+    assert unknown.parts and unknown.parts["grid"] is None and "grid not known" in str(unknown)
+    assert known.parts and known.parts["grid"] == pytest.approx(0.02 / 0.05) and "grid 0.4," in str(known)
+
+
+def test_a_search_that_does_not_converge_is_reported() -> None:
+    """The runout differs between runs of equal values by more than its error, so that no two steps agree."""
+    jumps = itertools.cycle((0.7, 1.3, 0.9, 1.45, 0.6))
+
+    def erratic(friction: float) -> tuple[float, float]:
+        zeta, beta = slope(friction)
+        return zeta * next(jumps), beta
+
+    forward = Synthetic([FRICTION], targets_of({"zeta": (1.0, 1e-3)}), erratic)
+    solution = solve(forward, [FINE])
+    assert not solution.is_converged and forward.calls.count("level2") == 3 + MOST_STEPS - 1
+    text = "\n".join(remarks([FRICTION], forward.targets, solution))
+    assert f"the search did not converge in {MOST_STEPS} steps" in text and "material.friction_deg by" in text
+    assert solve(Synthetic([FRICTION], targets_of({"zeta": (1.0, 1e-3)}), slope), [FINE]).is_converged
 
 
 def test_unknowns_that_cannot_be_separated_are_reported_with_what_would() -> None:
@@ -197,14 +328,62 @@ def test_unknowns_that_cannot_be_separated_are_reported_with_what_would() -> Non
     forward = Synthetic([FRICTION, FLOOR], targets_of({"zeta": 1.0, "beta": 0.72}), formula)
     text = remarks_of(forward)
     assert "cannot be separated by zeta, beta" in text or "not determined" in text
-    assert "repose (repose angle of the deposit), measured within 3%" in text
+    assert text.count("repose (repose angle of the deposit), measured within 3%") == 1
+
+
+def test_a_quantity_of_the_course_separates_what_the_deposit_does_not() -> None:
+    """All of the deposit depends on the sum of both unknowns, the runout at one time on their difference."""
+
+    def formula(friction: float, damping: float) -> tuple[float, float, float]:
+        both = 0.02 * (friction - 20.0) + damping
+        return 1.8 - both, 0.4 + 0.4 * both, 20.0 + both
+
+    def course(friction: float, damping: float) -> dict[str, float]:
+        return {"zeta_at_1": 0.5 + 0.02 * (friction - 20.0) - damping}
+
+    targets = targets_of({"zeta": 0.85 * 1.4, "beta": 0.56})
+    text = remarks_of(Synthetic([FRICTION, FLOOR], targets, formula))
+    assert "(examined: repose, undisturbed_radius, profile)" in text and "no other quantity" in text
+    assert "zeta_at_1 (runout at 1 sqrt(h_i/g) after the release), measured within 3%, would reduce" in remarks_of(
+        Synthetic([FRICTION, FLOOR], targets, formula, course=course)
+    )
+
+
+def test_a_quantity_of_the_course_can_be_fitted() -> None:
+    def course(friction: float) -> dict[str, float]:
+        return {"stop_time": 5.0 - 0.1 * friction}
+
+    forward = Synthetic([FRICTION], parse_targets("stop_time=2+-0.1"), runout_of, course=course)
+    solution = solve(forward, [FINE])
+    assert FRICTION.at(solution.shares[0]) == pytest.approx(30.0)
+    assert list(remarks([FRICTION], forward.targets, solution)) == [
+        "the error of the grid in stop_time is not known, and in no standard error"
+    ]
+    assert fitted(forward, solution)[0].parts == {"measurement": pytest.approx(1.0), "grid": None, "scatter": ANY}
+
+
+def test_quantities_of_the_course_by_hand() -> None:
+    """The front moves with 1 m in sqrt(h_i/g) = 0.5 s until 2.5 of these; the height falls by 0.1 m in each."""
+    time = np.linspace(-0.5, 2.0, 26)
+    front = 2.0 + np.clip(2.0 * time, 0.0, 2.5)
+    history = {
+        "stage": np.where(time < 0.0, "equilibrate", "collapse"), "time": time, "front_height": front,
+        "height": 4.0 - 0.2 * np.maximum(time, 0.0),
+    }  # fmt: skip
+    shape, geometry = SimpleNamespace(h_i=4.0, r_i=2.0, spacing=0.01), SimpleNamespace(gravity=16.0)
+    results: Any = SimpleNamespace(history=history, shape=shape, case=SimpleNamespace(geometry=geometry))
+    assert course_of(results) == {
+        "zeta_at_1": pytest.approx(0.5), "zeta_at_2": pytest.approx(1.0), "beta_at_1": pytest.approx(0.975),
+        "beta_at_2": pytest.approx(0.95), "stop_time": pytest.approx(2.6, abs=0.21),
+    }  # fmt: skip
 
 
 def test_a_quantity_that_is_zero_is_not_proposed() -> None:
     def formula(friction: float) -> tuple[float, float, float]:
         return 1.0, 0.5, 0.0
 
-    assert "no other quantity" in remarks_of(Synthetic([FRICTION], targets_of({"zeta": 1.0}), formula))
+    text = remarks_of(Synthetic([FRICTION], targets_of({"zeta": 1.0}), formula))
+    assert "no other quantity" in text and "(examined: beta, undisturbed_radius, profile)" in text
 
 
 def test_a_determined_unknown_has_no_remarks() -> None:

@@ -82,6 +82,12 @@ def test_lengths_have_a_unit_that_suits_them() -> None:
     assert lines("coarse-channel", 1.5, 0.9, *size)[0].startswith("runout 18 m, ")
 
 
+def test_runout_and_height_have_the_unit_of_the_larger_side_of_the_column() -> None:
+    size = ("geometry.radius=0.5", "geometry.height=1", "grid.spacing=0.025", "geometry.base_thickness=0.1")
+    runout, height, *_ = lines("coarse-channel", 1.5, 0.99996, *size)
+    assert runout.startswith("runout 0.75 m, ") and height.startswith("height 1 m, ")
+
+
 def test_the_first_run_of_a_user_has_an_error_of_the_grid() -> None:
     assert studied_error(load_case("quickstart"))
     assert studied_error(load_case("quickstart", ["stages.initial_stress=gravity"])) is None

@@ -30,7 +30,8 @@ def completed(a: float, h: float, zeta: float, beta: float = 0.5) -> CompletedRu
     experiment = find_experiment("paper", "plane")
     laws = {f"law.{name}": (experiment.expected(name, a) or (None,))[0] for name in ("zeta", "beta")}
     row: dict[str, Any] = {
-        "a": a, "spacing_used": h, "column_points": 100, "beta": beta, "spread": 0.0, "steps": 10, "seconds": 1.0,
+        "a": a, "spacing_used": h, "column_points": 100, "beta": beta, "spread": 0.0, "at_rest": True, "steps": 10,
+        "seconds": 1.0,
         **{f"zeta.{front}": zeta for front in FRONTS}, **laws,
     }  # fmt: skip
     return CompletedRun(row, Path("nowhere"))

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -11,15 +13,17 @@ import pytest
 from scipy.stats import spearmanr
 
 from mpmcol.errors import CaseError, UsageError
+from mpmcol.report.uncertainty import uncertainty_sections
 from mpmcol.studies.pareto.recommend import recommend
 from mpmcol.studies.uncertainty.analysis import analyse
+from mpmcol.studies.uncertainty.chart import bar_label
 from mpmcol.studies.uncertainty.inputs import parse_inputs
 from mpmcol.studies.uncertainty.plan import plan_study, study_name
 from mpmcol.studies.uncertainty.record import as_record, summary_lines
 from mpmcol.studies.uncertainty.report import write_report
 from mpmcol.studies.uncertainty.sampling import CFL_RANGE, draw_sample
 from mpmcol.studies.uncertainty.statistics import median_ranks, probability_of, statistics_of
-from mpmcol.studies.uncertainty.surface import variance_shares
+from mpmcol.studies.uncertainty.surface import neighbour_variance, variance_shares
 from mpmcol.sweep.axes import Axis
 from mpmcol.sweep.table import read_table
 from tests.support.json_keys import names_in, unexplained
@@ -134,6 +138,27 @@ def test_scatter_is_a_share_of_its_own() -> None:
     assert shares and shares.residual == pytest.approx(0.5, abs=0.05)
     assert shares.first_order[FRICTION] == pytest.approx(1.0 - shares.residual)
     assert shares.cross_validated_r2 < shares.adjusted_r2 < shares.r2
+    assert shares.scatter == pytest.approx(0.5, abs=0.07) and shares.scatter <= shares.residual
+
+
+def test_scatter_is_separated_from_terms_that_the_surface_omits() -> None:
+    """A cubic term without scatter: all of the residual is the term. Several inputs: not separated."""
+    inputs = inputs_of(THREE[0])
+    x = sampled(inputs, 64)
+    z = (x[:, 0] - 33.0) / 1.5
+    shares = variance_shares(inputs, x, z**3 - 3.0 * z, seed=0)
+    assert shares and shares.residual > 0.5 and shares.scatter == pytest.approx(0.0, abs=0.02)
+    two = inputs_of(*THREE[:2])
+    several = variance_shares(two, sampled(two, 64), sampled(two, 64)[:, 0], seed=0)
+    assert several and several.scatter is None
+
+
+def test_variance_about_a_line_by_hand() -> None:
+    """Of 0, 1, 0 at equal distances the middle differs by 1 from the mean of the others, with the variance 3/2."""
+    assert neighbour_variance(np.array([0.0, 2.0, 1.0]), np.array([0.0, 0.0, 1.0])) == pytest.approx(2.0 / 3.0)
+    apart = np.array([0.0, 1.0, 4.0])  # the middle counts with weights 3/4 and 1/4
+    assert neighbour_variance(apart, np.array([0.0, 1.0, 0.0])) == pytest.approx(1.0 / 1.625)
+    assert neighbour_variance(apart, np.array([3.0, 5.0, 11.0])) == pytest.approx(0.0, abs=1e-25)
 
 
 def test_pure_scatter_has_no_input() -> None:
@@ -141,6 +166,44 @@ def test_pure_scatter_has_no_input() -> None:
     y = np.random.default_rng(1).normal(size=400)
     shares = variance_shares(inputs, sampled(inputs, 400), y, seed=0)
     assert shares and max(shares.total.values()) < 0.05 and shares.residual > 0.95
+
+
+def scattered(deviation: float) -> Callable[[Mapping[str, Any]], dict[str, Any]]:
+    """Runs whose runout decreases by 0.02 per degree, and scatters."""
+    scatter = np.random.default_rng(3)
+
+    def result(inputs: Mapping[str, Any]) -> dict[str, Any]:
+        return {"zeta": {"front_height": 1.6 - 0.02 * (inputs[FRICTION] - 33.0) + scatter.normal(0.0, deviation)}}
+
+    return result
+
+
+@pytest.mark.parametrize(
+    ("deviation", "note", "is_given"),
+    [(0.005, "", True), (0.024, "the shares are not reliable", True), (0.3, "shares are not given", False)],
+)
+def test_shares_of_a_surface_that_does_not_describe_the_runs_are_not_given(
+    tmp_path: Path, deviation: float, note: str, is_given: bool
+) -> None:
+    """The inputs have a standard deviation of 0.03 in runout; above are R2 of about 1, 0.4 and below 0."""
+    plan = planned(tmp_path, f"{FRICTION}=normal:33,1.5", samples=16)
+    analysis = analyse(plan, ended(plan, scattered(deviation)))
+    (zeta,) = analysis.quantities
+    assert zeta.shares and note in zeta.shares.note and bool(note) == bool(zeta.shares.note)
+    assert zeta.shares.is_given == (zeta.shares.cross_validated_r2 >= 0.0) == is_given
+    assert bar_label(zeta).endswith("(not reliable)") == bool(note)
+    report = write_report(analysis, tmp_path)
+    (row,) = report.record["quantities"]
+    assert (row["first_order"][FRICTION] is not None) == (row["residual"] is not None) == is_given
+    assert (
+        row["note"] == (zeta.shares.note or None) and unexplained("uncertainty.json", names_in(report.record)) == set()
+    )
+    text = "\n".join(summary_lines(analysis))
+    assert note in text and (f"({100 * zeta.shares.total[FRICTION]:.0f})" in text) == is_given
+    sweep: Any = SimpleNamespace(runs=[SimpleNamespace(folder=run.folder.name) for run in plan.runs])
+    (section,) = uncertainty_sections(tmp_path, sweep)
+    assert any(note in line for line in section.lines) and (row["note"] is None) == (len(section.lines) == 2)
+    assert (section.tables[1].rows[0][1] == "") != is_given
 
 
 def test_an_interaction_is_in_the_total_index_only() -> None:

@@ -7,13 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from mpmcol.case import load_case
+from mpmcol.case import key_names, load_case
 from mpmcol.errors import CaseError
 from mpmcol.io.names import GIVEN_CASE_FILE
 from mpmcol.setup.memory import memory_bytes
 from mpmcol.sweep import runs as sweep_runs
 from mpmcol.sweep.axes import parse_axes
-from mpmcol.sweep.names import run_name, safe_name, sweep_name
+from mpmcol.sweep.names import run_name, safe_name, short_names, sweep_name
 from mpmcol.sweep.runs import PlannedRun, notes, plan_runs, write_case
 from mpmcol.sweep.scheduling import Allocation, allocate
 from mpmcol.sweep.series import choose_axis, group_rows
@@ -52,10 +52,29 @@ def test_names_of_text_values_and_of_keys_that_share_their_last_part() -> None:
     (run, _) = plan("method.transfer=pic,flip")
     assert run.name == "transfer-pic"
     runs = plan("stages.equilibrate.damping=0.5,0.6", "stages.collapse.damping=0.1")
-    assert runs[0].name == "damping0.5"
+    assert runs[0].name == "equilibrate.damping0.5"
     runs = plan("stages.equilibrate.damping=0.5,0.6", "stages.collapse.damping=0.1,0.2")
-    assert runs[0].name == "stages.equilibrate.damping0.5-stages.collapse.damping0.1"
+    assert runs[0].name == "equilibrate.damping0.5-collapse.damping0.1"
     assert "/" not in plan("title=a/b,c", "geometry.aspect=1,2", zipped=True)[0].folder.name
+
+
+def test_a_short_name_is_that_of_one_key() -> None:
+    """Of a key of the column it is the last part; no other key has that name."""
+    indexed = ["walls.0.height", "walls.1.height", "layers.0.material.friction_deg", "layers.1.to"]
+    tables = {name.rpartition(".")[0] for name in key_names()}
+    single = [name for name in key_names() if name not in tables and not name.startswith(("walls.", "layers."))]
+    names = {key: short_names([key])[key] for key in (*single, *indexed)}
+    assert len(set(names.values())) == len(names)
+    assert (names["geometry.height"], names["material.friction_deg"]) == ("height", "friction_deg")
+    assert short_names(["walls.0.height"]) == {"walls.0.height": "walls.0.height"}
+    assert short_names(["base_material.friction_deg"])["base_material.friction_deg"] == "base_material.friction_deg"
+
+
+def test_names_of_folders_have_the_wall_and_the_layer() -> None:
+    walls = plan_runs("dam", parse_axes(None, ["walls.0.height=20 mm,30 mm"])[0], Path("s"))
+    assert [run.name for run in walls] == ["walls.0.height20mm", "walls.0.height30mm"]
+    layers = plan_runs("layered-column", parse_axes(None, ["layers.0.material.friction_deg=22,25"])[0], Path("s"))
+    assert [run.name for run in layers] == ["layers.0.material.friction22deg", "layers.0.material.friction25deg"]
 
 
 def test_the_folder_depends_on_case_and_code(monkeypatch: pytest.MonkeyPatch) -> None:

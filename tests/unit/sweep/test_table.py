@@ -85,8 +85,8 @@ def test_a_row_has_inputs_measurements_errors_cost_and_versions(tmp_path: Path) 
     assert [row[f"zeta.{name}"] for name in FRONTS] == pytest.approx([1.05 * zeta, 1.02 * zeta, zeta])
     assert row["law.zeta"] == pytest.approx(zeta) and row["law.beta"] == pytest.approx(row["beta"])
     assert row["law.unverified"] == ""
-    assert row["error.paper-axisymmetric.zeta.front_max"] == pytest.approx(0.05)
-    assert row["error.paper-axisymmetric.beta"] == pytest.approx(0.0)
+    assert row["error.lube-2004.zeta.front_max"] == pytest.approx(0.05)
+    assert row["error.lube-2004.beta"] == pytest.approx(0.0)
     assert row["error.lajeunesse-2004.zeta.front_height"] == pytest.approx(zeta / (2.0 * 2**0.5) - 1.0)
     assert (row["seconds"], row["compile_seconds"], row["steps"], row["points"]) == (7.0, 2.0, 7997, 848)
     assert (row["ns_per_point_step"], row["version.mpmcol"]) == (50.5, "0.1.0+00000000")
@@ -154,7 +154,7 @@ def test_without_a_finished_run_only_the_table_is_written(tmp_path: Path) -> Non
 
 
 def test_charts_have_laws_scatter_transition_and_fits(tmp_path: Path, figures: dict[str, Figure]) -> None:
-    runs = plan(tmp_path, aspect="0.5,1,2,3,5")
+    runs = plan(tmp_path, "material.friction_deg=29", aspect="0.5,1,2,3,5")  # as of sand and of glass beads
     write_report([*map(finish, runs[:-1]), finish(runs[-1], at_rest=False)], tmp_path)
     zeta, beta = labels(figures["zeta.png"]), labels(figures["beta.png"])
     assert "Lube et al. 2004, scatter 10%" in zeta and "not at rest" in zeta
@@ -167,6 +167,30 @@ def test_charts_have_laws_scatter_transition_and_fits(tmp_path: Path, figures: d
     assert "Lube et al. 2004: transition, no law" in beta
     (span,) = [patch for patch in figures["beta.png"].axes[0].patches if patch.get_zorder() == -2]
     assert [span.get_x(), span.get_x() + span.get_width()] == [1.0, 1.7]
+
+
+def test_only_laws_that_apply_to_every_run_are_drawn(tmp_path: Path, figures: dict[str, Figure]) -> None:
+    write_report([finish(run) for run in plan(tmp_path, "material.friction_deg=8,33")], tmp_path)
+    for figure in figures.values():
+        texts = [text.get_text() for text in figure.axes[0].texts]
+        reason = "Lube et al. 2004 does not apply: for friction of 28 to 40 deg; here it is 8 deg"
+        assert any(reason in text for text in texts)
+        assert not any("et al." in text for text in labels(figure))
+        assert sum("et al." in text for text in texts) == 1
+
+
+def test_laws_of_another_material_are_not_drawn(tmp_path: Path, figures: dict[str, Figure]) -> None:
+    write_report([finish(run) for run in plan(tmp_path, case="cylinder")], tmp_path)
+    shown = [*labels(figures["zeta.png"]), *(text.get_text() for text in figures["zeta.png"].axes[0].texts)]
+    assert any("Lube et al. 2004" in text for text in shown) and not any("Lajeunesse" in text for text in shown)
+
+
+def test_a_run_that_still_moves_is_marked_and_not_compared(tmp_path: Path) -> None:
+    one, two = plan(tmp_path, aspect="1,2")
+    moving, rest = make_rows([finish(one, at_rest=False), finish(two)])
+    errors = [name for name in rest if name.startswith(("error.", "rms_mm."))]
+    assert errors and {moving[name] for name in errors} == {None} != {rest[name] for name in errors}
+    assert "still moving" in moving["message"] and rest["message"] == ""
 
 
 def test_the_law_is_drawn_in_its_range(tmp_path: Path, figures: dict[str, Figure]) -> None:
@@ -194,7 +218,7 @@ def test_several_series_in_one_chart(tmp_path: Path, figures: dict[str, Figure])
 
 
 def test_many_series_are_named_beside_their_last_marker(tmp_path: Path, figures: dict[str, Figure]) -> None:
-    runs = plan(tmp_path, "material.friction_deg=28,30,32,34,36,38", aspect="2,5")
+    runs = plan(tmp_path, "material.friction_deg=28,28.4,28.8,29.2,29.6,30", aspect="2,5")
     write_report([finish(run) for run in runs], tmp_path)
     chart = figures["zeta.png"]
     assert len(labels(chart)) <= MOST_ENTRIES and not any("friction" in label for label in labels(chart))

@@ -1,0 +1,1 @@
+"""Constitutive laws in collapses: `python -m scripts.laws.which_law` and the scripts beside it."""
