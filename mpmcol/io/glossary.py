@@ -6,7 +6,16 @@ joined by dots; a part in capitals varies. In 3D a front and its zeta have the p
 
 from __future__ import annotations
 
-from mpmcol.io.material_glossary import ELEMENT, ELEMENT_NAMES, FLOW_NAMES, STRESS_NAMES
+from mpmcol.io.comparison_glossary import PROFILE_SCORE_NAMES, SCORE_NAMES
+from mpmcol.io.material_glossary import (
+    ELEMENT,
+    ELEMENT_NAMES,
+    EROSION,
+    EROSION_NAMES,
+    FLOW_NAMES,
+    STRESS_NAMES,
+    SURFACE_NAMES,
+)
 from mpmcol.io.uncertainty_glossary import QUANTITY_NAMES, UNCERTAINTY
 
 ENERGY, FORCE, MOMENT, TAU = "J", "N", "N m", "sqrt(h_i/g)"
@@ -43,10 +52,6 @@ _DEPOSIT: Names = {
     "stop_time": (TAU, "time after release from which on front_height stays within one cell; null if not at rest"),
     "at_rest": ("", "whether the run ended with the column at rest"),
 }
-_EROSION: Names = {
-    "eroded_mass": ("kg", "mass of the granular bed that has moved by r_i/100 or more; per metre or per radian in 2D"),
-    "eroded_depth": ("m", "largest depth below the surface of the bed at the release of material that has moved so"),
-}
 _FRONT: Names = {
     "front_max": ("m", "front by its farthest material point, in flight or not"),
     "front_connected": ("m", "front by the farthest point that is connected with the pile without a gap of one cell"),
@@ -82,28 +87,6 @@ _COST: Names = {
     "peak_memory_bytes": ("bytes", "peak resident memory of the process"),
     "threads": ("", "number of threads; results do not depend on it"),
     "time_over_tau": (TAU, "time since release at the end of the run"),
-}
-_SCORE: Names = {
-    "experiment": ("", "name of the experiment"),
-    "quantity": ("", "quantity that is compared: zeta, beta or stop_time"),
-    "front_definition": ("", "definition of the front; empty for a quantity without one"),
-    "value": ("", "value of the run"),
-    "expected": ("", "value by the law of the experiment; null if it does not apply"),
-    "error": ("", "value over expected, minus one; null if the law does not apply"),
-    "scatter": ("", "relative scatter of the experiment"),
-    "within_scatter": ("", "whether the error is at most the scatter"),
-    "comment": ("", "material of the experiment, or why the law does not apply"),
-    "verified": ("", "whether the law was checked against the publication"),
-}
-_PROFILE_SCORE: Names = {
-    "experiment": ("", "name of the experiment"),
-    "profile": ("", "name of the published surface"),
-    "rms_mm": ("mm", "root mean square of the difference in height from the published surface"),
-    "front": ("m", "front at the height of the end of the published surface; null for normalised ones"),
-    "expected_front": ("m", "end of the published surface"),
-    "error": ("", "front over expected_front, minus one"),
-    "comment": ("", "at which height fronts are compared, and the material"),
-    "verified": ("", "whether the surface was checked against the publication"),
 }
 _DISSIPATION: Names = {
     "released": (ENERGY, "potential energy released since the opening of the gate"),
@@ -254,8 +237,8 @@ NAMES: dict[str, Names] = {  # file or command -> its names
         **_FRONTS,
         **_SIZES,
         **_COST,
-        "erosion": ("", "erosion of a granular bed; null without one"),
-        **_nested("erosion", _EROSION),
+        "erosion": EROSION,
+        **_nested("erosion", EROSION_NAMES),
         "ledger": ("", "energies and works since the release"),
         **_nested("ledger", _ENERGIES),
         "dissipation": ("", "where the released energy went; null before the release"),
@@ -268,8 +251,8 @@ NAMES: dict[str, Names] = {  # file or command -> its names
         **_nested("flow_by_material.MATERIAL", FLOW_NAMES),
         "stress": ("", "quality of the stresses of single points"),
         **_nested("stress", STRESS_NAMES),
-        **_nested("errors", _SCORE),
-        **_nested("profile_scores", _PROFILE_SCORE),
+        **_nested("errors", SCORE_NAMES),
+        **_nested("profile_scores", PROFILE_SCORE_NAMES),
         **_nested("retries", _RETRY),
         "failure": ("", "why the run diverged"),
         **_nested("failure", _FAILURE),
@@ -287,11 +270,22 @@ NAMES: dict[str, Names] = {  # file or command -> its names
         **{name: _RUN[name] for name in ("status", "time", "energy_unit", "profile_scores")},
         **_DEPOSIT,
         **_FRONTS,
-        **_nested("scores", _SCORE),
-        **_nested("profile_scores", _PROFILE_SCORE),
+        "erosion": EROSION,
+        **_nested("erosion", EROSION_NAMES),
+        **_nested("surface_over_bed", SURFACE_NAMES),
+        **_nested("scores", SCORE_NAMES),
+        **_nested("profile_scores", PROFILE_SCORE_NAMES),
         "error.EXPERIMENT.QUANTITY": _TABLE["error.EXPERIMENT.QUANTITY"],
     },
-    TABLE: {**_TABLE, "status": _RUN["status"], **_DEPOSIT, **_FRONTS, **_SIZES, **_COST},
+    TABLE: {
+        **_TABLE,
+        "status": _RUN["status"],
+        **_DEPOSIT,
+        **_FRONTS,
+        **_nested("erosion", EROSION_NAMES),
+        **_SIZES,
+        **_COST,
+    },
     SLOPES: _SLOPES,
     UNCERTAINTY: QUANTITY_NAMES,
     PRESSURE: _PRESSURE,

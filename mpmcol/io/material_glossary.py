@@ -12,6 +12,17 @@ STRESS_NAMES = {
     "pressure_max": ("", "largest pressure over weight_at_foot"),
     "scatter": ("", "standard deviation of the pressure from the mean of its cell, over weight_at_foot"),
 }
+EROSION = ("", "erosion of a granular bed; null without one")
+EROSION_NAMES = {
+    "eroded_mass": ("kg", "mass of the granular bed that has moved by r_i/100 or more; per metre or per radian in 2D"),
+    "eroded_depth": ("m", "largest depth below the surface of the bed at the release of material that has moved so"),
+    "surface_drop": ("m", "largest depth of the surface below that of the bed at the release"),
+    "deposit_front": ("m", "front of the deposit over the surface of the bed at the release, as front_height"),
+}
+SURFACE_NAMES = {
+    "x": ("m", "bin centres of the surface of deposit and granular bed; surface_over_bed is null without a bed"),
+    "y": ("m", "height of the surface over that of the bed at the release; negative where it is lower"),
+}
 FLOW_NAMES = {
     **{f"I_{name}": ("", f"{text} of the inertial number I of the flow") for name, text in _PERCENTILES.items()},
     **{f"mu_{name}": ("", f"{text} of the friction coefficient mu(I)") for name, text in _PERCENTILES.items()},
