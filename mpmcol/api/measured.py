@@ -13,8 +13,8 @@ from mpmcol.errors import OutputError
 from mpmcol.experiments import ProfileScore, Score, profile_scores, score
 from mpmcol.io.glossary import ENERGY_UNITS
 from mpmcol.io.names import HISTORY_FILE
-from mpmcol.io.results import Results, measure_stop_time
-from mpmcol.measure import STEEPEST, ColumnShape, Measurement, friction_from_repose
+from mpmcol.io.results import Results, erosion_of, measure_stop_time, surface_of
+from mpmcol.measure import STEEPEST, Array, ColumnShape, Erosion, Measurement, friction_from_repose
 
 
 @dataclass(frozen=True)
@@ -33,6 +33,8 @@ class Measured:
     energy_unit: str  # in words
     scores: list[Score]
     profiles: list[ProfileScore]
+    erosion: Erosion | None  # of a granular bed; None without one
+    surface_over_bed: tuple[Array, Array] | None  # bin centres and heights, (bins,), m; see `measure.surface_over_bed`
 
     @property
     def is_deposit(self) -> bool:
@@ -92,6 +94,8 @@ def measure(run: Results | Path | str, snapshot: int = -1, *, notify: Notify = w
             shape.section,
             conditions,
         ),
+        erosion=None if shape.bed_density is None else erosion_of(taken, shape),
+        surface_over_bed=surface_of(taken, shape),
     )
 
 

@@ -160,6 +160,11 @@ def advance(solver: Solver, steps: int) -> None:
         solver.advance(math.inf, end - solver.steps)
 
 
+def step_seconds(solver: Solver, steps: int) -> float:
+    """Duration of the next steps, s."""
+    return _seconds(lambda: advance(solver, steps))
+
+
 def _seconds(action: Callable[[], object]) -> float:
     started = time.perf_counter()
     action()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,6 +14,7 @@ from mpmcol.cli.options import json_option, results_argument
 
 if TYPE_CHECKING:
     from mpmcol.api.measured import Measured
+    from mpmcol.measure import Array
 
 
 @click.command()
@@ -52,11 +54,21 @@ def _json(measured: Measured) -> str:
         "stop_time": measured.stop_time,
         "energy_released": measured.energy_released,
         "energy_unit": measured.energy_unit,
-        "profile": {"x": measurement.profile_x.tolist(), "y": measurement.profile_y.tolist()},
+        "profile": _points((measurement.profile_x, measurement.profile_y)),
+        "erosion": _erosion(measured),
+        "surface_over_bed": _points(measured.surface_over_bed),
         "scores": [score.as_dict() for score in measured.scores],
         "profile_scores": [vars(profile) for profile in measured.profiles],
     }
     return json.dumps(record)
+
+
+def _points(line: tuple[Array, Array] | None) -> dict[str, list[float]] | None:
+    return None if line is None else {"x": line[0].tolist(), "y": line[1].tolist()}
+
+
+def _erosion(measured: Measured) -> dict[str, float] | None:
+    return None if measured.erosion is None else asdict(measured.erosion)
 
 
 def _csv(measured: Measured) -> str:
@@ -68,6 +80,7 @@ def _csv(measured: Measured) -> str:
 
     row = _state(measured) | {"at_rest": str(measured.at_rest).lower()}
     row |= dict(flatten(measured.measurement.scalars()))
+    row |= dict(flatten({"erosion": _erosion(measured) or {}}))
     row["friction_from_repose_deg"] = measured.friction_from_repose
     row["stop_time"] = measured.stop_time
     for score in measured.scores:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import groupby
 from typing import TYPE_CHECKING
 
+from mpmcol.cli.bed_text import bed_lines
 from mpmcol.experiments import EXPERIMENTS, find_experiment
 from mpmcol.measure import friction_bias
 from mpmcol.units import length_scale, length_text
@@ -43,6 +44,7 @@ def _deposit_lines(measured: Measured) -> list[str]:
         *_friction_line(measured),
         f"{'undisturbed radius':<20} " + ("none" if undisturbed is None else _length(undisturbed, shape)),
         *([] if stop is None else [f"{'front stops at':<20} {stop:9.2f} sqrt(h_i/g)"]),
+        *bed_lines(measured.erosion, shape, measured.energy_unit),
         *([] if energy is None else [f"{'energy released':<20} {energy:9.3g} {measured.energy_unit}"]),
     ]
 

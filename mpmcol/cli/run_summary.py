@@ -6,12 +6,13 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from mpmcol.case import compared_experiment
+from mpmcol.cli.bed_text import bed_lines
 from mpmcol.experiments import mark, without_laws
 from mpmcol.io.glossary import FORCE_UNITS, MOMENT_UNITS
 from mpmcol.io.results import Results
 from mpmcol.measure.dissipation import walls_and_transfer
 from mpmcol.studies.judgement import STILL_MOVING, judge
-from mpmcol.units import length_scale, length_text
+from mpmcol.units import length_scale
 
 FRONT_TEXT = {
     "front_max": "farthest point",
@@ -50,10 +51,7 @@ def _measured(results: Results) -> Iterator[str]:
     comparison = _comparison(errors.get(("beta", ""))) or nothing
     place = "at the wall or axis" if shape.outline is None else "of the deposit"
     yield _line(f"beta, height {place}", f"{factor * summary['height']:.4g}", summary["beta"], comparison)
-    if erosion := summary.get("erosion"):
-        mass = f"{erosion['eroded_mass']:.3g} {summary['energy_unit'].replace('J', 'kg', 1)}"
-        whole = ", its whole thickness" if erosion["eroded_depth"] > shape.bed - 0.5 * shape.point_size else ""
-        yield f"bed: {mass} moved, down to a depth of {length_text(erosion['eroded_depth'])}{whole}"
+    yield from bed_lines(results.erosion, shape, summary["energy_unit"])
     yield from _flows(summary)
     yield from _impacts(summary, shape.model)
 

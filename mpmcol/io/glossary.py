@@ -6,6 +6,16 @@ joined by dots; a part in capitals varies. In 3D a front and its zeta have the p
 
 from __future__ import annotations
 
+from mpmcol.io.comparison_glossary import PROFILE_SCORE_NAMES, SCORE_NAMES
+from mpmcol.io.material_glossary import (
+    ELEMENT,
+    ELEMENT_NAMES,
+    EROSION,
+    EROSION_NAMES,
+    FLOW_NAMES,
+    STRESS_NAMES,
+    SURFACE_NAMES,
+)
 from mpmcol.io.uncertainty_glossary import QUANTITY_NAMES, UNCERTAINTY
 
 ENERGY, FORCE, MOMENT, TAU = "J", "N", "N m", "sqrt(h_i/g)"
@@ -21,11 +31,10 @@ UNITS_BY_MODEL = {  # of units that depend on the model
     ENERGY: {model: units[0] for model, units in ENERGY_UNITS.items()}, FORCE: FORCE_UNITS, MOMENT: MOMENT_UNITS,
 }  # fmt: skip
 RESULT, HISTORY, MEASURE, TABLE, SLOPES = "result.json", "history.csv", "measure", "table.csv", "slopes.csv"
-PRESSURE, ELEMENT = "wall_pressure.csv", "element.csv"
+PRESSURE = "wall_pressure.csv"
 
 Names = dict[str, tuple[str, str]]  # name -> unit ("" without one; ENERGY depends on the model), meaning
 
-_PERCENTILES = {"p5": "percentile 5", "median": "median", "p95": "percentile 95"}
 _DEPOSIT: Names = {
     "front": ("m", "distance of the front from the wall or axis, by each of its definitions"),
     "zeta": ("", "runout (r_f - r_i) / r_i, by each definition of the front (Eq. 37-39)"),
@@ -42,10 +51,6 @@ _DEPOSIT: Names = {
     "undisturbed_radius": ("m", "radius within which the top surface has moved by less than r_i/100 since release"),
     "stop_time": (TAU, "time after release from which on front_height stays within one cell; null if not at rest"),
     "at_rest": ("", "whether the run ended with the column at rest"),
-}
-_EROSION: Names = {
-    "eroded_mass": ("kg", "mass of the granular bed that has moved by r_i/100 or more; per metre or per radian in 2D"),
-    "eroded_depth": ("m", "largest depth below the surface of the bed at the release of material that has moved so"),
 }
 _FRONT: Names = {
     "front_max": ("m", "front by its farthest material point, in flight or not"),
@@ -83,28 +88,6 @@ _COST: Names = {
     "threads": ("", "number of threads; results do not depend on it"),
     "time_over_tau": (TAU, "time since release at the end of the run"),
 }
-_SCORE: Names = {
-    "experiment": ("", "name of the experiment"),
-    "quantity": ("", "quantity that is compared: zeta, beta or stop_time"),
-    "front_definition": ("", "definition of the front; empty for a quantity without one"),
-    "value": ("", "value of the run"),
-    "expected": ("", "value by the law of the experiment; null if it does not apply"),
-    "error": ("", "value over expected, minus one; null if the law does not apply"),
-    "scatter": ("", "relative scatter of the experiment"),
-    "within_scatter": ("", "whether the error is at most the scatter"),
-    "comment": ("", "material of the experiment, or why the law does not apply"),
-    "verified": ("", "whether the law was checked against the publication"),
-}
-_PROFILE_SCORE: Names = {
-    "experiment": ("", "name of the experiment"),
-    "profile": ("", "name of the published surface"),
-    "rms_mm": ("mm", "root mean square of the difference in height from the published surface"),
-    "front": ("m", "front at the height of the end of the published surface; null for normalised ones"),
-    "expected_front": ("m", "end of the published surface"),
-    "error": ("", "front over expected_front, minus one"),
-    "comment": ("", "at which height fronts are compared, and the material"),
-    "verified": ("", "whether the surface was checked against the publication"),
-}
 _DISSIPATION: Names = {
     "released": (ENERGY, "potential energy released since the opening of the gate"),
     "friction": ("", "share of the released energy that went into plastic work"),
@@ -123,10 +106,7 @@ _WALL_FORCES: Names = {
     "window": ("s", "time over which the peak force is averaged: at least 5 h/c and a row of the history"),
     "sustained": (FORCE, "as the peak, of the mean over 0.2 sqrt(h_i/g); null if the collapse is shorter"),
     "at_end": (FORCE, "magnitude of the mean force of the last row of the history"),
-    "moment_at_release": (
-        MOMENT,
-        "moment about the foot of the wall, or about x = 0 on the floor, before the opening of the gate",
-    ),
+    "moment_at_release": (MOMENT, "moment about the foot, or of the floor about x = 0, before the gate opens"),
     "moment": (MOMENT, "largest mean moment over `window` that overturns the wall about its foot"),
     "moment_at_end": (MOMENT, "mean moment of the last row of the history"),
 }
@@ -138,19 +118,6 @@ _PRESSURE: Names = {
     "force": (FORCE, "mean force of the row normal to the face, into the wall"),
     "pressure": ("Pa", "that force over the area whose pressure the row carries"),
     "window": ("s", "time over which the force is averaged, the last ten rows of the history"),
-}
-_STRESS: Names = {
-    "weight_at_foot": ("Pa", "largest weight per area at the foot of the deposit"),
-    "stress_free": ("", "share of the points inside the deposit without stress"),
-    "pressure_p1": ("", "percentile 1 of the pressure over weight_at_foot"),
-    "pressure_p99": ("", "percentile 99 of the pressure over weight_at_foot"),
-    "pressure_max": ("", "largest pressure over weight_at_foot"),
-    "scatter": ("", "standard deviation of the pressure from the mean of its cell, over weight_at_foot"),
-}
-_FLOW: Names = {
-    **{f"I_{name}": ("", f"{text} of the inertial number I of the flow") for name, text in _PERCENTILES.items()},
-    **{f"mu_{name}": ("", f"{text} of the friction coefficient mu(I)") for name, text in _PERCENTILES.items()},
-    "ill_posed": ("", "share of the flow in which the mu(I) law is ill-posed (Barker et al. 2015)"),
 }
 _FAILURE: Names = {
     "check": ("", "name of the check that failed"),
@@ -252,17 +219,6 @@ _SLOPES: Names = {
     "law_exponent": ("", "exponent of that law"),
 }
 
-_ELEMENT: Names = {
-    "strain": ("", "vertical, shear or volumetric strain, as the test prescribes it"),
-    **{f"stress.{name}": ("Pa", "Cauchy stress by component, tension > 0") for name in ("xx", "yy", "zz", "xy")},
-    "pressure": ("Pa", "mean pressure"),
-    "shear": ("Pa", "shear stress sqrt(J2)"),
-    "volumetric_strain": ("", "change of volume with gaps, over the initial volume"),
-    "opening_strain": ("", "volume of gaps over that of the material"),
-    "mobilised_deg": ("deg", "friction angle that the stress mobilises: sin(phi) = (s1 - s3) / -(s1 + s3)"),
-    "plastic_shear_strain": ("", "plastic shear strain, of the law mohr-coulomb-softening"),
-    "inertial_number": ("", "inertial number I, of the law mu-i"),
-}
 
 _FRONTS: Names = {
     **{f"front.{name}": entry for name, entry in _FRONT.items()},
@@ -281,8 +237,8 @@ NAMES: dict[str, Names] = {  # file or command -> its names
         **_FRONTS,
         **_SIZES,
         **_COST,
-        "erosion": ("", "erosion of a granular bed; null without one"),
-        **_nested("erosion", _EROSION),
+        "erosion": EROSION,
+        **_nested("erosion", EROSION_NAMES),
         "ledger": ("", "energies and works since the release"),
         **_nested("ledger", _ENERGIES),
         "dissipation": ("", "where the released energy went; null before the release"),
@@ -290,13 +246,13 @@ NAMES: dict[str, Names] = {  # file or command -> its names
         "wall_forces": ("", "largest forces on floor, walls and gate; null without output.wall_forces"),
         **_nested("wall_forces.WALL", _WALL_FORCES),
         "flow": ("", "rates of the column's material where it flows (I > 1e-3), in mass times time; law mu-i only"),
-        **_nested("flow", _FLOW),
+        **_nested("flow", FLOW_NAMES),
         "flow_by_material": ("", "the same of the other materials: base, layer-1, ...; null without any of law mu-i"),
-        **_nested("flow_by_material.MATERIAL", _FLOW),
+        **_nested("flow_by_material.MATERIAL", FLOW_NAMES),
         "stress": ("", "quality of the stresses of single points"),
-        **_nested("stress", _STRESS),
-        **_nested("errors", _SCORE),
-        **_nested("profile_scores", _PROFILE_SCORE),
+        **_nested("stress", STRESS_NAMES),
+        **_nested("errors", SCORE_NAMES),
+        **_nested("profile_scores", PROFILE_SCORE_NAMES),
         **_nested("retries", _RETRY),
         "failure": ("", "why the run diverged"),
         **_nested("failure", _FAILURE),
@@ -314,13 +270,24 @@ NAMES: dict[str, Names] = {  # file or command -> its names
         **{name: _RUN[name] for name in ("status", "time", "energy_unit", "profile_scores")},
         **_DEPOSIT,
         **_FRONTS,
-        **_nested("scores", _SCORE),
-        **_nested("profile_scores", _PROFILE_SCORE),
+        "erosion": EROSION,
+        **_nested("erosion", EROSION_NAMES),
+        **_nested("surface_over_bed", SURFACE_NAMES),
+        **_nested("scores", SCORE_NAMES),
+        **_nested("profile_scores", PROFILE_SCORE_NAMES),
         "error.EXPERIMENT.QUANTITY": _TABLE["error.EXPERIMENT.QUANTITY"],
     },
-    TABLE: {**_TABLE, "status": _RUN["status"], **_DEPOSIT, **_FRONTS, **_SIZES, **_COST},
+    TABLE: {
+        **_TABLE,
+        "status": _RUN["status"],
+        **_DEPOSIT,
+        **_FRONTS,
+        **_nested("erosion", EROSION_NAMES),
+        **_SIZES,
+        **_COST,
+    },
     SLOPES: _SLOPES,
     UNCERTAINTY: QUANTITY_NAMES,
     PRESSURE: _PRESSURE,
-    ELEMENT: _ELEMENT,
+    ELEMENT: ELEMENT_NAMES,
 }

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 from collections.abc import Iterator, Mapping
+from dataclasses import fields
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,17 @@ from mpmcol.io.html import html_table
 from mpmcol.io.names import CASE_FILE, HISTORY_FILE, PRESSURE_FILE, RESULT_FILE
 from mpmcol.io.run_status import read_status
 from mpmcol.io.snapshot import Snapshot, list_snapshots, read_snapshot
-from mpmcol.measure import ColumnShape, Erosion, Measurement, measure, measure_erosion, stop_time
+from mpmcol.measure import (
+    Array,
+    ColumnShape,
+    Erosion,
+    Material,
+    Measurement,
+    measure,
+    measure_erosion,
+    stop_time,
+    surface_over_bed,
+)
 from mpmcol.setup.column_shape import column_shape
 from mpmcol.setup.discretization import discretize
 
@@ -129,6 +140,12 @@ class Results:
         """Initial geometry of the column, to which measurements refer."""
         return column_shape(self.case, discretize(self.case))
 
+    @property
+    def erosion(self) -> Erosion | None:
+        """Erosion of a granular bed; None without one, and of a version that did not measure all of it."""
+        stored = self.summary.get("erosion") or {}
+        return Erosion(**stored) if stored.keys() == {field.name for field in fields(Erosion)} else None
+
     def measure(self, index: int = -1) -> Measurement:
         """Fronts, height and profile of one snapshot."""
         return measure_snapshot(self.snapshot(index), self.shape)
@@ -144,23 +161,40 @@ def _numbers_text(value: Any) -> str:
 
 def measure_snapshot(snapshot: Snapshot, shape: ColumnShape) -> Measurement:
     """Measure the column's points of a snapshot; points with a non-finite position are left out."""
-    position, mass, displacement = _measured(snapshot, snapshot.column)
-    material = snapshot.arrays["material"][snapshot.column]
-    return measure(position, shape.uniform_mass(mass, material), displacement, shape)
+    return measure(*_column(snapshot, shape), shape)
 
 
 def erosion_of(snapshot: Snapshot, shape: ColumnShape) -> Erosion:
     """Erosion of the granular bed in a snapshot; points with a non-finite position are left out."""
-    return measure_erosion(*_measured(snapshot, ~snapshot.column), shape)
+    return measure_erosion(_column(snapshot, shape), _bed(snapshot), shape)
 
 
-def _measured(snapshot: Snapshot, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Positions, masses and displacements of the `points` (mask) with a finite position."""
-    own = points & np.isfinite(snapshot.arrays["position"]).all(axis=1)
-    position, mass, displacement = (
-        snapshot.arrays[name][own].astype(np.float64) for name in ("position", "mass", "displacement")
-    )
-    return position, mass, displacement
+def surface_of(snapshot: Snapshot, shape: ColumnShape) -> tuple[Array, Array] | None:
+    """Height of the surface over that of a granular bed at the release, as `surface_over_bed`; None without a bed."""
+    if shape.bed_density is None:
+        return None
+    return surface_over_bed(_column(snapshot, shape), _bed(snapshot), shape)
+
+
+def _column(snapshot: Snapshot, shape: ColumnShape) -> Material:
+    """Points of the column, with the masses that they would have at its density."""
+    own = snapshot.column & _is_finite(snapshot)
+    column = _material(snapshot, own)
+    return column._replace(mass=shape.uniform_mass(column.mass, snapshot.arrays["material"][own]))
+
+
+def _bed(snapshot: Snapshot) -> Material:
+    return _material(snapshot, ~snapshot.column & _is_finite(snapshot))
+
+
+def _is_finite(snapshot: Snapshot) -> np.ndarray:
+    """Mask (n) of the points with a finite position."""
+    return np.asarray(np.isfinite(snapshot.arrays["position"]).all(axis=1))
+
+
+def _material(snapshot: Snapshot, points: np.ndarray) -> Material:
+    names = ("position", "mass", "displacement")
+    return Material(*(snapshot.arrays[name][points].astype(np.float64) for name in names))
 
 
 def measure_stop_time(history: Mapping[str, np.ndarray], spacing: float, fall_time: float) -> float | None:

@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmcol.measure.erosion import Erosion, measure_erosion
+from mpmcol.measure.erosion import Erosion, Material, measure_erosion, surface_over_bed
 from mpmcol.measure.front import FRONTS, fronts, pile_height, profiles
 from mpmcol.measure.sections import Array, Section, split
 from mpmcol.measure.shape import ColumnShape
@@ -37,6 +37,7 @@ __all__ = [
     "Array",
     "ColumnShape",
     "Erosion",
+    "Material",
     "Measurement",
     "deposit_profile",
     "failure_line",
@@ -46,6 +47,7 @@ __all__ = [
     "measure_erosion",
     "repose_angle",
     "stop_time",
+    "surface_over_bed",
     "undisturbed_radius",
 ]
 

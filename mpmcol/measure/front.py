@@ -36,8 +36,7 @@ def fronts(section: Section, profile_x: Array, profile_y: Array, shape: ColumnSh
     farthest = float(section.distance.max() + half) if len(section.distance) else 0.0
     column = np.maximum(np.floor(section.distance / shape.spacing), 0.0).astype(np.intp)
     pile = connected_to_base(section.x[:, 1], column, shape)
-    layer = min(shape.point_size, 0.5 * shape.spacing)  # one layer of points, the resolution limit
-    by_height = _front_by_height(profile_x, profile_y, max(layer, 0.01 * shape.r_i))
+    by_height = front_by_height(profile_x, profile_y, shape)
     return farthest, _connected_front(section.distance[pile], shape), min(by_height, farthest)
 
 
@@ -87,8 +86,10 @@ def _connected_front(distance: Array, shape: ColumnShape) -> float:
     return float(ordered[np.argmax(gap)] + shape.point_size / 2.0)
 
 
-def _front_by_height(profile_x: Array, profile_y: Array, threshold: float) -> float:
-    """Position outward of the peak where the profile first falls below the threshold, linear between bins, m."""
+def front_by_height(profile_x: Array, profile_y: Array, shape: ColumnShape) -> float:
+    """Position outward of the peak where the profile first falls below a threshold, linear between bins, m."""
+    layer = min(shape.point_size, 0.5 * shape.spacing)  # one layer of points, the resolution limit
+    threshold = max(layer, 0.01 * shape.r_i)
     peak = int(np.argmax(profile_y))
     if profile_y[peak] < threshold:
         return 0.0

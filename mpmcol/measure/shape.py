@@ -49,6 +49,7 @@ class ColumnShape:
     lean: float = 0.0  # distance that its sides lean upslope per height; 0 if they are normal to the base
     obstacles: tuple[Obstacle, ...] = ()  # walls in the way of the flow
     bed: float = 0.0  # thickness of the granular or elastic base; 0 for a rigid floor
+    bed_density: float | None = None  # of a granular bed; None for any other base
 
     @property
     def a(self) -> float:

@@ -33,6 +33,7 @@ from mpmcol.plotting.profiles import (
     draw_experiment,
     draw_fronts,
     draw_gravity,
+    draw_over_bed,
     draw_points,
     origin,
     outline,
@@ -66,12 +67,14 @@ def profile_chart(
     gravity: float = 9.81,
     svg: bool = False,
     at_rest: bool = True,
+    over_bed: tuple[Array, Array] | None = None,
 ) -> list[Path]:
     """Draw profiles at the given times (s since release), and column and gate at release, with equal axes.
 
     Earlier profiles are coloured by time. The last one is drawn bold with its three fronts; it is labelled as the
     deposit if `at_rest`. The experiment is shown by front and height of its laws with their scatter, and by its
-    digitised profiles if they apply; `points` are measurements of the user.
+    digitised profiles if they apply; `points` are measurements of the user. `over_bed` is the last surface over that
+    of a granular bed at the release, (bins,) distances and heights, m; the profiles show material of the column only.
     """
     figure = Figure(layout="constrained")
     reach = reach_of(shape, experiment, points)
@@ -86,7 +89,11 @@ def profile_chart(
     fronts, text = draw_fronts(target, deposits[-1][1])
     measured, series = draw_points(target, points)
     add_heading(target.axes, heading or Heading(run_title("", shape.model, shape.rectangle_a)))
-    handles, labels = [last, tuple(fronts), *known, *measured], [str(last.get_label()), text, *names, *series]
+    surface = [draw_over_bed(target, over_bed)] if over_bed else []
+    handles, labels = (
+        [last, *surface, tuple(fronts), *known, *measured],
+        [*(str(line.get_label()) for line in (last, *surface)), text, *names, *series],
+    )
     legend_below(figure, handles, labels)
     return save_figure(figure, path, svg)
 

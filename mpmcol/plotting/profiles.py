@@ -14,10 +14,21 @@ from matplotlib.patches import Rectangle
 from mpmcol.experiments import Experiment, Profile, mark
 from mpmcol.measure import Array, ColumnShape, Measurement
 from mpmcol.plotting.measured_series import MeasuredSeries
-from mpmcol.plotting.styles import FRONT_STYLES, GATE_STYLE, HOLLOW, POINT_MARKERS, POINTS_COLOUR, WALL_STYLE, author_of
+from mpmcol.plotting.styles import (
+    BED_STYLE,
+    FRONT_STYLES,
+    GATE_STYLE,
+    HOLLOW,
+    POINT_MARKERS,
+    POINTS_COLOUR,
+    SURFACE_STYLE,
+    WALL_STYLE,
+    author_of,
+)
 from mpmcol.plotting.styles import experiment_style as style_of
 
 RELEASED: dict[str, Any] = {"color": "0.6", "linestyle": "--"}  # line of the column at release
+AVERAGE = (0.25, 0.5, 0.25)  # weights of neighbouring bins in a drawn line
 SAMPLES = 8  # of the drawn line per bin
 ARROW_TIP, ARROW_LENGTH = (0.95, 0.7), 30.0  # of gravity: fractions of the axes, points
 MOST_SERIES = 2  # of the user's with legend entries of their own
@@ -40,20 +51,36 @@ def set_up_axes(
     walls = [(one.low_x, one.high_x) for one in shape.obstacles]
     length = factor * with_walls(max([reach] + [deposit.max_distance for deposit in deposits]), walls)
     top = factor * max([shape.h_i] + [deposit.profile_y.max() for deposit in deposits])
+    bed = factor * shape.bed if shape.bed_density else 0.0
     height = "mean height around the axis" if shape.has_sectors else "height"
     axes.set(
         xlim=(-0.03 * length, 1.03 * length),
-        ylim=(-0.04 * length, top + 0.07 * length),
+        ylim=(-bed - 0.04 * length, top + 0.07 * length),
         xlabel=f"{distance_label(shape)} ({unit})",
         ylabel=ylabel or f"{height} ({unit})",
     )
     axes.plot(*(factor * shape.surface), label="column at release", **RELEASED)
     if shape.gate:
         draw_gate(axes, factor * shape.r_i, shape.lean)
-    axes.axhline(0.0, color="black", linewidth=0.8, zorder=0)
+    axes.axhline(-bed, color="black", linewidth=0.8, zorder=0)
+    if bed:
+        axes.axhspan(-bed, 0.0, **BED_STYLE)
     if not shape.has_sectors:
         draw_walls(axes, [(one.low_x, one.high_x, one.height) for one in shape.obstacles], factor)
-    return float(top / length)
+    return float((top + bed) / length)
+
+
+def draw_over_bed(target: LengthAxes, surface: tuple[Array, Array]) -> Line2D:
+    """Draw the surface of deposit and bed (m) over that of the bed at the release, which is at zero."""
+    x, height = surface
+    averaged = np.convolve(np.pad(height, 1, mode="edge"), AVERAGE, "valid")
+    (line,) = target.axes.plot(
+        target.factor * x,
+        target.factor * averaged,
+        label="surface of deposit and bed (grey: bed at release)",
+        **SURFACE_STYLE,
+    )
+    return line
 
 
 def with_walls(reach: float, walls: Sequence[tuple[float, float]]) -> float:
@@ -126,14 +153,14 @@ def outline(deposit: Measurement, factor: float) -> tuple[Array, Array]:
 
 
 def _averaged(height: Array) -> Array:
-    """Heights of the bins, averaged with weights 1/4, 1/2, 1/4 where a bin and its four neighbours are filled.
+    """Heights of the bins, averaged over neighbours where a bin and its four neighbours are filled.
 
     Where material has been stretched, bins hold few points, and their number alternates from bin to bin. The average
     keeps the area; at the front, where it would move the end of the deposit, the bins stay as they are.
     """
     padded = np.pad(height, 2, mode="reflect" if len(height) > 2 else "edge")
     filled = np.convolve(padded > 0.0, np.ones(5), "valid") == 5
-    return np.where(filled, np.convolve(padded, (0.25, 0.5, 0.25), "valid")[1:-1], height)
+    return np.where(filled, np.convolve(padded, AVERAGE, "valid")[1:-1], height)
 
 
 def reach_of(shape: ColumnShape, experiment: Experiment | None, points: Sequence[MeasuredSeries]) -> float:

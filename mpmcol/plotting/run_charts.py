@@ -11,7 +11,7 @@ import numpy as np
 from mpmcol.case import compared_experiment, conditions_of
 from mpmcol.errors import OutputError, UsageError
 from mpmcol.io.atomic import make_folder
-from mpmcol.io.results import Results
+from mpmcol.io.results import Results, surface_of
 from mpmcol.plotting.captions import heading_of, noted
 from mpmcol.plotting.charts import energy_chart, front_chart, profile_chart
 from mpmcol.plotting.measured_series import MeasuredSeries
@@ -57,8 +57,18 @@ def chart_run(
     deposits = [(times_by_index[i], results.measure(i)) for i in _nearest(times_by_index, times)]
     at_rest = max(times_by_index) == len(results.snapshots) - 1 and results.came_to_rest
     folder = make_folder(out or Path(results.folder))
+    surface = surface_of(results.snapshot(max(times_by_index)), shape)
     return [
-        *profile_chart(folder / "profile.png", shape, deposits, experiment, at_rest=at_rest, points=points, **compared),
+        *profile_chart(
+            folder / "profile.png",
+            shape,
+            deposits,
+            experiment,
+            at_rest=at_rest,
+            points=points,
+            over_bed=surface,
+            **compared,
+        ),
         *front_chart(folder / "front.png", shape, time, fronts, height, experiment, **compared),
         *energy_chart(folder / "energy.png", shape, time, history, **options),
         *wall_chart(

@@ -47,6 +47,8 @@ DEPOSIT_STYLE: dict[str, Any] = {"color": "black", "linewidth": 2.0}
 HOLLOW: dict[str, Any] = {"fillstyle": "none", "clip_on": False}
 GATE_STYLE: dict[str, Any] = {"color": "0.25", "linewidth": 0.8}
 WALL_STYLE: dict[str, Any] = {"facecolor": "0.75", "edgecolor": "0.25", "linewidth": 0.8}
+BED_STYLE: dict[str, Any] = {"facecolor": "0.9", "linewidth": 0, "zorder": -2}
+SURFACE_STYLE: dict[str, Any] = {"color": "#a6611a", "linestyle": "--", "linewidth": 1.8}  # of deposit and bed
 FRONT_STYLES: dict[str, dict[str, Any]] = {
     "front_max": {"linestyle": (0, (1, 1)), "color": "0.6", "linewidth": 2.5, "marker": "v"},
     "front_connected": {"linestyle": "--", "color": "0.35", "marker": "s"},

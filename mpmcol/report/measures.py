@@ -10,6 +10,7 @@ from typing import Any
 from mpmcol.experiments import EXPERIMENTS, mark
 from mpmcol.io.results import Results
 from mpmcol.io.run_status import run_seconds
+from mpmcol.measure import Erosion
 from mpmcol.measure.dissipation import walls_and_transfer
 from mpmcol.report.model import Figure, Table
 from mpmcol.units import length_text
@@ -55,11 +56,21 @@ def measures(results: Results) -> list[Measure]:
         _length(HEIGHT, summary["height"], f"beta = {summary['beta']:.3f}"),
         Measure(ANGLE, "" if angle is None else f"{angle:.1f}°{to_base}{_flanks(summary)}", "", angle),
         Measure("Undisturbed radius") if undisturbed is None else _length("Undisturbed radius", undisturbed, ""),
+        *_bed_measures(results.erosion, shape.r_i, summary.get("energy_unit", "J").replace("J", "kg", 1)),
         Measure("Area factor", "", f"{summary['area_factor']:.3f}", summary["area_factor"]),
         _time("Front stops after", stop, tau),
         _time(END, summary["time_over_tau"], tau),
         Measure("State at the end", "at rest" if summary["at_rest"] else "still moving"),
     ]
+
+
+def _bed_measures(erosion: Erosion | None, r_i: float, unit: str) -> Iterator[Measure]:
+    if erosion is not None:
+        front = erosion.deposit_front
+        yield _length("Runout over the old surface of the bed", front - r_i, f"zeta = {front / r_i - 1.0:.3f}")
+        yield _length("Largest lowering of the surface of the bed", erosion.surface_drop, "")
+        yield _length("Largest depth of material of the bed that moved", erosion.eroded_depth, "")
+        yield Measure("Mass of the bed that moved", f"{erosion.eroded_mass:.3g} {unit}", "", erosion.eroded_mass)
 
 
 def _flanks(summary: Mapping[str, Any]) -> str:
@@ -116,7 +127,12 @@ def value_table(rows: Sequence[Measure], caption: str) -> Table:
 
 def comparison_table(names: Sequence[str], runs: Sequence[Sequence[Measure]], caption: str) -> Table:
     """The quantities of several runs, with their relative differences from the first."""
-    rows = [[same[0].name, *(_compared(one, same[0]) for one in same)] for same in zip(*runs, strict=True)]
+    by_name = [{one.name: one for one in run} for run in runs]
+    quantities = max(by_name, key=len)  # a run has others than the first if it has a bed
+    rows = []
+    for name in quantities:
+        same = [run.get(name, Measure(name)) for run in by_name]
+        rows.append([name, *(_compared(one, same[0]) for one in same)])
     return Table(("Quantity", *names), rows, caption)
 
 

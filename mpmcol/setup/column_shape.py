@@ -29,6 +29,7 @@ def column_shape(case: Case, discretization: Discretization) -> ColumnShape:
         gate=case.stages.gate,
         obstacles=tuple(obstacles(discretization)),
         bed=discretization.base,
+        bed_density=case.base_material.density if case.geometry.base == "granular" else None,
     )
 
 

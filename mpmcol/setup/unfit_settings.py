@@ -24,6 +24,7 @@ from mpmcol.units import counted
 
 FEWEST_CELLS = 6  # in height and radius of a column
 FEWEST_BED_CELLS = 4
+FEWEST_LAYER_CELLS = 2
 GATE_CELLS = 2
 RIGHT_ANGLE = pi / 2.0
 LEAST_DENSITY = 23.0  # kg/m3; a smaller number is a density in g/cm3, of which no element has more than 22.6
@@ -98,6 +99,19 @@ def thin_bed(case: Case, h: float) -> str | None:
         f"geometry.base_thickness = {thickness:g} m: the granular bed has only {counted(cells, 'cell')}, and the "
         f"floor below it acts on the flow; set grid.spacing = {thickness / FEWEST_BED_CELLS:.4g} m or less"
     )
+
+
+def thin_layer(case: Case, h: float) -> str | None:
+    """Points of a thin layer have the strain rates of the material beside it."""
+    for number, layer in enumerate(case.layers):
+        thickness = layer.to - layer.from_
+        if thickness < (FEWEST_LAYER_CELLS - 0.01) * h:
+            return (
+                f"layers.{number}: the layer of {thickness:g} m has only {thickness / h:.2g} cells, and moves with the "
+                "material beside it: a weaker layer does not slide; set grid.spacing = "
+                f"{thickness / FEWEST_LAYER_CELLS:.4g} m or less"
+            )
+    return None
 
 
 def rigid_floor_without_reaction(case: Case, h: float) -> str | None:
@@ -256,6 +270,7 @@ CHECKS: tuple[Callable[[Case, float], str | None], ...] = (
     one_point_per_cell,
     few_cells,
     thin_bed,
+    thin_layer,
     rigid_floor_without_reaction,
     rough_floor,
     rough_wall,

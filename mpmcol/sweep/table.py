@@ -83,7 +83,7 @@ def write_hdf5(out: Path, rows: Sequence[Row], outcomes: Sequence[Outcome]) -> P
 
 
 def _parts(outcome: Outcome) -> tuple[Row, ...]:
-    """Parts of a row: inputs, sizes, measurements, laws, errors, cost, versions, message."""
+    """Parts of a row: inputs, sizes, measurements, erosion of a bed, laws, errors, cost, versions, message."""
     run = outcome.run
     geometry = run.case.geometry
     result = read_status(run.folder).result or {}
@@ -99,6 +99,7 @@ def _parts(outcome: Outcome) -> tuple[Row, ...]:
         inputs | {"model": geometry.model, "a": geometry.a},
         {name: result.get(name) for name in SIZES},
         dict(flatten({name: measured[name] for name in MEASURED if name in measured}, unnamed=("mean",))),
+        dict(flatten({"erosion": measured.get("erosion") or {}})),
         _laws(outcome),
         {
             error_column(error["experiment"], error["quantity"], error["front_definition"]): compared(error["error"])

@@ -10,12 +10,12 @@ as the fits end; the same command resumes.
 from __future__ import annotations
 
 import argparse
-import csv
 import random
 from pathlib import Path
 
 import mpmcol
 from mpmcol.cli.options import ACCURACY
+from mpmcol.sweep.table import csv_text
 
 FRICTION = "material.friction_deg"
 RANGE = (18.0, 45.0)
@@ -67,10 +67,7 @@ def main() -> None:
                  "holds": holds, "core_seconds": found.record["core_seconds"]}
             )  # fmt: skip
             print(rows[-1], flush=True)
-            with (arguments.out / "intervals.csv").open("w", newline="") as file:
-                writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
-                writer.writeheader()
-                writer.writerows(rows)
+            (arguments.out / "intervals.csv").write_text(csv_text(rows))
     for quantities in QUANTITIES:
         own = [row["holds"] for row in rows if row["quantities"] == " ".join(quantities)]
         print(f"{' and '.join(quantities)}: {sum(map(bool, own))} of {len(own)} intervals hold")

@@ -11,12 +11,12 @@ Writes OUT/self_inversion.csv as the fits end; the same command resumes.
 from __future__ import annotations
 
 import argparse
-import csv
 from pathlib import Path
 
 import mpmcol
 from mpmcol.cli.options import ACCURACY
 from mpmcol.studies.pareto.recommend import recommend
+from mpmcol.sweep.table import csv_text
 
 COLUMNS = {"channel-1": ("channel", 1.0), "channel-3": ("channel", 3.0), "cylinder-0.9": ("cylinder", 0.9)}
 ANGLES = (22.0, 28.5, 33.0, 40.0)
@@ -68,10 +68,7 @@ def main() -> None:
                      "core_seconds": found.record["core_seconds"]}
                 )  # fmt: skip
                 print(rows[-1], flush=True)
-                with (arguments.out / "self_inversion.csv").open("w", newline="") as file:
-                    writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
-                    writer.writeheader()
-                    writer.writerows(rows)
+                (arguments.out / "self_inversion.csv").write_text(csv_text(rows))
 
 
 if __name__ == "__main__":

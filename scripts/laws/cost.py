@@ -7,12 +7,12 @@ The columns are those of `mpmcol bench`, on one thread. Prints the median and th
 
 from __future__ import annotations
 
-import time
 from typing import Any
 
 import numpy as np
 
 from mpmcol.bench.cases import MATERIAL, make_solver
+from mpmcol.bench.measure import step_seconds
 from mpmcol.mpm.constitutive import LAWS
 from mpmcol.mpm.solver import Body, Solver
 from mpmcol.mpm.threads import set_threads
@@ -35,16 +35,8 @@ def prepared(model: str, keys: dict[str, Any]) -> Solver:
     solver, law = make_solver(model, POINTS[model]), LAWS[keys["law"]]
     body = Body(law, law.make_params(law.Material(**ELASTIC | keys)), solver.bodies[0].wave_speed2)
     solver = Solver(solver.points, solver.grid, solver.settings, body, solver.bodies[1])
-    seconds(solver)
+    step_seconds(solver, STEPS)
     return solver
-
-
-def seconds(solver: Solver) -> float:
-    """Duration of the next STEPS steps, s."""
-    last, started = solver.steps + STEPS, time.perf_counter()
-    while solver.steps < last:
-        solver.advance(np.inf, max_steps=last - solver.steps)
-    return time.perf_counter() - started
 
 
 def main() -> None:
@@ -53,7 +45,7 @@ def main() -> None:
     for model in POINTS:
         for name, keys in MATERIALS.items():
             sand, other = prepared(model, SAND), prepared(model, keys)
-            ratios = [seconds(other) / seconds(sand) for _ in range(ROUNDS)]
+            ratios = [step_seconds(other, STEPS) / step_seconds(sand, STEPS) for _ in range(ROUNDS)]
             low, median, high = np.percentile(ratios, (25.0, 50.0, 75.0))
             print(f"{model}, {name}: {median:.3f} ({low:.3f} to {high:.3f})", flush=True)
 

@@ -1,4 +1,4 @@
-"""Compare steps of the Taichi codes with the NumPy reference of the tests, in double precision.
+"""Compare steps of the Taichi and Warp codes with the NumPy reference of the tests, in double precision.
 
     python -m scripts.peers.check [--steps N]
 
@@ -17,6 +17,7 @@ import taichi as ti
 from scripts.peers.example import Example
 from scripts.peers.optimized import Optimized
 from scripts.peers.problem import MASS_FLOOR, WALL_GAP, Problem, make_material
+from scripts.peers.warp_example import WarpExample
 from tests.support import reference
 
 YOUNG, NU, PHI, PSI, COHESION, DENSITY = 1e6, 0.25, 33.0, 5.0, 20.0, 2000.0
@@ -103,11 +104,12 @@ def main() -> None:
     parser.add_argument("--steps", type=int, default=3)
     options = parser.parse_args()
     worst = 0.0
-    for code in (Optimized, Example):
+    for code in (Optimized, Example, WarpExample):
         for dim in (2, 3):
-            ti.init(arch=ti.cpu, cpu_max_num_threads=2, default_fp=ti.f64, log_level=ti.ERROR, **code.TAICHI)
+            if code is not WarpExample:
+                ti.init(arch=ti.cpu, cpu_max_num_threads=2, default_fp=ti.f64, log_level=ti.ERROR, **code.TAICHI)
             found = differences(code, random_problem(dim), options.steps)
-            print(f"{code.__name__:8s} {dim}D ", *(f"{name} {value:.1e}" for name, value in found.items()), flush=True)
+            print(f"{code.__name__:11s} {dim}D ", *(f"{name} {value:.1e}" for name, value in found.items()), flush=True)
             worst = max(worst, *found.values())
     print(f"largest difference {worst:.1e}")
     sys.exit(worst > TOLERANCE)

@@ -1,9 +1,10 @@
-"""Compare the speed of mpmcol with that of the same scheme in Taichi, on the same problem in the same session.
+"""Compare the speed of mpmcol with that of the same scheme in Taichi and Warp, on the same problem in the same session.
 
     python -m scripts.peers.compare [--problem MODEL:POINTS ...] [--threads N ...] [--json FILE]
 
 All codes of a case run in separate processes and step in turn, so that every round is a paired measurement.
-`optimized` is Taichi with sorted points and coloured blocks, `example` Taichi as in its own examples.
+`optimized` is Taichi with sorted points and coloured blocks, `example` Taichi as in its own examples,
+`warp` the latter in Warp, which runs on one thread only.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from importlib import metadata
@@ -30,8 +31,11 @@ CODES: tuple[Code, ...] = (
     ("optimized", "f32"),
     ("example", "f64"),
     ("example", "f32"),
+    ("warp", "f64"),
+    ("warp", "f32"),
 )
-NAMES = ("mpmcol", "optimized", "example")
+NAMES = {"mpmcol": "mpmcol", "optimized": "Taichi, optimized", "example": "Taichi, example", "warp": "Warp"}
+ONE_THREAD = ("warp",)
 POINT_STEPS = 2_000_000  # points times steps in a round
 
 
@@ -83,6 +87,11 @@ class Worker:
         self._process.wait()
 
 
+def select(names: Collection[str], threads: int) -> list[Code]:
+    """The codes of these names in all their precisions, without those that cannot use so many threads."""
+    return [code for code in CODES if code[0] in names and (threads == 1 or code[0] not in ONE_THREAD)]
+
+
 def measure(model: str, points: int, threads: int, rounds: int, warm_up: int, codes: Sequence[Code]) -> list[Row]:
     """Rows of all codes on one problem."""
     workers = {code: Worker(*code, model, points, threads) for code in codes}
@@ -112,10 +121,9 @@ HEADER = (
 
 def table_line(row: Row) -> str:
     """One line of the Markdown table: medians, and minimum to maximum of all rounds."""
-    name = "mpmcol" if row.code == "mpmcol" else f"Taichi, {row.code}"
     ns = f"{row.ns.median:.1f} ({row.ns.min:.1f}-{row.ns.max:.1f})"
     ratio = "-" if row.ratio is None else f"{row.ratio.median:.2f} ({row.ratio.min:.2f}-{row.ratio.max:.2f})"
-    return f"| {row.model} | {row.points} | {row.threads} | {name} | {row.precision} | {ns} | {ratio} |"
+    return f"| {row.model} | {row.points} | {row.threads} | {NAMES[row.code]} | {row.precision} | {ns} | {ratio} |"
 
 
 def disagreement(rows: list[Row]) -> float:
@@ -129,7 +137,7 @@ def disagreement(rows: list[Row]) -> float:
 
 def write_json(path: Path, rows: list[Row], rounds: int, warm_up: int) -> None:
     """Write all numbers with machine and versions."""
-    machine = {**describe_machine(), "taichi": metadata.version("taichi")}
+    machine = {**describe_machine(), **{name: metadata.version(name) for name in ("taichi", "warp-lang")}}
     report = {
         "date": datetime.now(UTC).isoformat(timespec="seconds"), "machine": machine, "rounds": rounds,
         "warm_up": warm_up, "point_steps": POINT_STEPS, "rows": [asdict(row) for row in rows],
@@ -141,17 +149,19 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--problem", nargs="+", default=CASES, metavar="MODEL:POINTS", help="plane or quarter")
     parser.add_argument("--threads", nargs="+", type=int, default=[1, 2])
-    parser.add_argument("--code", nargs="+", choices=NAMES, default=NAMES)
+    parser.add_argument("--code", nargs="+", choices=NAMES, default=list(NAMES))
     parser.add_argument("--rounds", type=int, default=9)
     parser.add_argument("--warm-up", type=int, default=120, help="steps before the timing")
     parser.add_argument("--json", type=Path)
     options = parser.parse_args()
-    codes = [code for code in CODES if code[0] in options.code]
+    if not all(select(options.code, threads) for threads in options.threads):
+        parser.error("Warp runs on one thread only: use --threads 1, or add another code")
     rows: list[Row] = []
     print(*HEADER, sep="\n", flush=True)
     for problem in options.problem:
         model, points = problem.split(":")
         for threads in options.threads:
+            codes = select(options.code, threads)
             found = measure(model, int(points), threads, options.rounds, options.warm_up, codes)
             print(*map(table_line, found), sep="\n", flush=True)
             rows += found

@@ -7,10 +7,9 @@ On one thread, from the release on, with the stress assigned.
 
 from __future__ import annotations
 
-import time
-
 import numpy as np
 
+from mpmcol.bench.measure import step_seconds
 from mpmcol.case import load_case
 from mpmcol.mpm.solver import Solver
 from mpmcol.mpm.threads import set_threads
@@ -33,16 +32,8 @@ def solver_of(case: str, *overrides: str) -> Solver:
     model = build_model(load_case(case, ["stages.initial_stress=k0", *overrides]))
     solver = make_solver(model, model.collapse)
     set_boundaries(solver.grid, model.discretization, np.inf)
-    seconds(solver, 50)
+    step_seconds(solver, 50)
     return solver
-
-
-def seconds(solver: Solver, steps: int) -> float:
-    """Time per step of the next steps, s."""
-    last, started = solver.steps + steps, time.perf_counter()
-    while solver.steps < last:
-        solver.advance(np.inf, max_steps=last - solver.steps)
-    return (time.perf_counter() - started) / steps
 
 
 def main() -> None:
@@ -52,7 +43,7 @@ def main() -> None:
         default = solver_of(case, f"grid.spacing={spacing}")
         for name, override in SCHEMES.items():
             other = solver_of(case, f"grid.spacing={spacing}", override)
-            ratios = [seconds(other, steps) / seconds(default, steps) for _ in range(ROUNDS)]
+            ratios = [step_seconds(other, steps) / step_seconds(default, steps) for _ in range(ROUNDS)]
             low, median, high = np.quantile(ratios, [0.25, 0.5, 0.75])
             print(f"{case} {name}: {median:.2f} ({low:.2f} to {high:.2f})", flush=True)
 

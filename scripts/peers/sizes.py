@@ -8,8 +8,8 @@ from __future__ import annotations
 import numpy as np
 
 from mpmcol.bench.cases import make_solver
+from mpmcol.bench.measure import step_seconds
 from mpmcol.mpm.threads import set_threads
-from scripts.peers.schemes import seconds
 
 SMALL, LARGE, STEPS = 20_000, 2_000_000, 3
 ROUNDS = 9
@@ -21,10 +21,14 @@ def main() -> None:
     for model in ("plane", "quarter"):
         small, large = make_solver(model, SMALL), make_solver(model, LARGE)
         more = STEPS * LARGE // SMALL  # so that both take equally long
-        seconds(small, more)
-        seconds(large, STEPS)
+        step_seconds(small, more)
+        step_seconds(large, STEPS)
         pairs = [
-            (seconds(small, more) / len(small.points), seconds(large, STEPS) / len(large.points)) for _ in range(ROUNDS)
+            (
+                step_seconds(small, more) / more / len(small.points),
+                step_seconds(large, STEPS) / STEPS / len(large.points),
+            )
+            for _ in range(ROUNDS)
         ]
         times = 1e9 * np.median(pairs, axis=0)
         low, median, high = np.quantile([of_large / of_small for of_small, of_large in pairs], [0.25, 0.5, 0.75])

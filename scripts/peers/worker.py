@@ -1,4 +1,4 @@
-"""Run one code on one problem in a separate process: Taichi and Numba are set up once per process.
+"""Run one code on one problem in a separate process: Taichi, Warp and Numba are set up once per process.
 
     python -m scripts.peers.worker CODE PRECISION MODEL POINTS THREADS
 
@@ -58,6 +58,14 @@ def start_taichi(code: str, precision: str, model: str, points: int, threads: in
     return len(problem.x), advance, peer.state
 
 
+def start_warp(precision: str, model: str, points: int) -> tuple[int, Advance, State]:
+    """The Warp code, always on one thread."""
+    from scripts.peers.warp_example import WarpExample
+
+    peer = WarpExample(from_solver(make_solver(model, points)), precision)
+    return peer.n, peer.advance, peer.state
+
+
 def kinetic_energy(state: dict[str, np.ndarray]) -> float:
     """Kinetic energy of all points, J (per metre in 2D), to verify that all codes simulate the same."""
     return float(0.5 * np.sum(state["m"].astype(float) * np.sum(state["v"].astype(float) ** 2, axis=1)))
@@ -73,6 +81,8 @@ def main() -> None:
 
     if code == "mpmcol":
         n, advance, state = start_mpmcol(model, int(points), int(threads))
+    elif code == "warp":
+        n, advance, state = start_warp(precision, model, int(points))
     else:
         n, advance, state = start_taichi(code, precision, model, int(points), int(threads))
     advance(1)  # compiles

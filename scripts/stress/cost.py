@@ -7,11 +7,10 @@ The columns are those of `mpmcol bench` with 20,000 points, on one thread.
 
 from __future__ import annotations
 
-import time
-
 import numpy as np
 
 from mpmcol.bench.cases import GRAVITY, MATERIAL, MODELS, make_solver
+from mpmcol.bench.measure import step_seconds
 from mpmcol.mpm.solver import Solver
 from mpmcol.mpm.threads import set_threads
 from mpmcol.setup.model import FILTER_OPENING, FLOW_SHEAR_RATE
@@ -30,16 +29,8 @@ def prepared(model: str, is_filtered: bool) -> Solver:
             filter_opening=FILTER_OPENING,
             filter_modulus=MATERIAL.bulk_modulus,
         )
-    seconds(solver)
+    step_seconds(solver, STEPS)
     return solver
-
-
-def seconds(solver: Solver) -> float:
-    """Duration of the next STEPS steps, s."""
-    last, started = solver.steps + STEPS, time.perf_counter()
-    while solver.steps < last:
-        solver.advance(np.inf, max_steps=last - solver.steps)
-    return time.perf_counter() - started
 
 
 def main() -> None:
@@ -47,7 +38,7 @@ def main() -> None:
     set_threads(1)
     for model in MODELS:
         plain, filtered = prepared(model, False), prepared(model, True)
-        ratios = [seconds(filtered) / seconds(plain) for _ in range(ROUNDS)]
+        ratios = [step_seconds(filtered, STEPS) / step_seconds(plain, STEPS) for _ in range(ROUNDS)]
         print(f"{model}: {np.median(ratios):.3f}", flush=True)
 
 

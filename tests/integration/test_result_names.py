@@ -84,6 +84,22 @@ def test_every_name_of_a_measurement_is_explained(finished: Path) -> None:
     assert "front.front_height [m]" in text and "repose_angle_deg," in text and "time [s]" in text
 
 
+def test_every_name_of_a_granular_bed_is_explained_and_measured_as_the_run_did(tmp_path: Path) -> None:
+    coarse = [*TINY, "grid.spacing=0.015", "geometry.base_thickness=0.03", "base_material.friction_deg=25"]
+    results = mpmcol.run(load_case("granular-bed", coarse), tmp_path / "run", threads=1)
+    record = json.loads(invoke("measure", results.folder, "--json").stdout)
+    assert unexplained(RESULT, names_in(results.summary)) == unexplained(MEASURE, names_in(record)) == set()
+    row = csv_row(invoke("measure", results.folder, "--csv").stdout)
+    assert record["erosion"] == results.summary["erosion"] == asdict(results.erosion)
+    assert float(row["erosion.deposit_front"]) == pytest.approx(record["erosion"]["deposit_front"], rel=1e-5)
+    (tabled,) = make_rows([Outcome(PlannedRun({}, results.case, results.folder), TaskResult("done", 1))])
+    assert tabled["erosion.surface_drop"] == record["erosion"]["surface_drop"]
+    assert unit_of(TABLE, "erosion.surface_drop") == "m"
+    surface, shape = record["surface_over_bed"], results.shape
+    assert sum(surface["y"]) * shape.spacing == pytest.approx(shape.r_i * shape.h_i, rel=1e-5)  # float32 masses
+    assert "surface over that of the bed" in invoke("measure", results.folder).stdout
+
+
 def test_every_column_of_the_history_is_explained_and_has_its_unit(finished: Path) -> None:
     columns = (finished / "history.csv").read_text().partition("\n")[0].split(",")
     assert unexplained(HISTORY, map(without_unit, columns)) == set()

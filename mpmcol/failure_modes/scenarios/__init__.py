@@ -25,6 +25,7 @@ MODULES = (
     "friction",
     "slopes",
     "beds",
+    "layers",
     "softening",
     "collapses",
 )

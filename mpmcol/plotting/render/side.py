@@ -33,6 +33,7 @@ from mpmcol.plotting.styles import GATE_STYLE
 from mpmcol.units import length_scale
 
 MARGIN = 0.02  # of width and height, left of the wall, below the base, and beyond the front
+PALE = 0.55  # share of white in the colours of a granular bed
 ABOVE = 0.08  # of the height, above the column
 
 
@@ -44,13 +45,16 @@ class SideView(View):
 
     @property
     def note(self) -> str:
-        """That a two-sided release is modelled as one half."""
-        return " (half model by symmetry)" if self._is_half else ""
+        """That a two-sided release is modelled as one half, and how a granular bed is shown."""
+        notes = ["half model by symmetry"] * self._is_half + ["bed: paler"] * self._has_bed
+        return f" ({'; '.join(notes)})" if notes else ""
 
     def points(self, snapshot: Snapshot) -> tuple[np.ndarray, np.ndarray]:
-        """The points of the column, and of a granular bed."""
+        """The points of the column, and in paler colours those of a granular bed."""
         shown = snapshot.column | self._has_bed
-        return snapshot.arrays["position"][shown], self.colors(snapshot)[shown]
+        colors = self.colors(snapshot)
+        colors[~snapshot.column] = PALE + (1.0 - PALE) * colors[~snapshot.column]
+        return snapshot.arrays["position"][shown], colors[shown]
 
     def draw_behind(self, axes: Axes) -> None:
         """Draw the base, or the floor below a granular bed."""

@@ -135,7 +135,8 @@ def _sides(draw: random.Random, own: dict[str, Any]) -> str:
     slope = own.get("geometry.slope_deg", 0.0)
     is_plane, is_loaded = own["geometry.model"] == "plane", own["stages.initial_stress"] == "gravity"
     has_top = not is_plane or own["geometry.aspect"] * math.tan(math.radians(slope)) < 0.9
-    can_lean = slope > 0.0 and own["geometry.outline"] == "" and has_top and (is_plane or is_loaded)
+    is_free = not own.get("walls") and own["geometry.outline"] == ""  # a leaning column may reach into a wall
+    can_lean = slope > 0.0 and is_free and has_top and (is_plane or is_loaded)
     return draw.choice(("normal", "vertical")) if can_lean else "normal"
 
 

@@ -10,22 +10,26 @@ import pytest
 
 from mpmcol.case import load_case
 from mpmcol.cli.measure_text import text_of
-from mpmcol.report.measures import ANGLE, measures
+from mpmcol.measure import Erosion
+from mpmcol.report.measures import ANGLE, comparison_table, measures
 from tests.support.synthetic_run import SHAPE, deposit
 
+EROSION = Erosion(eroded_mass=3.2, eroded_depth=0.006, surface_drop=0.002, deposit_front=2.5 * SHAPE.r_i)
 
-def results(**changed: Any) -> Any:
+
+def results(erosion: Erosion | None = None, **changed: Any) -> Any:
     """A run with these values of its result."""
     values = replace(deposit(1.5), **changed).scalars()
     summary = {**values, "stop_time": None, "time_over_tau": 5.0, "at_rest": True}
-    return SimpleNamespace(summary=summary, shape=SHAPE, case=load_case("coarse-channel"))
+    return SimpleNamespace(summary=summary, shape=SHAPE, case=load_case("coarse-channel"), erosion=erosion)
 
 
-def printed(shape: Any = SHAPE, **changed: Any) -> str:
+def printed(shape: Any = SHAPE, erosion: Erosion | None = None, **changed: Any) -> str:
     """The output of `mpmcol measure`."""
     measured: Any = SimpleNamespace(
         status="done", at_rest=True, time=1.0, is_deposit=True, shape=shape, stop_time=None, energy_released=None,
         friction_from_repose=None, measurement=replace(deposit(1.5), **changed), scores=[], profiles=[],
+        erosion=erosion, energy_unit="J per metre of width",
     )  # fmt: skip
     return text_of(measured)
 
@@ -48,3 +52,20 @@ def test_two_flanks_have_their_angles_beside_the_mean() -> None:
 def test_a_cylinder_is_called_so() -> None:
     assert "axisymmetric, cylinder, a = 1" in printed(replace(SHAPE, model="axisymmetric"))
     assert "plane, one-sided, a = 1" in printed()
+
+
+def test_a_bed_adds_its_erosion_and_the_runout_over_its_old_surface() -> None:
+    text = printed(replace(SHAPE, bed=0.01, bed_density=1500.0), EROSION)
+    assert "bed: 3.2 kg per metre of width moved, down to a depth of 6 mm" in text
+    assert "zeta 1.500; at most 2 mm lower" in text
+    assert "its whole thickness" not in text and "nowhere lower" not in text
+    (runout,) = [one for one in measures(results(EROSION)) if one.name.startswith("Runout over the old surface")]
+    assert runout.normalised == "zeta = 1.500"
+
+
+def test_runs_with_and_without_a_bed_have_one_table() -> None:
+    plain, with_bed = measures(results()), measures(results(EROSION))
+    table = comparison_table(("plain", "bed"), [plain, with_bed], "")
+    assert len(table.rows) == len(with_bed) == len(plain) + 4
+    (row,) = [row for row in table.rows if row[0].startswith("Mass of the bed")]
+    assert row[1:] == ["none", "3.2 kg"]

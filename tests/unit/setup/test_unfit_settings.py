@@ -152,6 +152,16 @@ def test_a_soft_layer_and_a_soft_bed_shorten_the_column_as_a_stiff_one_does_not(
         require_stiff_column(load_case("layered-column", ["layers.0.material.youngs_modulus=2e3"]))
 
 
+@pytest.mark.parametrize(("cells", "is_thin"), [(1.0, True), (1.9, True), (2.0, False), (10.0, False)])
+def test_a_layer_of_less_than_two_cells_is_reported(cells: float, is_thin: bool) -> None:
+    h = 0.0045
+    layers = f"layers=[{{from=0, to=0.045}}, {{from=0.045, to={0.045 + cells * h}, material={{friction_deg=22}}}}]"
+    found = [text for text in warnings_of("layered-column", layers) if "the layer of" in text]
+    assert len(found) == is_thin
+    if is_thin:
+        assert found[0].startswith("layers.1: ") and f"set grid.spacing = {cells * h / 2.0:.4g} m or less" in found[0]
+
+
 def test_a_run_reports_an_unfit_setting_once_and_records_it(tmp_path: Path) -> None:
     messages: list[str] = []
     case = load_case("coarse-channel", [*TINY, "stages.collapse.max_time_factor=0.1", "material.friction_deg=0.5236"])
