@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+
+from mpmcol.io.values import to_json as as_json
 
 if TYPE_CHECKING:
     from mpmcol.io.results import Results
@@ -66,10 +67,10 @@ def certify(
         )
     results = Results(out)
     records = {bar.quantity: _record(bar, results) for bar in bars}
-    atomic_write(out / ERROR_BARS_FILE, (json.dumps(records, indent=1) + "\n").encode())
+    atomic_write(out / ERROR_BARS_FILE, (as_json(records, indent=1) + "\n").encode())
     statement, lines = state_accuracy(results, advice, accuracy, bars)
     if to_json:
-        click.echo(json.dumps(results.summary | {"error_bars": records, "accuracy": statement}))
+        click.echo(as_json(results.summary | {"error_bars": records, "accuracy": statement}))
     elif not quiet:
         click.echo(summary_table(results, lines))
         click.echo("\ndiscretisation errors, without the error of the model:")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from math import inf
 from pathlib import Path
@@ -32,6 +31,7 @@ from mpmcol.cli.options import (
 )
 from mpmcol.cli.report import report_at_end
 from mpmcol.errors import Interrupted, NumericalFailure
+from mpmcol.io.values import to_json as as_json
 
 SINGLE_RUN_OPTIONS = (
     "force_resume", "checkpoint", "max_wall", "on_instability", "requeue_code", "dry_run", "report",
@@ -144,11 +144,11 @@ def run(
         raise
     except NumericalFailure:
         if to_json:
-            click.echo(json.dumps(Results(folder).summary))
+            click.echo(as_json(Results(folder).summary))
         raise
     statement, lines = ({}, []) if accuracy is None else state_accuracy(results, advice, accuracy)
     if to_json:
-        click.echo(json.dumps(results.summary | ({"accuracy": statement} if statement else {})))
+        click.echo(as_json(results.summary | ({"accuracy": statement} if statement else {})))
     elif not quiet:
         from mpmcol.cli.run_summary import summary_table
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, suppress
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from mpmcol.io.run_log import ProgressLines, TimeLeft
+from mpmcol.io.values import to_json as as_json
 from mpmcol.units import duration_text
 
 if TYPE_CHECKING:
@@ -85,7 +85,7 @@ def print_estimate(case: Case, threads: int | None, *, to_json: bool, quiet: boo
         click.echo(MEASURING_SPEED, err=True)
     cost = estimate(case, threads)
     if to_json:
-        click.echo(json.dumps(asdict(cost)))
+        click.echo(as_json(asdict(cost)))
         return
     for warning in cost.warnings:
         click.echo(f"note: {warning}")

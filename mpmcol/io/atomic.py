@@ -13,15 +13,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from mpmcol.errors import OutputError
-from mpmcol.io.names import (
-    CASE_FILE,
-    CHECKPOINT_FILES,
-    CHECKSUM_FILE,
-    HISTORY_FILE,
-    INDEX_FILES,
-    RESULT_FILE,
-    SNAPSHOT_FOLDER,
-)
+from mpmcol.io.names import OWN_FILES, SNAPSHOT_FOLDER
 
 IS_WINDOWS = sys.platform == "win32"
 # Windows neither replaces nor deletes a file that another program has open, for example to index it or to scan it.
@@ -60,11 +52,23 @@ def atomic_write(path: Path, data: bytes) -> None:
             temporary.unlink(missing_ok=True)
 
 
+def is_temporary(path: Path) -> bool:
+    """Whether a file has the name of a temporary file of `atomic_write`."""
+    return path.name.startswith(".") and path.suffix == ".tmp"
+
+
 def temporary_files(folder: Path) -> list[Path]:
     """Temporary files of a run in its folder: of the running process, or left by one that was killed."""
-    own = (CASE_FILE, RESULT_FILE, CHECKSUM_FILE, HISTORY_FILE, *INDEX_FILES, *CHECKPOINT_FILES)
-    patterns = [*(f".{name}.*.tmp" for name in own), f"{SNAPSHOT_FOLDER}/.*.tmp"]
+    patterns = [*(f".{name}.*.tmp" for name in OWN_FILES), f"{SNAPSHOT_FOLDER}/.*.tmp"]
     return sorted({path for pattern in patterns for path in folder.glob(pattern)})
+
+
+def read_bytes(path: Path) -> bytes:
+    """The content of a file. Raises OutputError with the path and the reason."""
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise OutputError(f"{path}: cannot be read: {error.strerror or error}") from error
 
 
 def make_folder(path: Path, parents: bool = True) -> Path:

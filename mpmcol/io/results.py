@@ -77,8 +77,9 @@ class Results:
         for quantity in ("zeta", "beta"):
             yield quantity, _numbers_text(result.get(quantity))
         ledger, shares = result.get("ledger") or {}, result.get("dissipation") or {}
-        if "residual" in ledger and shares.get("released"):
-            yield "energy error", f"{ledger['residual'] / shares['released']:.1e} of the released energy"
+        residual, released = ledger.get("residual"), shares.get("released")
+        if residual is not None and released:  # null: not finite, in a failed run
+            yield "energy error", f"{residual / released:.1e} of the released energy"
 
     @cached_property
     def case(self) -> Case:
@@ -219,6 +220,8 @@ def _read_columns(path: Path, texts: tuple[str, ...], required: tuple[str, ...] 
         with path.open(encoding="utf-8", newline="") as file:
             columns = [without_unit(column) for column in next(csv.reader(file), [])]
             rows = list(csv.DictReader(file, columns))
+        if missing := [name for name in required if name not in columns]:
+            raise ValueError(f"no column {missing[0]}")
         names = [*required, *(name for name in columns if name not in required)]
         return {name: np.array([row[name] if name in texts else float(row[name]) for row in rows]) for name in names}
     except (OSError, KeyError, TypeError, ValueError, csv.Error):

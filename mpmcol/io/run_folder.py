@@ -12,7 +12,7 @@ from typing import Any
 
 from mpmcol.case import Case, case_hash
 from mpmcol.errors import OutputError, UsageError
-from mpmcol.io.atomic import atomic_write, make_folder, remove
+from mpmcol.io.atomic import atomic_write, is_temporary, make_folder, read_bytes, remove
 from mpmcol.io.checksums import checksum_of, write_checksums
 from mpmcol.io.columns import header
 from mpmcol.io.lock import locked
@@ -46,7 +46,7 @@ def prepare_folder(folder: Path, case: Case, fresh: bool, notify: Callable[[str]
             raise UsageError(f"{folder} holds a finished run; use --fresh to replace it, or --out for another folder")
         if Results(folder).summary.get("case_hash") != case_hash(case):
             notify(f"note: an incomplete run of another case in {folder} is replaced")
-    found = {path.name for path in folder.iterdir()} if folder.is_dir() else set()
+    found = {path.name for path in folder.iterdir() if not is_temporary(path)} if folder.is_dir() else set()
     if found - {LOCK_FILE, GIVEN_CASE_FILE, LOG_FILE} and CASE_FILE not in found:
         raise UsageError(f"{folder} is not empty and holds no run; use --out for another folder")
     if CASE_FILE in found:
@@ -89,7 +89,7 @@ def _link(source: Path, target: Path) -> None:
         target.unlink(missing_ok=True)
         os.link(source, target)
     except OSError:
-        atomic_write(target, source.read_bytes())
+        atomic_write(target, read_bytes(source))
 
 
 def reopen_folder(folder: Path) -> None:

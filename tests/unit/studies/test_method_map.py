@@ -287,6 +287,7 @@ def test_a_small_map_from_end_to_end(tmp_path: Path, monkeypatch: pytest.MonkeyP
         (["--map", "--list"], "--map requires at most one MAP and excludes --list"),
         (["--jobs", "2"], "--jobs and --report-only require --map"),
         (["--report-only"], "--jobs and --report-only require --map"),
+        (["--map", "--fresh", "--report-only"], "--report-only runs nothing, and --fresh repeats all runs"),
         (["--map", "defualt"], "defualt: no such map; did you mean 'default'"),
     ],
 )
