@@ -22,6 +22,11 @@ def recommend(case: str, overrides: Sequence[str], accuracy: float, silent: bool
     from mpmcol.studies.pareto.recommend import recommend as find_cheapest
 
     advice = find_cheapest(case, overrides, accuracy)
+    chosen = dict(text.split("=", 1) for text in advice.overrides)
+    for text in overrides:
+        key, _, value = (part.strip() for part in text.partition("="))
+        if chosen.get(key, value) != value:
+            raise click.UsageError(f"--accuracy chooses {key} = {chosen[key]}; remove --set {text}, or --accuracy")
     if not silent:
         click.echo(f"cheapest within {100.0 * accuracy:.3g}%: {advice}", err=True)
     return advice

@@ -34,8 +34,8 @@ def status(folder: Path, follow: bool, to_json: bool) -> None:
     """Show progress and remaining time of a sweep, study or run.
 
     DIR is the folder of a sweep or of a single run; the runs of a study are in the folder "runs" inside the study's
-    folder. With --follow, progress goes to stderr; the exit code is 0 if all runs are done, otherwise as that of
-    mpmcol sweep.
+    folder. With --follow, progress goes to stderr; the exit code is 0 if all runs are done, 75 if one was
+    stopped, 5 if one is damaged, 3 if one diverged, and 1 otherwise. Without it the exit code is 0 in every state.
     """
     from mpmcol.cli.follow import follow_runs, state_code
     from mpmcol.sweep.plan import as_json

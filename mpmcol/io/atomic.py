@@ -83,6 +83,19 @@ def make_folder(path: Path, parents: bool = True) -> Path:
     return path
 
 
+def require_folder_path(path: Path) -> None:
+    """Raise OutputError if `path` is no folder and cannot become one; writes nothing."""
+    try:
+        present = next(one for one in (path, *path.absolute().parents) if one.exists())
+    except OSError as error:  # for example a name that is too long
+        raise cannot_write(path, error) from error
+    if not present.is_dir():
+        number = errno.EEXIST if present == path else errno.ENOTDIR
+        raise cannot_write(path, OSError(number, os.strerror(number)))
+    if not os.access(present, os.W_OK):
+        raise cannot_write(path, OSError(errno.EACCES, os.strerror(errno.EACCES)))
+
+
 def remove(path: Path) -> None:
     """Delete a file or a folder with its content, if it exists. Raises OutputError."""
     try:

@@ -46,11 +46,16 @@ def prepare_folder(folder: Path, case: Case, fresh: bool, notify: Callable[[str]
             raise UsageError(f"{folder} holds a finished run; use --fresh to replace it, or --out for another folder")
         if Results(folder).summary.get("case_hash") != case_hash(case):
             notify(f"note: an incomplete run of another case in {folder} is replaced")
+    require_no_foreign_files(folder)
+    if (folder / CASE_FILE).exists():
+        _remove_run(folder)
+
+
+def require_no_foreign_files(folder: Path) -> None:
+    """Raise UsageError if the folder has files, but no run."""
     found = {path.name for path in folder.iterdir() if not is_temporary(path)} if folder.is_dir() else set()
     if found - {LOCK_FILE, GIVEN_CASE_FILE, LOG_FILE} and CASE_FILE not in found:
         raise UsageError(f"{folder} is not empty and holds no run; use --out for another folder")
-    if CASE_FILE in found:
-        _remove_run(folder)
 
 
 def discard_run(folder: Path) -> None:
