@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from functools import partial
 from typing import Any
 
-from pydantic import ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails, PydanticCustomError
 
@@ -26,15 +25,15 @@ _WITH_LAW = {table[-1] for table in MATERIALS}
 _DERIVED_ERRORS = ("constraints", "derived")
 
 
-def find_problems(given: CaseInput, invalid: ValidationError) -> list[Problem]:
+def find_problems(given: CaseInput, tables: dict[str, Any], found: Sequence[ErrorDetails]) -> list[Problem]:
     """Problems of a case that did not validate: at most MOST_COUNTED of single keys, and violated constraints.
 
-    Sorted by file and line; those of overrides come last.
+    Sorted by file and line; those of overrides come last. tables: those of `given`, with laws that exist.
     """
-    primary = (error for error in invalid.errors(include_url=False) if error["type"] not in _DERIVED_ERRORS)
+    primary = (error for error in found if error["type"] not in _DERIVED_ERRORS)
     located = _without_derived([(_key_path(error), error) for error in primary])
     errors = located[:MOST_COUNTED]
-    law = partial(_law, given.tables)
+    law = partial(_law, tables)
     intended = {key: _nearest_key(key, law(key)) for key, error in errors if error["type"] == "extra_forbidden"}
     invalid_keys = {key for key, _ in located} | {known for known in intended.values() if known}
     problems = [
@@ -44,7 +43,7 @@ def find_problems(given: CaseInput, invalid: ValidationError) -> list[Problem]:
         for key, error in errors
         if not (error["type"] == "missing" and key in intended.values())
     ]
-    values = dict(_valid_values(_complete(given.tables, invalid_keys), invalid_keys, law))
+    values = dict(_valid_values(_complete(tables, invalid_keys), invalid_keys, law))
     problems += [_violated(given, violation) for violation in violations(values)]
     return sorted(problems, key=lambda problem: (problem.line is None, problem.file, problem.line or 0))
 
