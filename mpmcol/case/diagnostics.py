@@ -31,7 +31,7 @@ def find_problems(given: CaseInput, tables: dict[str, Any], found: Sequence[Erro
     Sorted by file and line; those of overrides come last. tables: those of `given`, with laws that exist.
     """
     primary = (error for error in found if error["type"] not in _DERIVED_ERRORS)
-    located = _without_derived([(_key_path(error), error) for error in primary])
+    located = _without_derived(given, [(_key_path(error), error) for error in primary])
     errors = located[:MOST_COUNTED]
     law = partial(_law, tables)
     intended = {key: _nearest_key(key, law(key)) for key, error in errors if error["type"] == "extra_forbidden"}
@@ -48,11 +48,22 @@ def find_problems(given: CaseInput, tables: dict[str, Any], found: Sequence[Erro
     return sorted(problems, key=lambda problem: (problem.line is None, problem.file, problem.line or 0))
 
 
-def _without_derived(located: list[tuple[KeyPath, ErrorDetails]]) -> list[tuple[KeyPath, ErrorDetails]]:
-    """Without keys of base and layers that are missing because what they follow from is invalid."""
+def _without_derived(
+    given: CaseInput, located: list[tuple[KeyPath, ErrorDetails]]
+) -> list[tuple[KeyPath, ErrorDetails]]:
+    """Without keys of base and layers that are missing because what they follow from is invalid.
+
+    A layer without a material of its own has that of the column, whose constraints are reported there.
+    """
+    located = [(key, error) for key, error in located if not _is_that_of_column(key) or given.has(key)]
     if not any(key[0] in ("geometry", "material") for key, _ in located):
         return located
     return [(key, error) for key, error in located if not _is_inherited(key) or error["type"] != "missing"]
+
+
+def _is_that_of_column(key: KeyPath) -> bool:
+    """Whether a key is the material of a layer as a whole."""
+    return key[:1] == ("layers",) and key[2:] == ("material",)
 
 
 def _is_inherited(key: KeyPath) -> bool:
