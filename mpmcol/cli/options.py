@@ -187,8 +187,17 @@ def _one_aspect(context: click.Context, parameter: click.Parameter, values: tupl
     return values[0] if values else None
 
 
+def _not_repeated(context: click.Context, parameter: click.Parameter, values: tuple[str, ...]) -> tuple[str, ...]:
+    """The values of `--set`; CaseError if a key has two."""
+    if len(values) > 1:
+        from mpmcol.case.overrides import refuse_repeated
+
+        refuse_repeated(values)
+    return values
+
+
 overrides_option = click.option(
-    "--set", "overrides", multiple=True, metavar="KEY=VALUE",
+    "--set", "overrides", multiple=True, metavar="KEY=VALUE", callback=_not_repeated,
     help="Replace a value of the case, for example grid.spacing=0.005. May be repeated.",
 )  # fmt: skip
 aspect_option = click.option(

@@ -65,6 +65,7 @@ def test_no_line_of_the_help_is_cut_or_longer_than_80_columns(name: str | None) 
         (("run", "coarse-channel", "--jobs", "2"), "--jobs applies to several runs"),
         (("measure", str(Path(__file__).parent), "--json", "--csv"), "two forms of the same result"),
         (("run", "coarse-channel", "--aspect", "2", "--aspect", "3"), "is given 2 times: 2, 3; give one value"),
+        (("check", "coarse-channel", "--set", "time.cfl=0.4", "--set", "time.cfl=0.3"), "time.cfl is given twice"),
         (("run", "coarse-channel", "--aspect", "abc"), "'--aspect': 'abc': not a number with a unit"),
         (("run", "coarse-channel", "--fresh", "--force-resume"), "give one of them"),
         (("run", "coarse-channel", "--requeue-code", "0"), "0 is not in the range 6<=x<=129"),
