@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@results_argument()
+@results_argument(of="a run")
 @click.option("--snapshot", metavar="N", default=-1, show_default=True, help="Snapshot index (-1: last).")
 @json_option("measurements, profile and all errors")
 @click.option("--csv", "to_csv", is_flag=True, help="Print CSV: a header and one row.")

@@ -98,8 +98,8 @@ class Positive(click.ParamType):
 DURATION, ACCURACY = Duration(), Accuracy()
 
 
-def results_argument(several: bool = False) -> Decorator:
-    """The folder of a run, a sweep or a study as an argument of a command, or several of them.
+def results_argument(several: bool = False, of: str = "a run, a sweep or a study") -> Decorator:
+    """A results folder as an argument of a command, or several of them; `of` names what they may be of.
 
     The command raises OutputError if there is no such folder.
     """
@@ -110,7 +110,7 @@ def results_argument(several: bool = False) -> Decorator:
         @functools.wraps(command)
         def checked(*arguments: Any, **options: Any) -> Any:
             for folder in options[name] if several else [options[name]]:
-                _require_folder(folder)
+                _require_folder(folder, of)
             return command(*arguments, **options)
 
         if several:
@@ -120,12 +120,11 @@ def results_argument(several: bool = False) -> Decorator:
     return decorate
 
 
-def _require_folder(folder: Path) -> None:
+def _require_folder(folder: Path, of: str) -> None:
     if not folder.is_dir():
         from mpmcol.io.results import kind_of  # here, since it takes long to import
 
-        expected = "expected the results folder of a run, a sweep or a study"
-        raise OutputError(f"{kind_of(folder)}; {expected}{_hint(folder)}")
+        raise OutputError(f"{kind_of(folder)}; expected the results folder of {of}{_hint(folder)}")
 
 
 def _hint(missing: Path) -> str:

@@ -28,7 +28,7 @@ REMEDIES = {
     errno.EACCES: NO_ACCESS,
     errno.EPERM: NO_ACCESS,
     errno.EROFS: "this disk is read-only: choose another folder",
-    errno.ENOENT: "the folder is gone: create it again, or choose another folder",
+    errno.ENOENT: "there is no folder {folder}; create it, or choose another one",
     errno.ENOTDIR: "a part of this path is a file, not a folder: choose another folder",
     errno.EEXIST: "a file of that name is in the way: move it, or choose another folder",
     errno.EISDIR: "a folder of that name is in the way: move it, or choose another name",
@@ -111,7 +111,7 @@ def cannot_write(path: Path, error: OSError) -> OutputError:
     """The error to raise for a failed write: path, reason and remedy."""
     reason = error.strerror or str(error)
     remedy = REMEDIES.get(error.errno or 0, "check the disk and the folder, then run again")
-    return OutputError(f"{path}: cannot be written: {reason}; {remedy}")
+    return OutputError(f"{path}: cannot be written: {reason}; {remedy.format(folder=path.parent)}")
 
 
 def _patiently(action: Callable[[], None]) -> None:

@@ -29,7 +29,6 @@ from mpmcol.io.names import (
     RESULT_FILE,
 )
 from mpmcol.io.results import HISTORY, Results
-from mpmcol.io.run_status import ENDINGS
 from mpmcol.io.values import to_json
 
 
@@ -106,12 +105,7 @@ def reopen_folder(folder: Path) -> None:
 def _is_finished(folder: Path) -> bool:
     if not (folder / CASE_FILE).exists():
         return True
-    status = Results(folder).summary.get("status")
-    if status not in ENDINGS:
-        raise OutputError(
-            f"{folder / RESULT_FILE} is damaged: its status is {status!r}; use --fresh to replace the run"
-        )
-    return bool(status == "done")
+    return Results(folder).status == "done"
 
 
 def write_history(folder: Path, rows: Sequence[Mapping[str, Any]], model: str = "") -> None:

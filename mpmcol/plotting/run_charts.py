@@ -106,9 +106,10 @@ def _readable(results: Results, notify: Callable[[str], None]) -> dict[int, floa
         try:
             times[i] = results.snapshot(i).time
         except OutputError:
-            notify(f"note: {path} is damaged and omitted; run the case again with --fresh to replace it")
+            what = "damaged" if path.exists() else "missing"
+            notify(f"note: {path} is {what} and omitted; run the case again with --fresh to replace it")
     if not times:
-        raise OutputError(f"{results.folder}: all {len(paths)} snapshots are damaged; run the case again")
+        raise OutputError(f"{results.folder}: all {len(paths)} snapshots are damaged or missing; run the case again")
     return times
 
 
