@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from mpmcol.api.arguments import Notify, warn
+from mpmcol.api.arguments import NOTE, Notify, warn
 from mpmcol.api.sweeps import name_of, source_of
 from mpmcol.case import Case
 from mpmcol.errors import UsageError
@@ -100,7 +100,7 @@ def fit(
         )  # fmt: skip
         results = _results(found)
     for remark in results.record["remarks"]:
-        notify(remark)
+        notify(f"{NOTE}{remark}")
     return results
 
 

@@ -23,7 +23,7 @@ def plot(
 
     Args:
         run: the results of a run, or their folder.
-        times: of the profiles, s since release; the last state is always drawn (default: five equally spaced times).
+        times: of the profiles, s since release; the last state is always drawn (default: four equally spaced times).
         svg: also write each chart as SVG.
         out: folder of the charts, created if missing (default: the results folder).
         notify: receives a message for each snapshot that cannot be read (default: a warning).

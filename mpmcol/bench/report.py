@@ -15,6 +15,7 @@ from mpmcol.errors import UsageError
 from mpmcol.provenance import cpu_name
 
 SCHEMA = 4
+EXPECTED = "expected a report that `mpmcol bench --out` wrote"
 SLOWDOWN = 1.5
 
 
@@ -110,8 +111,10 @@ def load_report(path: Path) -> Report:
         if data["schema"] != SCHEMA:
             raise ValueError(f"schema {data['schema']}, expected {SCHEMA}")
         return Report(data["date"], data["machine"], tuple(_read_case(case) for case in data["cases"]))
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise UsageError(f"{path}: expected a report that `mpmcol bench --out` wrote: {error!r}") from error
+    except OSError as error:
+        raise UsageError(f"{path}: cannot be read: {error.strerror or error}; {EXPECTED}") from None
+    except (ValueError, KeyError, TypeError, AttributeError):
+        raise UsageError(f"{path}: is damaged, or no such report; {EXPECTED}") from None
 
 
 def _read_case(data: dict[str, Any]) -> BenchmarkCase:

@@ -150,7 +150,7 @@ CONSTRAINTS = (
         Constraint(
             keys,
             lambda one, other: one is None or other is not None,
-            "is given, but {1}: give both, or neither",
+            f"needs {keys[1]}, which is missing: give both, or neither",
         )
         for keys in itertools.permutations(("friction.side_walls", "friction.channel_width"))
     ),

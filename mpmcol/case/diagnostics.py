@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from functools import partial
 from typing import Any
 
-from pydantic import ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails, PydanticCustomError
 
@@ -26,15 +25,15 @@ _WITH_LAW = {table[-1] for table in MATERIALS}
 _DERIVED_ERRORS = ("constraints", "derived")
 
 
-def find_problems(given: CaseInput, invalid: ValidationError) -> list[Problem]:
+def find_problems(given: CaseInput, tables: dict[str, Any], found: Sequence[ErrorDetails]) -> list[Problem]:
     """Problems of a case that did not validate: at most MOST_COUNTED of single keys, and violated constraints.
 
-    Sorted by file and line; those of overrides come last.
+    Sorted by file and line; those of overrides come last. tables: those of `given`, with laws that exist.
     """
-    primary = (error for error in invalid.errors(include_url=False) if error["type"] not in _DERIVED_ERRORS)
-    located = _without_derived([(_key_path(error), error) for error in primary])
+    primary = (error for error in found if error["type"] not in _DERIVED_ERRORS)
+    located = _without_derived(given, [(_key_path(error), error) for error in primary])
     errors = located[:MOST_COUNTED]
-    law = partial(_law, given.tables)
+    law = partial(_law, tables)
     intended = {key: _nearest_key(key, law(key)) for key, error in errors if error["type"] == "extra_forbidden"}
     invalid_keys = {key for key, _ in located} | {known for known in intended.values() if known}
     problems = [
@@ -44,16 +43,27 @@ def find_problems(given: CaseInput, invalid: ValidationError) -> list[Problem]:
         for key, error in errors
         if not (error["type"] == "missing" and key in intended.values())
     ]
-    values = dict(_valid_values(_complete(given.tables, invalid_keys), invalid_keys, law))
+    values = dict(_valid_values(_complete(tables, invalid_keys), invalid_keys, law))
     problems += [_violated(given, violation) for violation in violations(values)]
     return sorted(problems, key=lambda problem: (problem.line is None, problem.file, problem.line or 0))
 
 
-def _without_derived(located: list[tuple[KeyPath, ErrorDetails]]) -> list[tuple[KeyPath, ErrorDetails]]:
-    """Without keys of base and layers that are missing because what they follow from is invalid."""
+def _without_derived(
+    given: CaseInput, located: list[tuple[KeyPath, ErrorDetails]]
+) -> list[tuple[KeyPath, ErrorDetails]]:
+    """Without keys of base and layers that are missing because what they follow from is invalid.
+
+    A layer without a material of its own has that of the column, whose constraints are reported there.
+    """
+    located = [(key, error) for key, error in located if not _is_that_of_column(key) or given.has(key)]
     if not any(key[0] in ("geometry", "material") for key, _ in located):
         return located
     return [(key, error) for key, error in located if not _is_inherited(key) or error["type"] != "missing"]
+
+
+def _is_that_of_column(key: KeyPath) -> bool:
+    """Whether a key is the material of a layer as a whole."""
+    return key[:1] == ("layers",) and key[2:] == ("material",)
 
 
 def _is_inherited(key: KeyPath) -> bool:

@@ -15,7 +15,9 @@ from mpmcol.case.overrides import Override, parse_override
 from mpmcol.case.problem import Problem, case_error, set_option
 from mpmcol.case.schema import Case
 from mpmcol.case.source import read_case, read_chain
+from mpmcol.case.title import with_own_aspect
 from mpmcol.case.toml_lines import KeyPath
+from mpmcol.case.unknown_laws import errors_beside_law
 
 
 def load_case(source: str | Path, overrides: Sequence[str] = ()) -> Case:
@@ -34,10 +36,11 @@ def load_case(source: str | Path, overrides: Sequence[str] = ()) -> Case:
     try:
         case = Case.model_validate(given.tables)
     except ValidationError as invalid:
-        problems = find_problems(given, invalid) + problems
+        errors = errors_beside_law(given.tables, invalid, Case.model_validate)
+        problems = find_problems(given, *errors) + problems
     if problems:
         raise case_error(problems)
-    return case
+    return with_own_aspect(case)
 
 
 def _parsed(overrides: Sequence[str]) -> tuple[dict[KeyPath, Override], list[Problem]]:
@@ -65,6 +68,8 @@ def resolved_toml(case: Case, derived: Mapping[str, str | float] | None = None) 
     for array in ("layers", "walls"):
         if not tables[array]:
             del tables[array]
+    if case.stages.initial_stress != "k0":  # without effect, and another one with another friction angle
+        del tables["stages"]["k0"]
     comments = [f"# {name} = {value}" for name, value in (derived or {}).items()]
     return tomli_w.dumps(tables) + "\n".join(["", "# derived:", *comments, ""] if comments else [])
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from mpmcol.case.fields import shortened
 from mpmcol.case.problem import Problem, case_error, set_option
 from mpmcol.case.toml_lines import KeyPath, TomlError, parse
 
@@ -31,8 +32,14 @@ def parse_override(argument: str) -> Override:
     """Parse "geometry.aspect=3"; the value is TOML or a bare string. Raises ValueError with the reason."""
     name, equals, text = argument.partition("=")
     key, text = tuple(part.strip() for part in name.split(".")), text.strip()
-    if not (equals and all(key) and text):
-        raise ValueError('expected key=value, for example "geometry.aspect=3"')
+    for is_missing, part in (
+        (not equals, "there is no equals sign"),
+        (key == ("",), "the key is missing"),
+        (not all(key), "a part of the key is empty"),
+        (not text, "the value is missing"),
+    ):
+        if is_missing:
+            raise ValueError(f'{part}: expected key=value, for example "geometry.aspect=3"')
     if any("\ud800" <= character <= "\udfff" for character in argument):
         raise ValueError("not valid UTF-8")
     if key == ("extends",):
@@ -48,6 +55,24 @@ def _parsed(text: str) -> Any:
     if len(parsed) != 1:
         raise ValueError("the value is not valid TOML")
     return parsed["value"]
+
+
+def refuse_repeated(arguments: Sequence[str]) -> None:
+    """Raise CaseError if a key has two different values among the arguments that a user gave.
+
+    `load_case` itself takes the last value: studies append theirs to those of the user.
+    """
+    given: dict[str, tuple[str, str]] = {}  # key -> its first value and that argument
+    problems = []
+    for argument in arguments:
+        name, _, text = argument.partition("=")
+        key, value = ".".join(part.strip() for part in name.split(".")), text.strip()
+        first, earlier = given.setdefault(key, (value, argument))
+        if value != first:
+            message = f"{shortened(key)} is given twice; the other one is {set_option(earlier)}"
+            problems.append(Problem(set_option(argument), None, shortened(key), message, "remove one of the two"))
+    if problems:
+        raise case_error(problems)
 
 
 def apply_overrides(tables: dict[str, Any], overrides: Mapping[KeyPath, Override]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import isclose
 from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
@@ -141,6 +142,17 @@ class Case(Table):
             if isinstance(own := given.get(stage, {}), dict):
                 filled[stage] = {**values, **own}
         return filled
+
+    @field_validator("stages", mode="after")
+    @classmethod
+    def _check_k0(cls, stages: StagesTable, info: ValidationInfo) -> StagesTable:
+        """Refuse a ratio that has no effect; the default is in resolved cases."""
+        material = info.data.get("material")
+        has_effect = stages.initial_stress == "k0" or stages.k0 is None or material is None
+        if not has_effect and not isclose(stages.k0, _active_ratio(material)):
+            text = f'has no effect with initial_stress = "{stages.initial_stress}": remove it, or set "k0"'
+            raise PydanticCustomError("quantity", "{text}", {"text": text, "inside": ("k0",)})
+        return stages
 
     @property
     def materials(self) -> tuple[Material, ...]:

@@ -15,7 +15,7 @@ from mpmcol.case.fields import nearest, shortened, shown
 from mpmcol.case.outline import read_outline
 from mpmcol.case.overrides import Override, apply_overrides, merge_cases
 from mpmcol.case.problem import Problem, case_error, set_option
-from mpmcol.case.toml_lines import SYNTAX_ERROR, KeyPath, TomlError, locate, parse, value_at
+from mpmcol.case.toml_lines import GIVEN_TWICE, SYNTAX_ERROR, KeyPath, TomlError, locate, parse, value_at
 from mpmcol.errors import CaseError
 
 MAX_FILE_SIZE = 200_000  # bytes
@@ -236,4 +236,5 @@ def _syntax_hint(path: Path, line: str, reason: str) -> str:
     if path.suffix.lower() in _YAML:
         return _OTHER_FORMAT
     likely = (hint for pattern, hint in _LINE_HINTS.items() if re.match(pattern, line[:_LONGEST_LINE]))
-    return next(likely, _SYNTAX_HINTS.get(reason.removeprefix(SYNTAX_ERROR), ""))
+    repeated = "give all keys of a table below one header" if reason.endswith(GIVEN_TWICE) else ""
+    return next(likely, _SYNTAX_HINTS.get(reason.removeprefix(SYNTAX_ERROR), repeated))

@@ -7,7 +7,7 @@ import re
 from mpmcol.case.schema import Case
 
 MODELS = {"plane": "plane strain", "axisymmetric": "axisymmetric", "quarter": "3D quarter model", "full": "3D model"}
-_ASPECT = re.compile(r",? *\ba = \d+(\.\d+)?")
+_ASPECT = re.compile(r",? *\ba = (\d+(?:\.\d+)?)")
 
 
 def title_of(case: Case) -> str:
@@ -22,6 +22,15 @@ def run_title(title: str, model: str, a: float | None) -> str:
     a: None if the column is no rectangle.
     """
     return (title_without_aspect(title) or MODELS[model]) + ("" if a is None else f", a = {a:.3g}")
+
+
+def with_own_aspect(case: Case) -> Case:
+    """The case with its aspect ratio in the title, if that states another one: of a case that it extends."""
+    stated = _ASPECT.search(case.title)
+    a = None if case.geometry.polygon is not None else f"{case.geometry.a:.3g}"
+    if stated is None or (a is not None and f"{float(stated[1]):.3g}" == a):
+        return case
+    return case.model_copy(update={"title": title_of(case)})
 
 
 def title_without_aspect(title: str) -> str:

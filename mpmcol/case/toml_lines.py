@@ -4,15 +4,21 @@ from __future__ import annotations
 
 import re
 import tomllib
+from ast import literal_eval
 from collections.abc import Iterator
 from typing import Any
+
+from mpmcol.case.fields import shortened
 
 KeyPath = tuple[str, ...]
 
 SYNTAX_ERROR = "not valid TOML: "
+GIVEN_TWICE = "is given twice"
 
 _SEARCH_BUDGET = 500_000  # maximum number of characters that are parsed, well under a second
 _MAX_DEPTH = 20  # of nested tables and arrays; a case has 3
+# what the parser reports about a table that is given twice
+_REPEATED = re.compile(r"Cannot (?:declare|mutate immutable namespace|redefine namespace) (\(.*\))(?: twice)?")
 # the memory of tomllib grows with the square of the number of parts of a key: gigabytes for a line of 100 kB
 _NAME = r"""(?:"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+'|[\w-]++)"""
 _DEEP_KEY = re.compile(rf"(?<![\w-]){_NAME}(?:[ \t]*+\.[ \t]*+{_NAME}){{{_MAX_DEPTH}}}", re.ASCII)
@@ -68,8 +74,15 @@ def _check_limits(value: Any, levels: int) -> None:
 
 def _syntax_error(text: str, failure: str) -> TomlError:
     position = re.search(r"at line (\d+)", failure)
-    reason = SYNTAX_ERROR + re.sub(r" \(at .*\)$", "", failure)
+    reason = SYNTAX_ERROR + _in_words(re.sub(r" \(at .*\)$", "", failure))
     return TomlError(reason, int(position[1]) if position else text.count("\n") + 1)
+
+
+def _in_words(failure: str) -> str:
+    """A message of the parser about a table that is given twice, which names it as Python does; others as they are."""
+    if repeated := _REPEATED.fullmatch(failure):
+        return f"[{shortened('.'.join(literal_eval(repeated[1])))}] {GIVEN_TWICE}"
+    return failure
 
 
 def _error_line(text: str) -> int | None:

@@ -130,16 +130,23 @@ def _problems(wall: WallTable, geometry: GeometryTable) -> Iterator[tuple[str, s
     if geometry.model == "quarter" and wall.half_width is None and left is not None and left < 0.0:
         yield "side_from", f"side_from = {left:g} m is outside the quarter, which begins at z = 0"
     if _overlaps_column(wall, geometry):
-        yield "from", "overlaps the column; move it beyond the edge of the column"
+        edge = _column_edge(geometry)
+        upslope = f", or to < {-edge:g} m" if geometry.model == "full" else ""
+        yield "from", f"overlaps the column, which ends at x = {edge:g} m; set from > {edge:g} m{upslope}"
 
 
 def _overlaps_column(wall: WallTable, geometry: GeometryTable) -> bool:
     x, z = (_nearest(span) for span in (wall.along, wall.across))
-    if geometry.dimension == 2:
-        return x < geometry.r_i
-    if geometry.section == "box":
-        return x < geometry.r_i and z < (geometry.depth or geometry.r_i)
-    return math.hypot(x, z) < geometry.r_i + geometry.lean * geometry.h_i
+    if geometry.dimension == 3 and geometry.section == "cylinder":
+        return math.hypot(x, z) < _column_edge(geometry)
+    is_beside = geometry.dimension == 3 and z >= (geometry.depth or geometry.r_i)
+    return x < _column_edge(geometry) and not is_beside
+
+
+def _column_edge(geometry: GeometryTable) -> float:
+    """Largest distance of the column from x = 0, m; a cylinder on a slope leans to the other side."""
+    leans = geometry.dimension == 3 and geometry.section == "cylinder"
+    return geometry.r_i + (geometry.lean * geometry.h_i if leans else 0.0)
 
 
 def _nearest(span: Span) -> float:

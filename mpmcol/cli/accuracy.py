@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+
+from mpmcol.io.values import to_json as as_json
 
 if TYPE_CHECKING:
     from mpmcol.io.results import Results
@@ -21,6 +22,11 @@ def recommend(case: str, overrides: Sequence[str], accuracy: float, silent: bool
     from mpmcol.studies.pareto.recommend import recommend as find_cheapest
 
     advice = find_cheapest(case, overrides, accuracy)
+    chosen = dict(text.split("=", 1) for text in advice.overrides)
+    for text in overrides:
+        key, _, value = (part.strip() for part in text.partition("="))
+        if chosen.get(key, value) != value:
+            raise click.UsageError(f"--accuracy chooses {key} = {chosen[key]}; remove --set {text}, or --accuracy")
     if not silent:
         click.echo(f"cheapest within {100.0 * accuracy:.3g}%: {advice}", err=True)
     return advice
@@ -66,10 +72,10 @@ def certify(
         )
     results = Results(out)
     records = {bar.quantity: _record(bar, results) for bar in bars}
-    atomic_write(out / ERROR_BARS_FILE, (json.dumps(records, indent=1) + "\n").encode())
+    atomic_write(out / ERROR_BARS_FILE, (as_json(records, indent=1) + "\n").encode())
     statement, lines = state_accuracy(results, advice, accuracy, bars)
     if to_json:
-        click.echo(json.dumps(results.summary | {"error_bars": records, "accuracy": statement}))
+        click.echo(as_json(results.summary | {"error_bars": records, "accuracy": statement}))
     elif not quiet:
         click.echo(summary_table(results, lines))
         click.echo("\ndiscretisation errors, without the error of the model:")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,6 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from mpmcol.cli.options import PATH, json_option, positive_integer
+from mpmcol.io.atomic import require_folder_path
 
 if TYPE_CHECKING:
     from mpmcol.bench.report import Report
@@ -18,6 +20,7 @@ if TYPE_CHECKING:
 SIZES = (20_000, 100_000, 500_000, 2_000_000)
 SCALING_SIZES = (20_000, 200_000)
 QUICK_SIZES = (2_000,)
+MOST_PER_AXIS = 4  # in two dimensions; one less in three
 REPORT_FILE, SCALING_FILE = "bench.json", "scaling.json"
 
 
@@ -29,6 +32,14 @@ def parse_counts(context: click.Context, parameter: click.Parameter, text: str |
     if not all(counts):
         raise click.BadParameter(f"{text[:50]!r}: expected integers > 0, for example 20000,100000")
     return counts
+
+
+def _check_per_axis(per_axis: Sequence[int], model: str | None) -> None:
+    """Refuse more points per cell than cases may have."""
+    most = MOST_PER_AXIS if model in ("plane", "axisymmetric") else MOST_PER_AXIS - 1
+    if max(per_axis, default=0) > most:
+        where = "" if model else " with all three models; give --model plane for more"
+        raise click.BadParameter(f"{max(per_axis)}: expected at most {most}{where}", param_hint="--per-axis")
 
 
 @click.command()
@@ -69,6 +80,8 @@ def bench(
     With --scaling, prints the time of the step with each number of threads, and the speed-up that a model of the tiles
     allows, also for more threads than this machine has cores.
     """
+    if out:
+        require_folder_path(out)
     if scaling:
         if against:
             raise click.UsageError("--against compares times of the kernels, not of --scaling; give one of them")
@@ -76,6 +89,7 @@ def bench(
             raise click.UsageError("--scaling measures 2 points per cell and axis; remove --per-axis")
         _print_scaling(points, threads, model, quick, out, to_json)
         return
+    _check_per_axis(per_axis or (), model)
     from mpmcol.bench.cases import MODELS
     from mpmcol.bench.measure import FULL, QUICK, measure_case
     from mpmcol.bench.report import load_report, make_report, table_lines

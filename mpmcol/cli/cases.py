@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import click
 
 
@@ -34,6 +36,8 @@ def init(name: str) -> None:
     from mpmcol.errors import UsageError
 
     names = shipped_cases()
+    if name not in names and Path(name).is_file():
+        raise UsageError(f"{name} is a file already; mpmcol init prints shipped cases (mpmcol cases)")
     if name not in names:
         near = nearest(name, names)
         hint = f' Did you mean "{near}"?' if near else ""

@@ -38,9 +38,10 @@ def check(case: str, aspect: str | None, overrides: tuple[str, ...], resolved: b
     kind += f", outline of {len(column.outline)} points" if column.outline else ""
     slope = f"slope {column.slope_deg:g} deg, " if column.slope_deg else ""
     slope += "vertical sides, " if column.lean else ""
+    title, aspect_text = title_of(loaded), f"a = {column.a:g}, "
     click.echo(
-        f"{case}: no problems. {title_of(loaded)}: {kind}, {loaded.material.law}, "
-        f"r_i = {column.r_i:g} m, h_i = {column.h_i:g} m, a = {column.a:g}, {slope}h = {discretization.h:g} m, "
+        f"{case}: no problems. {title}: {kind}, {loaded.material.law}, r_i = {column.r_i:g} m, "
+        f"h_i = {column.h_i:g} m, {'' if aspect_text[:-2] in title else aspect_text}{slope}h = {discretization.h:g} m, "
         f"case_hash {case_hash(loaded)}",
         err=resolved,
     )

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mpmcol.cli.options import out_option, overrides_option
+from mpmcol.cli.options import Positive, out_option, overrides_option
 
 if TYPE_CHECKING:
     from mpmcol.studies.element.run import Columns
 
 TESTS = ("plane-strain", "triaxial", "shear", "extension")
+MOST_STRAIN = 10.0
 
 
 @click.command()
@@ -21,18 +22,20 @@ TESTS = ("plane-strain", "triaxial", "shear", "extension")
 @overrides_option
 @click.option("--test", type=click.Choice(TESTS), default=TESTS[0], show_default=True, help="Strain path.")
 @click.option(
-    "--pressure", type=click.FloatRange(0.0, min_open=True), help="Initial pressure, Pa  [default: rho g h_i]"
+    "--pressure",
+    metavar="VALUE",
+    type=Positive("Pa", "20000 or '20 kPa'"),
+    help="Initial pressure, Pa or with a unit  [default: rho g h_i]",
 )
 @click.option(
-    "--strain",
-    type=click.FloatRange(0.0, 10.0, min_open=True),
-    default=0.05,
-    show_default=True,
-    help="Strain at the end: vertical, shear or volumetric.",
-)
-@click.option("--steps", type=click.IntRange(10, 1_000_000), default=1000, show_default=True, help="Number of steps.")
+    "--strain", metavar="VALUE", type=Positive("", "0.05 or 5%"), default=0.05, show_default=True,
+    help="Strain at the end: vertical, shear or volumetric; at most 10.",
+)  # fmt: skip
 @click.option(
-    "--rate", type=click.FloatRange(0.0, min_open=True), default=1.0, show_default=True, help="Rate of the strain, 1/s."
+    "--steps", metavar="N", type=click.IntRange(10, 1_000_000), default=1000, show_default=True, help="Number of steps."
+)
+@click.option(
+    "--rate", metavar="VALUE", type=Positive("", "1"), default=1.0, show_default=True, help="Rate of the strain, 1/s."
 )
 @out_option("elements/CASE-TEST")
 def element(
@@ -57,15 +60,16 @@ def element(
     from mpmcol.studies.element.paths import PATHS
     from mpmcol.studies.element.run import element_test
 
+    if strain > MOST_STRAIN:
+        raise click.BadParameter(f"{strain:g}: expected a strain of at most {MOST_STRAIN:g}", param_hint="--strain")
     loaded, path = load_case(case, overrides), PATHS[test]
+    folder = make_folder(out or Path("elements") / f"{Path(case).stem}-{test}")
     weight = loaded.material.density * loaded.geometry.gravity * loaded.geometry.h_i
     columns = element_test(loaded, path, weight if pressure is None else pressure, strain, steps, rate)
-    folder = out or Path("elements") / f"{Path(case).stem}-{test}"
     click.echo(f"{loaded.material.law}: {path.description}, initial pressure {columns['pressure'][0]:.4g} Pa")
     for line in _strength_lines(path.measures, columns):
         click.echo(line)
     click.echo(f"volumetric strain at the end {columns['volumetric_strain'][-1]:.4g}")
-    make_folder(folder)
     click.echo(write_table(folder, columns))
     for chart in draw_chart(folder, loaded, path, columns):
         click.echo(chart)

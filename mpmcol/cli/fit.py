@@ -33,15 +33,15 @@ from mpmcol.cli.report import report_at_end
 )  # fmt: skip
 @click.option(
     "--profile", metavar="FILE", type=PATH,
-    help='Measured profile of the deposit: a CSV file with the columns "r" and "z" in m. The '
-    "standard error of its heights is assumed: 2 % of the largest.",
+    help='Measured profile of the deposit: a CSV file with the columns "r" and "z" (or "x" and "y"), in m or with a '
+    'unit, for example "r [mm],z [mm]". The standard error of its heights is assumed: 2 % of the largest.',
 )  # fmt: skip
 @click.option(
     "--vary", multiple=True, metavar="KEY=LOW:HIGH",
     help="Unknown key of the case and the range of its value, for example material.friction_deg=20:45. One to three.",
 )  # fmt: skip
 @click.option(
-    "--repeats", type=click.IntRange(2, 20), default=2, show_default=True,
+    "--repeats", metavar="N", type=click.IntRange(2, 20), default=2, show_default=True,
     help="Runs for each set of values, which differ in time step and spacing by a few per cent.",
 )  # fmt: skip
 @aspect_option
@@ -83,6 +83,7 @@ def fit(
     """
     from mpmcol.api.fits import default_folder, parse_measured
     from mpmcol.cli.sweep_display import SweepDisplay
+    from mpmcol.io.atomic import require_folder_path
     from mpmcol.io.values import to_json as as_json
     from mpmcol.studies.fit import RUNS, carry_out_fit
     from mpmcol.studies.fit.report import lines, record, write_report
@@ -92,6 +93,7 @@ def fit(
     targets = parse_measured(",".join(measured), profile)
     unknowns = parse_unknowns(vary, case, overrides)
     folder = out or default_folder(case, unknowns)
+    require_folder_path(folder)
     with SweepDisplay(folder / RUNS, quiet) as display:
         found = carry_out_fit(
             case, overrides, unknowns, targets, folder, accuracy=accuracy, repeats=repeats,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import asdict
 from functools import partial
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from mpmcol.cli.options import json_option, results_argument
+from mpmcol.io.values import to_json as as_json
 
 if TYPE_CHECKING:
     from mpmcol.api.measured import Measured
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@results_argument()
+@results_argument(of="a run")
 @click.option("--snapshot", metavar="N", default=-1, show_default=True, help="Snapshot index (-1: last).")
 @json_option("measurements, profile and all errors")
 @click.option("--csv", "to_csv", is_flag=True, help="Print CSV: a header and one row.")
@@ -60,7 +60,7 @@ def _json(measured: Measured) -> str:
         "scores": [score.as_dict() for score in measured.scores],
         "profile_scores": [vars(profile) for profile in measured.profiles],
     }
-    return json.dumps(record)
+    return as_json(record)
 
 
 def _points(line: tuple[Array, Array] | None) -> dict[str, list[float]] | None:

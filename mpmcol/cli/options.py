@@ -25,7 +25,7 @@ Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
 
 
 class Duration(click.ParamType):
-    """A time in seconds, given as "90", "90s", "5min", "2h" or "1.5d"."""
+    """A time in seconds, given as "90", "90s", "5min", "2h", "1.5d", or as for Slurm: "01:30:00" or "1-12:00:00"."""
 
     name = "time"
 
@@ -33,10 +33,15 @@ class Duration(click.ParamType):
         """Convert to seconds."""
         if isinstance(value, float):
             return value
-        match = re.fullmatch(r"(\d++\.?\d*+|\.\d++)\s*+(s|min|h|d|)", value.strip(), re.ASCII)
-        if not match or float(match[1]) == 0.0:
-            self.fail(f"{value!r}: expected a time > 0, for example 90s, 5min, 2h or 1.5d", param, ctx)
-        return float(match[1]) * SECONDS[match[2] or "s"]
+        if clock := re.fullmatch(r"(?:(\d{1,6})-)?(\d{1,6}):(\d\d):(\d\d)", value.strip(), re.ASCII):
+            days, hours, minutes, seconds = (int(part or 0) for part in clock.groups())
+            time = float(((24 * days + hours) * 60 + minutes) * 60 + seconds)
+        else:
+            match = re.fullmatch(r"(\d++\.?\d*+|\.\d++)\s*+(s|min|h|d|)", value.strip(), re.ASCII)
+            time = float(match[1]) * SECONDS[match[2] or "s"] if match else 0.0
+        if time == 0.0:
+            self.fail(f"{value!r}: expected a time > 0, for example 90s, 5min, 2h, 1.5d or 01:30:00", param, ctx)
+        return time
 
 
 class Accuracy(click.ParamType):
@@ -55,15 +60,46 @@ class Accuracy(click.ParamType):
         except ValueError:
             fraction = float("nan")
         if not 0.0 < fraction < 1.0:
-            self.fail(f"{value!r}: expected an error between 0 and 100%, for example 5% or 0.05", param, ctx)
+            meant = f"; did you mean {fraction:g}%?" if 1.0 <= fraction < 100.0 else ""
+            self.fail(
+                f"{value!r}: expected a relative error between 0 and 1, for example 5% or 0.05{meant}", param, ctx
+            )
         return fraction
+
+
+class Positive(click.ParamType):
+    """A number > 0 with an optional unit, for example "1 kPa"; `unit` is that of a number without one."""
+
+    name = "value"
+    least, most = 1e-30, 1e30
+
+    def __init__(self, unit: str, example: str) -> None:
+        self.unit, self.example = unit, example
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """Convert to `unit`."""
+        from mpmcol.units import to_unit
+
+        if isinstance(value, float):
+            return value
+        try:
+            number = to_unit(value, self.unit)
+        except ValueError as reason:
+            self.fail(f"{value!r}: {reason}; {self._expected}", param, ctx)
+        if not self.least <= number <= self.most:
+            self.fail(f"{value!r}: {self._expected}", param, ctx)
+        return number
+
+    @property
+    def _expected(self) -> str:
+        return f"expected a number > 0{f' in {self.unit}' if self.unit else ''}, for example {self.example}"
 
 
 DURATION, ACCURACY = Duration(), Accuracy()
 
 
-def results_argument(several: bool = False) -> Decorator:
-    """The folder of a run, a sweep or a study as an argument of a command, or several of them.
+def results_argument(several: bool = False, of: str = "a run, a sweep or a study") -> Decorator:
+    """A results folder as an argument of a command, or several of them; `of` names what they may be of.
 
     The command raises OutputError if there is no such folder.
     """
@@ -74,7 +110,7 @@ def results_argument(several: bool = False) -> Decorator:
         @functools.wraps(command)
         def checked(*arguments: Any, **options: Any) -> Any:
             for folder in options[name] if several else [options[name]]:
-                _require_folder(folder)
+                _require_folder(folder, of)
             return command(*arguments, **options)
 
         if several:
@@ -84,12 +120,11 @@ def results_argument(several: bool = False) -> Decorator:
     return decorate
 
 
-def _require_folder(folder: Path) -> None:
+def _require_folder(folder: Path, of: str) -> None:
     if not folder.is_dir():
         from mpmcol.io.results import kind_of  # here, since it takes long to import
 
-        expected = "expected the results folder of a run, a sweep or a study"
-        raise OutputError(f"{kind_of(folder)}; {expected}{_hint(folder)}")
+        raise OutputError(f"{kind_of(folder)}; expected the results folder of {of}{_hint(folder)}")
 
 
 def _hint(missing: Path) -> str:
@@ -142,12 +177,34 @@ def with_aspect(overrides: Sequence[str], aspect: str | None) -> tuple[str, ...]
     return (f"{ASPECT_KEY}={aspect}", *overrides)
 
 
+def _one_aspect(context: click.Context, parameter: click.Parameter, values: tuple[str, ...]) -> str | None:
+    """The single value of `--aspect`, of which click would take the last one, as text."""
+    if len(values) > 1:
+        raise click.BadParameter(f"is given {len(values)} times: {', '.join(values)}; give one value")
+    if values and not {",", ":"} & set(values[0]):  # several values have their own message
+        Positive("", "3").convert(values[0], parameter, context)
+    return values[0] if values else None
+
+
+def _not_repeated(context: click.Context, parameter: click.Parameter, values: tuple[str, ...]) -> tuple[str, ...]:
+    """The values of `--set`; CaseError if a key has two."""
+    if len(values) > 1:
+        from mpmcol.case.overrides import refuse_repeated
+
+        refuse_repeated(values)
+    return values
+
+
 overrides_option = click.option(
-    "--set", "overrides", multiple=True, metavar="KEY=VALUE",
+    "--set", "overrides", multiple=True, metavar="KEY=VALUE", callback=_not_repeated,
     help="Replace a value of the case, for example grid.spacing=0.005. May be repeated.",
 )  # fmt: skip
 aspect_option = click.option(
-    "--aspect", metavar="VALUE", help=f"Aspect ratio h_i/r_i, the same as --set {ASPECT_KEY}=VALUE."
+    "--aspect",
+    metavar="VALUE",
+    multiple=True,
+    callback=_one_aspect,
+    help=f"Aspect ratio h_i/r_i, the same as --set {ASPECT_KEY}=VALUE.",
 )
 fresh_option = click.option(
     "--fresh", is_flag=True, help="Run again from scratch: discard finished and unfinished runs."

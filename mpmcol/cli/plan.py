@@ -48,7 +48,10 @@ def plan(
         changes = [asdict(proposal) for proposal in proposals]
         click.echo(as_json({"schema": RECORD_SCHEMA, "changes": changes, "recommended": asdict(advice)}))
         return
-    click.echo(f"{'single change':44s}{'time':>8s}{'zeta':>8s}{'beta':>8s}")
+    if proposals:
+        click.echo(f"{'single change':44s}{'time':>8s}{'zeta':>8s}{'beta':>8s}")
+    else:
+        click.echo("no single change saves time")
     for proposal in proposals:
         click.echo(f"{proposal.name:44s}{f'x {proposal.cost_ratio:.2g}':>8s}{_effects(proposal.effect)}")
     click.echo(f"\ncheapest within {100.0 * accuracy:.3g}%: {advice}")

@@ -20,7 +20,7 @@ def parse_times(context: click.Context, parameter: click.Parameter, text: str | 
 
 
 @click.command()
-@results_argument(several=True)
+@results_argument(several=True, of="a run")
 @click.option(
     "--times",
     metavar="T,...",

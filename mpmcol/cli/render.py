@@ -26,7 +26,7 @@ def parse_size(context: click.Context, parameter: click.Parameter, text: str) ->
 
 
 @click.command()
-@results_argument()
+@results_argument(of="a run")
 @click.option("--gif", is_flag=True, help="Also write an animation of all snapshots.")
 @click.option("--mp4", is_flag=True, help="Also write an animation as MP4 (needs imageio-ffmpeg).")
 @click.option("--view", type=click.Choice(["side", "3d", "top"]), help="Camera view  [default: side, in 3D 3d]")

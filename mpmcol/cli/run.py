@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import os
 from math import inf
 from pathlib import Path
 from shlex import quote
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import click
 from click.core import ParameterSource
@@ -32,6 +31,10 @@ from mpmcol.cli.options import (
 )
 from mpmcol.cli.report import report_at_end
 from mpmcol.errors import Interrupted, NumericalFailure
+from mpmcol.io.values import to_json as as_json
+
+if TYPE_CHECKING:
+    from mpmcol.case import Case
 
 SINGLE_RUN_OPTIONS = (
     "force_resume", "checkpoint", "max_wall", "on_instability", "requeue_code", "dry_run", "report",
@@ -59,7 +62,7 @@ SINGLE_RUN_OPTIONS = (
     help="After a numerical failure stop, or return to the last valid state with half the time step.",
 )
 @click.option(
-    "--requeue-code", metavar="N", type=click.IntRange(0, 255), help="Exit code of a stopped run  [default: 75]"
+    "--requeue-code", metavar="N", type=click.IntRange(6, 129), help="Exit code of a stopped run  [default: 75]"
 )
 @dry_run_option
 @report_option
@@ -107,6 +110,8 @@ def run(
         _check_certify(accuracy)
     elif jobs is not None:
         raise click.UsageError("--jobs applies to several runs: give --accuracy and --certify, or mpmcol sweep")
+    if fresh and force_resume:
+        raise click.UsageError("--fresh discards an unfinished run, and --force-resume resumes it; give one of them")
     if threads is not None:
         os.environ.setdefault("NUMBA_NUM_THREADS", str(max(threads, os.cpu_count() or 1)))
     from mpmcol.case import load_case
@@ -125,6 +130,7 @@ def run(
             )  # fmt: skip
         loaded = load_case(case, [*given, *advice.overrides])
     if dry_run:
+        _check_folder(loaded, folder, fresh, quiet)
         _note_threads(threads, quiet)
         print_estimate(loaded, threads, to_json=to_json, quiet=quiet)
         return
@@ -144,11 +150,11 @@ def run(
         raise
     except NumericalFailure:
         if to_json:
-            click.echo(json.dumps(Results(folder).summary))
+            click.echo(as_json(Results(folder).summary))
         raise
     statement, lines = ({}, []) if accuracy is None else state_accuracy(results, advice, accuracy)
     if to_json:
-        click.echo(json.dumps(results.summary | ({"accuracy": statement} if statement else {})))
+        click.echo(as_json(results.summary | ({"accuracy": statement} if statement else {})))
     elif not quiet:
         from mpmcol.cli.run_summary import summary_table
 
@@ -168,6 +174,18 @@ def _check_certify(accuracy: float | None) -> None:
     if given:
         option = f"--{given[0].replace('_', '-')}"
         raise click.UsageError(f"{option} applies to a single run, and --certify makes several; omit one of them")
+
+
+def _check_folder(case: Case, folder: Path, fresh: bool, quiet: bool) -> None:
+    """Refuse what the run would refuse about its folder."""
+    from mpmcol.io.atomic import require_folder_path
+    from mpmcol.io.run_folder import require_no_foreign_files
+    from mpmcol.simulation.restart import finished_run
+
+    require_folder_path(folder)
+    require_no_foreign_files(folder)
+    if not fresh:
+        finished_run(case, folder, lambda line: None if quiet else click.echo(line, err=True))
 
 
 def _note_threads(threads: int | None, quiet: bool) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, suppress
@@ -12,12 +11,14 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from mpmcol.io.run_log import ProgressLines, TimeLeft
+from mpmcol.io.values import to_json as as_json
 from mpmcol.units import duration_text
 
 if TYPE_CHECKING:
     from mpmcol.case import Case
     from mpmcol.setup.cost import Estimate
 
+ESTIMATE_SCHEMA = 1
 MEASURING_SPEED = "measuring the speed of this machine (half a second, more if kernels must be compiled) ..."
 
 
@@ -85,7 +86,7 @@ def print_estimate(case: Case, threads: int | None, *, to_json: bool, quiet: boo
         click.echo(MEASURING_SPEED, err=True)
     cost = estimate(case, threads)
     if to_json:
-        click.echo(json.dumps(asdict(cost)))
+        click.echo(as_json({"schema": ESTIMATE_SCHEMA, **asdict(cost)}))
         return
     for warning in cost.warnings:
         click.echo(f"note: {warning}")
@@ -98,7 +99,7 @@ def _estimate_rows(cost: Estimate) -> Iterator[tuple[str, str]]:
     tiles = cost.tiles_of_group
     yield "material points", f"{cost.points:,} ({cost.column_points:,} in the column)"
     yield "active grid nodes", f"{cost.nodes:,}"
-    yield "parallelism", f"{sum(tiles) / len(tiles):.0f} tiles at a time on average, in {len(tiles)} groups"
+    yield "useful threads", f"at most {max(sum(tiles) // len(tiles), 1)}"
     yield "time step", f"{cost.dt:.4g} s"
     yield "steps", f"about {cost.steps:,}, at most {cost.most_steps:,}"
     yield "memory", f"{cost.memory_bytes / 1e6:,.0f} MB"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from datetime import datetime, timedelta
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,7 +19,6 @@ STATUS_SCHEMA = 2
 STATUS_TEXTS = {
     "unfinished": "unfinished: the process was killed",
     "stopped": "stopped   by a signal or the wall-clock limit",
-    "damaged": "damaged: result.json cannot be read",
     "missing": "not started",
 }
 
@@ -34,8 +33,8 @@ def status(folder: Path, follow: bool, to_json: bool) -> None:
     """Show progress and remaining time of a sweep, study or run.
 
     DIR is the folder of a sweep or of a single run; the runs of a study are in the folder "runs" inside the study's
-    folder. With --follow, progress goes to stderr; the exit code is 0 if all runs are done, otherwise as that of
-    mpmcol sweep.
+    folder. With --follow, progress goes to stderr; the exit code is 0 if all runs are done, 75 if one was
+    stopped, 5 if one is damaged, 3 if one diverged, and 1 otherwise. Without it the exit code is 0 in every state.
     """
     from mpmcol.cli.follow import follow_runs, state_code
     from mpmcol.sweep.plan import as_json
@@ -92,12 +91,25 @@ def _lines(folder: Path, plan: Plan, runs: list[TrackedRun]) -> Iterator[str]:
         yield f"about {duration_text(left)} left, until {end:%H:%M}"
     elif "running" not in found and found - {"done", "failed"}:
         cost = "" if left is None else f", in about {duration_text(left)}"
-        yield f"no run is being executed; repeat the command to complete the missing ones{cost}"
+        yield f"no run is being executed; {_how_to_complete(folder, found)}{cost}"
     if plan.version not in ("", code_version()):
         yield (
             f"note: planned by mpmcol {plan.version}; this is {code_version()}, with which the same command starts new "
             "runs"
         )
+
+
+def _how_to_complete(folder: Path, found: Collection[str]) -> str:
+    """What to do about the runs that have not ended: a sweep replaces a damaged run, a single run does not."""
+    from mpmcol.io.names import CHECKPOINT_FILES
+    from mpmcol.sweep.plan import PLAN_FILE
+
+    resumes = any((folder / name).exists() for name in CHECKPOINT_FILES)
+    if "damaged" not in found or resumes:
+        return "repeat the command to complete the missing ones"
+    if (folder / PLAN_FILE).exists():
+        return "repeat the command to complete the missing ones and to replace the damaged ones"
+    return "the result is damaged: run the case again with --fresh"
 
 
 def _status_text(run: TrackedRun) -> str:
@@ -110,4 +122,6 @@ def _status_text(run: TrackedRun) -> str:
         return f"failed    {run.status.failure}"
     if run.status.name == "done":
         return f"done      {duration_text(run.seconds)}"
+    if run.status.name == "damaged":
+        return f"damaged   result.json: {run.status.problem}"
     return STATUS_TEXTS.get(run.status.name, run.status.name)

@@ -25,6 +25,7 @@ from mpmcol.cli.options import (
 from mpmcol.cli.report import report_at_end
 from mpmcol.cli.sweep_plan import print_commands, print_forecast
 from mpmcol.cli.uncertain import End, Ending, UncertainOptions, uncertain_options
+from mpmcol.io.atomic import require_folder_path
 
 if TYPE_CHECKING:
     from mpmcol.sweep.engine import Outcome
@@ -94,16 +95,19 @@ def sweep(
     with a checkpoint (exit code 75).
     """
     _check_engine(engine, scheduler, jobs, to_json, report)
+    if dry_run and engine != "local":
+        raise click.UsageError(f"--dry-run estimates runs on this machine; remove --engine {engine}")
     case = case or ("cylinder" if slope is None else "inclined-channel")
     end: End = _ending
     if uncertain.inputs:
         plan, folder = uncertain.plan(case, aspect, overrides, slope, out=out, accuracy=accuracy)
-        runs, notes, end = plan.runs, plan.lines(), partial(uncertain.ending, plan)
+        runs, notes, end = plan.runs, uncertain.notes(plan), partial(uncertain.ending, plan)
     else:
         runs, folder, notes = _planned(case, aspect, overrides, slope, zipped=zipped, out=out, accuracy=accuracy)
     if not quiet:
         click.echo("".join(f"{note}\n" for note in notes), err=True, nl=False)
     if dry_run:
+        require_folder_path(folder)
         print_forecast(runs, jobs, threads, fresh=fresh, to_json=to_json, quiet=quiet)
     elif engine == "commands":
         print_commands(runs, folder, threads, fresh=fresh, quiet=quiet)

@@ -65,7 +65,7 @@ class SweepDisplay(SweepObserver):
         for number, handler in self._previous.items():
             signal.signal(number, handler)
         if kind is KeyboardInterrupt and self._signals < ABORTING:
-            raise Interrupted("stopped gracefully; repeat the command to complete the sweep") from None
+            raise Interrupted("stopped with checkpoints; repeat the command to complete the runs") from None
 
     def notify(self, line: str) -> None:
         """Print one line, in the place of the bar."""

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mpmcol.cli.options import Decorator
+from mpmcol.cli.options import Decorator, Positive
 
 if TYPE_CHECKING:
     from mpmcol.studies.uncertainty.plan import UncertaintyPlan
@@ -20,24 +20,6 @@ if TYPE_CHECKING:
 Ending = tuple[dict[str, Any], Sequence[str]]
 End = Callable[["Sequence[Outcome]", "SweepReport"], Ending]  # what is printed at the end of a sweep
 SAMPLES, SEED = 64, 0
-
-
-class Distance(click.ParamType):
-    """A distance in m, given as 0.35 or "350 mm"."""
-
-    name = "distance"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        """Convert to m."""
-        from mpmcol.units import to_unit
-
-        try:
-            distance = to_unit(str(value), "m")
-        except ValueError:
-            distance = float("nan")
-        if not 0.0 < distance < float("inf"):
-            self.fail(f'{value!r}: expected a distance > 0 in m, for example 0.35 or "350 mm"', param, ctx)
-        return distance
 
 
 @dataclass(frozen=True)
@@ -72,6 +54,13 @@ class UncertainOptions:
             samples=self.samples, seed=self.seed, accuracy=accuracy, problems=[*problems, *more],
         )  # fmt: skip
         return plan, folder
+
+    def notes(self, plan: UncertaintyPlan) -> list[str]:
+        """Notes on the plan, and on distances that no front can pass."""
+        length = max(run.discretization.length for run in plan.runs)
+        far = [f"{distance:g} m" for distance in self.passes if distance > length]
+        beyond = f"note: --passes: {', '.join(far)}: beyond the domain, {length:.4g} m long; write '350 mm' for mm"
+        return [*plan.lines(), *([beyond] if far else [])]
 
     def ending(self, plan: UncertaintyPlan, outcomes: Sequence[Outcome], report: SweepReport) -> Ending:
         """What is printed at the end: the record for JSON, and lines; writes the report."""
@@ -123,7 +112,8 @@ def _options() -> Iterator[Decorator]:
     yield click.option(
         "--uncertain", multiple=True, metavar="KEY=DISTRIBUTION",
         help="Draw the values of a key: normal:MEAN,SD, lognormal:MEDIAN,FACTOR (68 % are within MEDIAN/FACTOR to "
-        "MEDIAN*FACTOR), uniform:LOW,HIGH or triangular:LOW,MODE,HIGH. May be repeated.",
+        "MEDIAN*FACTOR), uniform:LOW,HIGH or triangular:LOW,MODE,HIGH. May be repeated. The time step (time.cfl) "
+        "of each run is drawn as well, so that the scatter is known.",
     )  # fmt: skip
     yield click.option(
         "--samples", metavar="N", type=click.IntRange(5, 10_000),
@@ -134,7 +124,7 @@ def _options() -> Iterator[Decorator]:
         help=f"With --uncertain: seed of the hypercube  [default: {SEED}]",
     )  # fmt: skip
     yield click.option(
-        "--passes", multiple=True, metavar="DISTANCE", type=Distance(),
+        "--passes", multiple=True, metavar="DISTANCE", type=Positive("m", "0.35 or '350 mm'"),
         help="With --uncertain: probability that the front (front_height, m from the wall or axis as front in "
         "result.json) passes this distance. May be repeated.",
     )  # fmt: skip

@@ -33,15 +33,14 @@ def verify(context: click.Context, folders: tuple[Path, ...], to_json: bool) -> 
     SHA256SUMS, which reveals any changed byte. Prints one line for each folder and for each problem. The exit code is 5
     if a file is damaged or missing.
     """
-    import json
-
     from mpmcol.integrity import verify as check
+    from mpmcol.io.values import to_json as as_json
 
     reports = [report for folder in folders for report in check(folder)]
     is_intact = all(report.is_intact for report in reports)
     if to_json:
         found = [report.as_dict() for report in reports]
-        click.echo(json.dumps({"schema": VERIFY_SCHEMA, "intact": is_intact, "folders": found}))
+        click.echo(as_json({"schema": VERIFY_SCHEMA, "intact": is_intact, "folders": found}))
     else:
         for report in reports:
             click.echo("\n".join(_lines(report)))

@@ -13,8 +13,8 @@ import numpy as np
 from mpmcol.case import case_hash, load_case
 from mpmcol.errors import CaseError, OutputError
 from mpmcol.io.names import CASE_FILE, INDEX_FILES
-from mpmcol.io.results import RESULT_SCHEMA, read_history
-from mpmcol.io.run_status import ENDINGS
+from mpmcol.io.results import read_history
+from mpmcol.io.run_status import read_result
 from mpmcol.io.snapshot import DAMAGE, Snapshot, list_snapshots, read_snapshot
 
 Result = dict[str, Any] | None  # the content of result.json, None if there is none
@@ -23,11 +23,7 @@ Result = dict[str, Any] | None  # the content of result.json, None if there is n
 def result_problem(path: Path, result: Result) -> str:
     """Problem of result.json; "" if there is none."""
     if result is None:
-        return "it is not a result"
-    if result.get("schema") != RESULT_SCHEMA:
-        return f"its schema is {result.get('schema')!r}, expected {RESULT_SCHEMA}: written by another version of mpmcol"
-    if result.get("status") not in ENDINGS:
-        return f"its status is {result.get('status')!r}, expected one of {', '.join(ENDINGS)}"
+        return read_result(path)[1]
     missing = {"zeta", "beta", "points", "steps", "versions", "case_hash"} - set(result)
     return f"it lacks {', '.join(sorted(missing))}" if missing else ""
 

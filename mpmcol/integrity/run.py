@@ -42,14 +42,26 @@ def check_run(folder: Path) -> FolderReport:
     if status.name == "running":
         note = Finding(LOCK_FILE, "a run is writing here", "verify it after it has ended", is_damage=False)
         return FolderReport(folder, status.name, len(files), (note,))
-    if (folder / RESULT_FILE).exists():  # it is written last
+    is_lost = _has_lost_result(folder)
+    if (folder / RESULT_FILE).exists() or is_lost:  # it is written last
         checksums, problems = _changed_files(folder)
     else:
         checksums, problems = {}, _changed_snapshots(folder)
     problems |= _content_problems(folder, checksums, problems, status.result)
     findings = [Finding(name, what, _remedy(folder, name, problems)) for name, what in sorted(problems.items())]
-    findings += [*_checkpoints(folder), *_charts(folder), *_temporary_files(folder)]
-    return FolderReport(folder, status.name, len(files), tuple(findings))
+    findings += [] if is_lost else _checkpoints(folder)
+    findings += [*_charts(folder), *_temporary_files(folder)]
+    return FolderReport(folder, "damaged" if is_lost else status.name, len(files), tuple(findings))
+
+
+def _has_lost_result(folder: Path) -> bool:
+    """Whether a run has ended, since it has checksums, and its result was removed.
+
+    A process that was killed may leave checksums without a result as well: between the writing of the two, or while a
+    new run removes them. It also leaves checkpoints, or has removed the log.
+    """
+    exists = {name: (folder / name).exists() for name in (CHECKSUM_FILE, LOG_FILE, RESULT_FILE, *CHECKPOINT_FILES)}
+    return {name for name, found in exists.items() if found} == {CHECKSUM_FILE, LOG_FILE}
 
 
 def _changed_files(folder: Path) -> tuple[dict[str, str], dict[str, str]]:

@@ -13,15 +13,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from mpmcol.errors import OutputError
-from mpmcol.io.names import (
-    CASE_FILE,
-    CHECKPOINT_FILES,
-    CHECKSUM_FILE,
-    HISTORY_FILE,
-    INDEX_FILES,
-    RESULT_FILE,
-    SNAPSHOT_FOLDER,
-)
+from mpmcol.io.names import OWN_FILES, SNAPSHOT_FOLDER
 
 IS_WINDOWS = sys.platform == "win32"
 # Windows neither replaces nor deletes a file that another program has open, for example to index it or to scan it.
@@ -36,7 +28,7 @@ REMEDIES = {
     errno.EACCES: NO_ACCESS,
     errno.EPERM: NO_ACCESS,
     errno.EROFS: "this disk is read-only: choose another folder",
-    errno.ENOENT: "the folder is gone: create it again, or choose another folder",
+    errno.ENOENT: "there is no folder {folder}; create it, or choose another one",
     errno.ENOTDIR: "a part of this path is a file, not a folder: choose another folder",
     errno.EEXIST: "a file of that name is in the way: move it, or choose another folder",
     errno.EISDIR: "a folder of that name is in the way: move it, or choose another name",
@@ -60,11 +52,23 @@ def atomic_write(path: Path, data: bytes) -> None:
             temporary.unlink(missing_ok=True)
 
 
+def is_temporary(path: Path) -> bool:
+    """Whether a file has the name of a temporary file of `atomic_write`."""
+    return path.name.startswith(".") and path.suffix == ".tmp"
+
+
 def temporary_files(folder: Path) -> list[Path]:
     """Temporary files of a run in its folder: of the running process, or left by one that was killed."""
-    own = (CASE_FILE, RESULT_FILE, CHECKSUM_FILE, HISTORY_FILE, *INDEX_FILES, *CHECKPOINT_FILES)
-    patterns = [*(f".{name}.*.tmp" for name in own), f"{SNAPSHOT_FOLDER}/.*.tmp"]
+    patterns = [*(f".{name}.*.tmp" for name in OWN_FILES), f"{SNAPSHOT_FOLDER}/.*.tmp"]
     return sorted({path for pattern in patterns for path in folder.glob(pattern)})
+
+
+def read_bytes(path: Path) -> bytes:
+    """The content of a file. Raises OutputError with the path and the reason."""
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise OutputError(f"{path}: cannot be read: {error.strerror or error}") from error
 
 
 def make_folder(path: Path, parents: bool = True) -> Path:
@@ -77,6 +81,19 @@ def make_folder(path: Path, parents: bool = True) -> Path:
     except OSError as error:
         raise cannot_write(path, error) from error
     return path
+
+
+def require_folder_path(path: Path) -> None:
+    """Raise OutputError if `path` is no folder and cannot become one; writes nothing."""
+    try:
+        present = next(one for one in (path, *path.absolute().parents) if one.exists())
+    except OSError as error:  # for example a name that is too long
+        raise cannot_write(path, error) from error
+    if not present.is_dir():
+        number = errno.EEXIST if present == path else errno.ENOTDIR
+        raise cannot_write(path, OSError(number, os.strerror(number)))
+    if not os.access(present, os.W_OK):
+        raise cannot_write(path, OSError(errno.EACCES, os.strerror(errno.EACCES)))
 
 
 def remove(path: Path) -> None:
@@ -94,7 +111,7 @@ def cannot_write(path: Path, error: OSError) -> OutputError:
     """The error to raise for a failed write: path, reason and remedy."""
     reason = error.strerror or str(error)
     remedy = REMEDIES.get(error.errno or 0, "check the disk and the folder, then run again")
-    return OutputError(f"{path}: cannot be written: {reason}; {remedy}")
+    return OutputError(f"{path}: cannot be written: {reason}; {remedy.format(folder=path.parent)}")
 
 
 def _patiently(action: Callable[[], None]) -> None:

@@ -36,11 +36,19 @@ def write_checksums(folder: Path, checksums: Mapping[str, str]) -> None:
 def read_checksums(folder: Path) -> dict[str, str]:
     """Read SHA256SUMS. Raises FileNotFoundError if it is missing, ValueError if any byte of it was changed."""
     content = (folder / CHECKSUM_FILE).read_bytes()
-    lines = [line.split("  ", 1) for line in content.decode().splitlines() if not line.startswith("#")]
-    checksums = {name: checksum for checksum, name in lines}
+    lines = [line for line in content.decode(errors="replace").splitlines() if not line.startswith("#")]
+    checksums = {name: checksum for checksum, _, name in (line.partition("  ") for line in lines)}
     if _text(checksums) != content:
-        raise ValueError("the checksum in its last line does not match")
+        raise ValueError("the checksum in its last line is missing or does not match")
     return checksums
+
+
+def listed_checksums(folder: Path) -> dict[str, str]:
+    """As `read_checksums`; empty if there is no list, as of a run that has not ended, or if the list is damaged."""
+    try:
+        return read_checksums(folder)
+    except (OSError, ValueError):
+        return {}
 
 
 def _text(checksums: Mapping[str, str]) -> bytes:

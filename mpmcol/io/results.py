@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import json
 from collections.abc import Iterator, Mapping
 from dataclasses import fields
 from functools import cached_property
@@ -12,13 +11,15 @@ from typing import Any
 
 import numpy as np
 
-from mpmcol.case import Case, load_case
-from mpmcol.errors import OutputError, UsageError
+from mpmcol.case import Case
+from mpmcol.errors import OutputError
 from mpmcol.io.columns import without_unit
 from mpmcol.io.html import html_table
 from mpmcol.io.names import CASE_FILE, HISTORY_FILE, PRESSURE_FILE, RESULT_FILE
-from mpmcol.io.run_status import read_status
-from mpmcol.io.snapshot import Snapshot, list_snapshots, read_snapshot
+from mpmcol.io.run_snapshots import find_snapshot, run_snapshots
+from mpmcol.io.run_status import read_result, read_status
+from mpmcol.io.snapshot import Snapshot, read_snapshot
+from mpmcol.io.stored_case import read_stored_case, require_unchanged
 from mpmcol.measure import (
     Array,
     ColumnShape,
@@ -33,7 +34,6 @@ from mpmcol.measure import (
 from mpmcol.setup.column_shape import column_shape
 from mpmcol.setup.discretization import discretize
 
-RESULT_SCHEMA = 1
 HISTORY = (
     "stage", "step", "time", "dt", "kinetic", "potential", "elastic", "plastic", "filter", "damping", "walls",
     "transfer", "residual", "front_max", "front_connected", "front_height", "height", "J_min", "J_max", "open_points",
@@ -77,32 +77,34 @@ class Results:
         for quantity in ("zeta", "beta"):
             yield quantity, _numbers_text(result.get(quantity))
         ledger, shares = result.get("ledger") or {}, result.get("dissipation") or {}
-        if "residual" in ledger and shares.get("released"):
-            yield "energy error", f"{ledger['residual'] / shares['released']:.1e} of the released energy"
+        residual, released = ledger.get("residual"), shares.get("released")
+        if residual is not None and released:  # null: not finite, in a failed run
+            yield "energy error", f"{residual / released:.1e} of the released energy"
 
     @cached_property
     def case(self) -> Case:
-        """The case with all defaults filled in."""
-        return load_case(self.folder / CASE_FILE)
+        """The case with all defaults filled in. Raises OutputError also if it is not the one that was simulated."""
+        path = self.folder / CASE_FILE
+        case = read_stored_case(path)
+        if self.status != "unfinished":
+            require_unchanged(path, case, self.summary.get("case_hash"))
+        return case
 
     @cached_property
     def summary(self) -> dict[str, Any]:
         """The content of result.json."""
         path = self.folder / RESULT_FILE
-        try:
-            content = json.loads(path.read_text("utf-8"))
-        except FileNotFoundError:
-            raise OutputError(f"{path} is missing: the run has not ended; run the case again") from None
-        except (OSError, ValueError) as error:
-            raise OutputError(f"{path} cannot be read ({error}); run the case again with --fresh") from None
-        if not isinstance(content, dict):
-            raise OutputError(f"{path} does not hold a result; run the case again with --fresh")
-        return content
+        result, problem = read_result(path)
+        if problem:
+            raise OutputError(f"{path}: {problem}; run the case again with --fresh")
+        if result is None:
+            raise OutputError(f"{path} is missing: the run has not ended; run the case again")
+        return result
 
     @property
     def status(self) -> str:
         """How the run ended: "done", "failed" or "stopped"; "unfinished" if it has no result."""
-        return str(self.summary.get("status")) if (self.folder / RESULT_FILE).exists() else "unfinished"
+        return str(self.summary["status"]) if (self.folder / RESULT_FILE).exists() else "unfinished"
 
     @property
     def came_to_rest(self) -> bool:
@@ -122,18 +124,15 @@ class Results:
 
     @property
     def snapshots(self) -> list[Path]:
-        """Snapshot files in the order of writing."""
-        return list_snapshots(self.folder)
+        """Snapshot files in the order of writing; of a run that has ended, with files that are missing."""
+        return run_snapshots(self.folder)
 
     def snapshot(self, index: int = -1) -> Snapshot:
-        """One snapshot, by default the last. Raises UsageError if there is none with that index."""
-        paths = self.snapshots
-        try:
-            return read_snapshot(paths[index])
-        except IndexError:
-            raise UsageError(
-                f"{self.folder}: there is no snapshot {index}; expected 0 to {len(paths) - 1}, or -1 for the last"
-            ) from None
+        """One snapshot, by default the last.
+
+        Raises UsageError if there is none with that index, OutputError if it is missing or damaged.
+        """
+        return read_snapshot(find_snapshot(self.folder, index))
 
     @cached_property
     def shape(self) -> ColumnShape:
@@ -219,6 +218,8 @@ def _read_columns(path: Path, texts: tuple[str, ...], required: tuple[str, ...] 
         with path.open(encoding="utf-8", newline="") as file:
             columns = [without_unit(column) for column in next(csv.reader(file), [])]
             rows = list(csv.DictReader(file, columns))
+        if missing := [name for name in required if name not in columns]:
+            raise ValueError(f"no column {missing[0]}")
         names = [*required, *(name for name in columns if name not in required)]
         return {name: np.array([row[name] if name in texts else float(row[name]) for row in rows]) for name in names}
     except (OSError, KeyError, TypeError, ValueError, csv.Error):

@@ -12,7 +12,7 @@ from typing import Any
 
 from mpmcol.case import Case, case_hash
 from mpmcol.errors import OutputError, UsageError
-from mpmcol.io.atomic import atomic_write, make_folder, remove
+from mpmcol.io.atomic import atomic_write, is_temporary, make_folder, read_bytes, remove
 from mpmcol.io.checksums import checksum_of, write_checksums
 from mpmcol.io.columns import header
 from mpmcol.io.lock import locked
@@ -29,7 +29,6 @@ from mpmcol.io.names import (
     RESULT_FILE,
 )
 from mpmcol.io.results import HISTORY, Results
-from mpmcol.io.run_status import ENDINGS
 from mpmcol.io.values import to_json
 
 
@@ -46,11 +45,16 @@ def prepare_folder(folder: Path, case: Case, fresh: bool, notify: Callable[[str]
             raise UsageError(f"{folder} holds a finished run; use --fresh to replace it, or --out for another folder")
         if Results(folder).summary.get("case_hash") != case_hash(case):
             notify(f"note: an incomplete run of another case in {folder} is replaced")
-    found = {path.name for path in folder.iterdir()} if folder.is_dir() else set()
+    require_no_foreign_files(folder)
+    if (folder / CASE_FILE).exists():
+        _remove_run(folder)
+
+
+def require_no_foreign_files(folder: Path) -> None:
+    """Raise UsageError if the folder has files, but no run."""
+    found = {path.name for path in folder.iterdir() if not is_temporary(path)} if folder.is_dir() else set()
     if found - {LOCK_FILE, GIVEN_CASE_FILE, LOG_FILE} and CASE_FILE not in found:
         raise UsageError(f"{folder} is not empty and holds no run; use --out for another folder")
-    if CASE_FILE in found:
-        _remove_run(folder)
 
 
 def discard_run(folder: Path) -> None:
@@ -89,7 +93,7 @@ def _link(source: Path, target: Path) -> None:
         target.unlink(missing_ok=True)
         os.link(source, target)
     except OSError:
-        atomic_write(target, source.read_bytes())
+        atomic_write(target, read_bytes(source))
 
 
 def reopen_folder(folder: Path) -> None:
@@ -101,12 +105,7 @@ def reopen_folder(folder: Path) -> None:
 def _is_finished(folder: Path) -> bool:
     if not (folder / CASE_FILE).exists():
         return True
-    status = Results(folder).summary.get("status")
-    if status not in ENDINGS:
-        raise OutputError(
-            f"{folder / RESULT_FILE} is damaged: its status is {status!r}; use --fresh to replace the run"
-        )
-    return bool(status == "done")
+    return Results(folder).status == "done"
 
 
 def write_history(folder: Path, rows: Sequence[Mapping[str, Any]], model: str = "") -> None:

@@ -15,6 +15,7 @@ from mpmcol.io.lock import is_locked
 from mpmcol.io.names import CASE_FILE, HISTORY_FILE, RESULT_FILE, RESUMED_AT
 
 BEFORE_RELEASE = "equilibrate"
+RESULT_SCHEMA = 1  # of result.json
 ENDINGS = ("done", "failed", "stopped")  # values of `status` in result.json
 
 Name = Literal["done", "failed", "running", "stopped", "unfinished", "damaged", "missing"]
@@ -25,11 +26,13 @@ class RunStatus:
     """Status of a run, with the content of its result.json where there is one.
 
     name: "done"; "failed": it diverged; "running"; "stopped": by a signal or the wall-clock limit; "unfinished": its
-    process was killed; "damaged": its result cannot be read; "missing": it was not started.
+    process was killed; "damaged": its result cannot be read, for the reason in `problem`; "missing": it was not
+    started.
     """
 
     name: Name
     result: dict[str, Any] | None = None
+    problem: str = ""
 
     @property
     def has_ended(self) -> bool:
@@ -58,26 +61,43 @@ def run_seconds(result: Mapping[str, Any]) -> float:
 def read_status(folder: Path) -> RunStatus:
     """Status of the run in a folder, which need not exist."""
     locked = is_locked(folder)  # first, because a run writes its result before it releases the lock
-    result = _read_result(folder / RESULT_FILE)
-    if isinstance(result, dict) and result.get("status") == "done":
+    result, problem = read_result(folder / RESULT_FILE)
+    if result and result["status"] == "done":
         return RunStatus("done", result)
     if locked:
         return RunStatus("running")
+    if problem:
+        return RunStatus("damaged", problem=problem)
     if result is None:
         return RunStatus("unfinished" if (folder / CASE_FILE).exists() else "missing")
-    if not isinstance(result, dict) or result.get("status") not in ENDINGS:
-        return RunStatus("damaged")
     return RunStatus("failed" if result["status"] == "failed" else "stopped", result)
 
 
-def _read_result(path: Path) -> Any:
-    """The content of result.json, None if it is missing, False if it cannot be read."""
+def read_result(path: Path) -> tuple[dict[str, Any] | None, str]:
+    """The content of result.json and "", None and its problem if it is damaged, or None and "" if it is missing."""
     try:
-        return json.loads(path.read_bytes())
+        content = json.loads(path.read_bytes())
     except FileNotFoundError:
-        return None
-    except (OSError, ValueError):
-        return False
+        return None, ""
+    except OSError as error:
+        return None, f"it cannot be read: {error.strerror}"
+    except (ValueError, RecursionError):
+        return None, "it cannot be read: it is not JSON"
+    problem = result_problem(content)
+    return (None, problem) if problem else (content, "")
+
+
+def result_problem(content: Any) -> str:
+    """Why the content of a result.json is not a result of this version; "" if it is one."""
+    if not isinstance(content, dict):
+        return "it is not a result"
+    if missing := [key for key in ("schema", "status") if content.get(key) is None]:
+        return f"it lacks {' and '.join(missing)}"
+    if content["schema"] != RESULT_SCHEMA:
+        return f"its schema is {content['schema']!r}, expected {RESULT_SCHEMA}: written by another version of mpmcol"
+    if content["status"] not in ENDINGS:
+        return f"its status is {content['status']!r}, expected one of {', '.join(ENDINGS)}"
+    return ""
 
 
 def time_reached(folder: Path) -> float | None:

@@ -18,7 +18,7 @@ import numpy as np
 from mpmcol.errors import OutputError
 from mpmcol.io import vtkhdf
 from mpmcol.io.atomic import atomic_write, make_folder
-from mpmcol.io.checksums import has_checksum, read_checksums
+from mpmcol.io.checksums import has_checksum, listed_checksums
 from mpmcol.io.names import INDEX_FILES, SNAPSHOT_FOLDER
 
 SCHEMA = 1
@@ -47,6 +47,8 @@ DESCRIPTIONS = {  # field data for viewers, which do not show HDF5 attributes
 BASE_MATERIAL = 1
 ATTRIBUTES = {"velocity": "Vectors", "stress": "Tensors", "id": "GlobalIds"}
 DAMAGE = (OSError, KeyError, ValueError, TypeError, AttributeError, IndexError, RuntimeError, MemoryError)
+
+RESTORE = "restore it from a copy, or run the case again with --fresh"
 
 Meta = Mapping[str, str | int | float]
 
@@ -220,7 +222,7 @@ def _plain(dataset: h5py.Dataset) -> Any:
 def _opened(path: Path) -> Iterator[h5py.File]:
     """The open snapshot file; any error while it is open becomes an OutputError with its path."""
     if not path.is_file():
-        raise OutputError(f"{path}: no such snapshot; expected a file in `{SNAPSHOT_FOLDER}/` of a results folder")
+        raise OutputError(f"{path}: no such snapshot; {RESTORE}")
     try:
         _verify_checksum(path)
         with h5py.File(path, "r", locking=False) as file:
@@ -231,17 +233,13 @@ def _opened(path: Path) -> Iterator[h5py.File]:
             yield file
     except DAMAGE as error:
         raise OutputError(
-            f"{path}: not a readable snapshot: {error}; the other snapshots are not affected; to restore this one, run "
-            "the case again with --fresh"
+            f"{path}: not a readable snapshot: {error}; the other snapshots are not affected; {RESTORE}"
         ) from error
 
 
 def _verify_checksum(path: Path) -> None:
     """Raise ValueError if SHA256SUMS lists another checksum: HDF5 may crash or hang on damaged files."""
     folder = path.parent.parent
-    try:
-        checksum = read_checksums(folder).get(path.relative_to(folder).as_posix())
-    except (OSError, ValueError):
-        return  # the run has not ended, or the list is damaged as well
+    checksum = listed_checksums(folder).get(path.relative_to(folder).as_posix())
     if checksum is not None and not has_checksum(path, checksum):
         raise ValueError("its checksum does not match")

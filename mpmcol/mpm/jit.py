@@ -35,6 +35,7 @@ from mpmcol.mpm.cache_folder import cache_root
 F = TypeVar("F", bound=Callable[..., Any])
 
 COMPILED_SOURCES = ("mpm", "bench")  # folders of the package with compiled code
+DIGEST_LENGTH = 16  # hexadecimal digits in the name of a cache folder
 _STALE_AFTER_S = 7 * 24 * 3600.0
 _FLAGS: dict[str, Any] = {"error_model": "numpy", "nogil": True}
 # Functions that only kernels call have no interface to C, which would take a seventh of the time of compilation.
@@ -50,13 +51,13 @@ def source_digest() -> str:
     for name in COMPILED_SOURCES:
         for path in sorted((package / name).rglob("*.py")):
             digest.update(path.read_bytes())
-    return digest.hexdigest()[:16]
+    return digest.hexdigest()[:DIGEST_LENGTH]
 
 
 def _remove_stale(root: Path, keep: Path) -> None:
-    """Delete cache folders of other versions that have not been used for a week."""
-    for folder in root.iterdir():
-        with contextlib.suppress(OSError):  # another process may have deleted it
+    """Delete cache folders of other versions that have not been used for a week; no folder of another name."""
+    with contextlib.suppress(OSError):  # another process may have deleted it
+        for folder in root.glob("[0-9a-f]" * DIGEST_LENGTH):
             if folder != keep and folder.is_dir() and time.time() - folder.stat().st_mtime > _STALE_AFTER_S:
                 shutil.rmtree(folder, ignore_errors=True)
 

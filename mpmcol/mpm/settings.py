@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 
 class Settings(NamedTuple):
-    """Numbers of the method that stay constant during a stage; the defaults are those of a case file.
+    """Numbers of the method that stay constant during a stage; the defaults are without damping, filter and gate.
 
     Positions and distances in m, velocities in m/s, accelerations in m/s2.
     """

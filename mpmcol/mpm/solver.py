@@ -90,9 +90,12 @@ class Solver:
 
     def reset_time_step(self) -> None:
         """Set the time step of Eq. 35-36 from the present state."""
-        c2 = np.array([body.wave_speed2 for body in self.bodies])[self.points.kind.astype(np.intp)]
-        speed = np.sqrt(c2 * self.points.J) + np.linalg.norm(self.points.v, axis=1)
+        speed = np.sqrt(self.wave_speeds2() * self.points.J) + np.linalg.norm(self.points.v, axis=1)
         self.clock[loop.DT] = self.settings.cfl * self.grid.h / speed.max()
+
+    def wave_speeds2(self) -> np.ndarray:
+        """Squared speed of elastic waves in the material of each point at release, (n,), m2/s2."""
+        return np.array([body.wave_speed2 for body in self.bodies])[self.points.kind.astype(np.intp)]
 
     def prepare(self) -> None:
         """Compile or load the kernels of the present laws, and sort the points if needed; takes no step."""

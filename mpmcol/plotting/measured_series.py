@@ -20,6 +20,7 @@ EXPECTED = 'expected columns "r" and "z" in m, or with a unit such as "r [mm]", 
 _HEADER = re.compile(r"\s*(\w+)\s*(?:[\[(]\s*([^\])\s]*)\s*[\])])?\s*")
 _LARGEST = 1e9
 MOST_SERIES = 7
+ALIASES = {"x": "r", "y": "z"}  # as in the file of an outline
 BASE_UNITS = {"r": "m", "z": "m", "series": "", "t": "s"}
 
 
@@ -47,8 +48,8 @@ class MeasuredSeries:
 def read_points(path: Path) -> list[MeasuredSeries]:
     """Read measured profiles, in the order of the file.
 
-    The file has a header and columns separated by commas: r and z in m or with a unit in the header, and possibly a
-    column "series" with the name of the profile, or "t" with its time in s.
+    The file has a header and columns separated by commas: r and z (or x and y) in m or with a unit in the header, and
+    possibly a column "series" with the name of the profile, or "t" with its time in s.
 
     Raises:
         UsageError: with the line, if the file cannot be read or a value is not a number.
@@ -94,8 +95,10 @@ def _columns(path: Path, number: int, header: list[str]) -> list[_Column]:
     for index, text in enumerate(header):
         match = _HEADER.fullmatch(text)
         name = match[1].lower() if match else ""
+        name = ALIASES.get(name, name)
         if name not in BASE_UNITS or name in found:
             hint = "; columns are separated by commas" if ";" in text or "\t" in text else ""
+            hint = "; the first line must be a header" if _is_number(text) else hint
             raise UsageError(f"{path}, line {number}: column {text.strip()[:40]!r} is not usable{hint}; {EXPECTED}")
         base = BASE_UNITS[name]
         unit = (match[2] if match else None) or base
@@ -106,6 +109,13 @@ def _columns(path: Path, number: int, header: list[str]) -> list[_Column]:
     if not {"r", "z"} <= found.keys() or {"series", "t"} <= found.keys():
         raise UsageError(f"{path}, line {number}: columns {', '.join(found)}; {EXPECTED}")
     return [found[name] for name in BASE_UNITS if name in found]
+
+
+def _is_number(text: str) -> bool:
+    try:
+        return math.isfinite(float(text))
+    except ValueError:
+        return False
 
 
 def _name(row: list[str], naming: list[_Column]) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +17,9 @@ from mpmcol.plotting.charts import energy_chart, front_chart, profile_chart
 from mpmcol.plotting.measured_series import MeasuredSeries
 from mpmcol.plotting.styles import FRONT_STYLES
 from mpmcol.plotting.wall_charts import wall_chart
+from mpmcol.units import length_text
+
+FAR = 5.0  # times the length of the deposit
 
 
 def chart_run(
@@ -55,6 +58,8 @@ def chart_run(
     time, height, fronts = history["time"], history["height"], {name: history[name] for name in FRONT_STYLES}
     times_by_index = _readable(results, notify)
     deposits = [(times_by_index[i], results.measure(i)) for i in _nearest(times_by_index, times)]
+    for note in _far_points(points, max(deposit.max_distance for _, deposit in deposits)):
+        notify(note)
     at_rest = max(times_by_index) == len(results.snapshots) - 1 and results.came_to_rest
     folder = make_folder(out or Path(results.folder))
     surface = surface_of(results.snapshot(max(times_by_index)), shape)
@@ -82,6 +87,17 @@ def chart_run(
     ]
 
 
+def _far_points(points: Sequence[MeasuredSeries], reach: float) -> Iterator[str]:
+    """Notes on measurements far beyond the deposit, which ends at `reach` (m)."""
+    for series in points:
+        farthest = float(np.abs(series.r).max())
+        if farthest > FAR * reach:
+            yield (
+                f"note: {series.label}: points up to {length_text(farthest)}, a deposit of {length_text(reach)}; "
+                'lengths in mm need the header "r [mm],z [mm]"'
+            )
+
+
 def _readable(results: Results, notify: Callable[[str], None]) -> dict[int, float]:
     """Times (s) of the readable snapshots by index."""
     times: dict[int, float] = {}
@@ -90,9 +106,10 @@ def _readable(results: Results, notify: Callable[[str], None]) -> dict[int, floa
         try:
             times[i] = results.snapshot(i).time
         except OutputError:
-            notify(f"note: {path} is damaged and omitted; run the case again with --fresh to replace it")
+            what = "damaged" if path.exists() else "missing"
+            notify(f"note: {path} is {what} and omitted; run the case again with --fresh to replace it")
     if not times:
-        raise OutputError(f"{results.folder}: all {len(paths)} snapshots are damaged; run the case again")
+        raise OutputError(f"{results.folder}: all {len(paths)} snapshots are damaged or missing; run the case again")
     return times
 
 

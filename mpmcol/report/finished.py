@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 from mpmcol.errors import OutputError, UsageError
-from mpmcol.integrity.content import result_problem
 from mpmcol.io.names import RESULT_FILE
 from mpmcol.io.results import Results
 
@@ -26,8 +25,6 @@ def finished_run(folder: Path) -> Results:
     results = Results(folder)
     if results.status == "unfinished":
         raise _not_finished(folder, f"the run has not ended; wait for it, or {RESUME}")
-    if problem := result_problem(folder / RESULT_FILE, results.summary):
-        raise OutputError(f"{folder / RESULT_FILE}: {problem}; {REPEAT}")
     if results.status == "stopped":
         raise _not_finished(folder, f"the run was stopped; {RESUME}")
     if results.status == "failed":

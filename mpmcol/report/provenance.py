@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from mpmcol.case.values import leaf_values
+from mpmcol.io.atomic import read_bytes
 from mpmcol.io.names import CASE_FILE, GIVEN_CASE_FILE
 from mpmcol.io.results import Results
 from mpmcol.report.model import Table
@@ -17,7 +18,7 @@ ABSENT = "-"  # a key that a case does not have, or without a value
 def case_files(results: Results) -> list[tuple[str, str]]:
     """Name and text of the case with all defaults, and before it of the case as given, if it is kept and differs."""
     paths = [path for name in (GIVEN_CASE_FILE, CASE_FILE) if (path := results.folder / name).is_file()]
-    texts = [(path.name, path.read_text(encoding="utf-8", errors="replace")) for path in paths]
+    texts = [(path.name, read_bytes(path).decode(errors="replace")) for path in paths]
     same = len({_without_comments(text) for _, text in texts}) == 1
     return texts[-1:] if same else texts
 

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import csv
 from collections import Counter
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from mpmcol.errors import OutputError
 from mpmcol.experiments import EXPERIMENTS
-from mpmcol.io.columns import without_unit
 from mpmcol.report.model import Page, Section, Table
 from mpmcol.report.pictures import file_picture
 from mpmcol.report.provenance import with_unit
@@ -20,7 +18,7 @@ from mpmcol.sweep.axes import ASPECT
 from mpmcol.sweep.fits import SLOPES_FILE
 from mpmcol.sweep.plan import read_plan
 from mpmcol.sweep.report import CHARTED
-from mpmcol.sweep.table import CSV_FILE, unit_of
+from mpmcol.sweep.table import AGAIN, CSV_FILE, read_table, unit_of
 
 RUNOUT, HEIGHT = "zeta.front_height", "beta"
 QUANTITIES = {RUNOUT: "Runout (front_height)", HEIGHT: "Height"}
@@ -35,7 +33,6 @@ SLOPE_COLUMNS = {
 }  # fmt: skip
 REQUIRED = ("folder", "status", "message", "a", *LAWS.values())
 CAPTIONS = {"zeta": "Runout of all runs", "beta": "Final height of all runs"}
-AGAIN = "delete it and repeat the `mpmcol sweep` command"
 DIGITS = 4
 
 Row = Mapping[str, str]
@@ -65,25 +62,6 @@ def sweep_page(folder: Path) -> Page:
             Section("Versions", tables=[_version_table(rows)]),
         ],
     )
-
-
-def read_table(path: Path, required: Collection[str]) -> list[Row]:
-    """Rows of a table of a sweep. Raises OutputError if it is missing, or damaged, or lacks a required column."""
-    if not path.exists():
-        raise OutputError(
-            f"{path} is missing: the sweep has not ended; repeat the `mpmcol sweep` command to complete it"
-        )
-    try:
-        with path.open(newline="", encoding="utf-8") as file:
-            names = [without_unit(column) for column in next(csv.reader(file), [])]
-            rows: list[Row] = list(csv.DictReader(file, names, strict=True))
-        if not rows or any(None in row or None in row.values() for row in rows):
-            raise ValueError("rows are missing or truncated")
-        if missing := set(required) - rows[0].keys():
-            raise ValueError(f"it lacks the columns {', '.join(sorted(missing))}")
-    except (OSError, ValueError, csv.Error) as error:
-        raise OutputError(f"{path} is damaged ({error}); {AGAIN}") from None
-    return rows
 
 
 def _judgement(rows: Sequence[Row]) -> Iterator[str]:

@@ -8,18 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpmcol.case import Case
-from mpmcol.case.slope import case_slope_factor
 from mpmcol.mpm.grid import NODE
 from mpmcol.mpm.solver import Solver
 from mpmcol.mpm.threads import set_threads
 from mpmcol.setup.discretization import Discretization
+from mpmcol.setup.durations import stage_durations
 from mpmcol.setup.memory import memory_bytes
 from mpmcol.setup.model import build_model, make_solver
 from mpmcol.setup.unfit_settings import require_stiff_column
 
-# typical durations: transits of a wave until a column rests behind its gate, and sqrt(h_i / g) until a collapse rests
-TYPICAL_TRANSITS = {"gravity": 7.0, "k0": 2.0}
-TYPICAL_TAU = 5.0
 # time per point and step over that of the default method in two dimensions: `python -m scripts.peers.schemes`
 THREE_DIMENSIONS = 1.6
 BASIS_COST = {"quadratic": 1.0, "linear": 1.0, "cubic": 2.1}
@@ -91,13 +88,7 @@ def estimate(case: Case, threads: int | None = None) -> Estimate:
 
 def durations(case: Case, discretization: Discretization) -> tuple[tuple[float, float], tuple[float, float]]:
     """Typical and longest durations of equilibration and collapse, s of simulated time."""
-    stages, tau = case.stages, discretization.fall_time(case.geometry.gravity)
-    transit, lifting = discretization.wave_time(case.material.wave_speed**2), discretization.h_i / stages.gate_speed
-    longest = stages.equilibrate.max_time_factor * transit, stages.collapse.max_time_factor * tau + lifting
-    equilibration = TYPICAL_TRANSITS[stages.initial_stress] * transit
-    collapse = TYPICAL_TAU * case_slope_factor(case) * tau + lifting
-    typical = min(equilibration, longest[0]), min(collapse, longest[1])
-    return typical, longest
+    return stage_durations(case, discretization.base)
 
 
 def relative_pace(case: Case) -> float:

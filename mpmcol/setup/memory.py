@@ -14,6 +14,7 @@ from mpmcol.setup.discretization import Discretization
 BYTES_PER_POINT = {2: 1100, 3: 1140}
 BYTES_PER_NODE = 6  # masks, and the arrays that they are made from
 BYTES_PER_SLOT, BYTES_PER_CONTACT = 4, 135  # with friction or recorded forces: of each node, and of each on the floor
+LARGE = 1e9  # numbers whose digits are not written out
 BYTES_PER_CUT_CELL = 64  # of the lattice of points of an outline, while its volumes are computed
 
 
@@ -34,10 +35,10 @@ def grid_bytes(discretization: Discretization) -> int:
 
 def require_memory_for(discretization: Discretization) -> None:
     """Raise UsageError if the arrays of a model do not fit into the memory of this machine."""
-    cells = " x ".join(f"{n:,}" for n in discretization.cells)
+    cells = " x ".join(_count(n) for n in discretization.cells)
     require_memory(
         max(memory_bytes(discretization), grid_bytes(discretization)),
-        f"{discretization.most_points:,} points and {cells} cells",
+        f"grid.spacing = {discretization.h:.4g} m: {_count(discretization.most_points)} points and {cells} cells",
         "increase grid.spacing, or check whether a length is in mm instead of m",
     )
 
@@ -51,4 +52,9 @@ def require_memory(needed: int, what: str, fix: str) -> None:
     """Raise UsageError if `needed` bytes exceed the memory of this machine; `what` needs them."""
     memory = machine_memory()
     if needed > memory:
-        raise UsageError(f"{what} need {needed / 1e9:,.0f} GB, this machine has {memory / 1e9:,.0f} GB; {fix}")
+        raise UsageError(f"{what} need {_count(needed / 1e9)} GB, this machine has {_count(memory / 1e9)} GB; {fix}")
+
+
+def _count(number: float) -> str:
+    """A number with all digits, or with three if it is large."""
+    return f"{number:,.0f}" if number < LARGE else f"{number:.3g}"

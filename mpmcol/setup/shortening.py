@@ -24,8 +24,13 @@ class Shortening(NamedTuple):
         return (
             f"{self.key}.youngs_modulus = {self.modulus:g} Pa: the elastic shortening of the {self.part} under its own "
             f"weight{' and that of the column' if self.part == 'bed' else ''}, {self.formula}, is "
-            f"{self.relative:.1%} of its {height}"
+            f"{_share(self.relative)} its {height}"
         )
+
+
+def _share(relative: float) -> str:
+    """A part as a percentage, or as a multiple if it is large."""
+    return f"{relative:.1%} of" if relative < 10.0 else f"{relative:.3g} times"
 
 
 class _Stratum(NamedTuple):

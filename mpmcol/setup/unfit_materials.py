@@ -6,10 +6,19 @@ Each gives the note of the first material of the case to which it applies.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import degrees, pi, radians, sqrt, tan
 
 from mpmcol.case import Case
-from mpmcol.mpm.constitutive import mu_i
+from mpmcol.mpm.constitutive import mohr_coulomb, mu_i
 from mpmcol.units import length_text
+
+RIGHT_ANGLE = pi / 2.0
+LEAST_DENSITY = 23.0  # kg/m3; a smaller number is a density in g/cm3, of which no element has more than 22.6
+MOST_DILATANCY = 5.0  # degrees, constant during the flow
+# height with which a vertical cut stands, rho g H / (c tan(45 deg + phi/2)): without horizontal stress, for which it
+# needs no tensile strength, by the lower bound theorem; with one of c cot(phi), nine tenths of the height of the slip
+# circle, 3.83
+STANDING, STANDING_WITH_TENSION = 2.0, 0.9 * 3.83
 
 
 def _with_rate(case: Case) -> Iterator[tuple[str, mu_i.Material]]:
@@ -51,3 +60,70 @@ def light_grains(case: Case, h: float) -> str | None:
                 f"have grain_density = {material.grain_density:g} kg/m3; set a density of about 0.6 grain_density"
             )
     return None
+
+
+def friction_in_radians(case: Case, h: float) -> str | None:
+    """Granular material has friction angles above 1.6 degrees, a right angle in radians."""
+    for name, angle in _angles(case, "friction_"):
+        if 0.0 < angle < RIGHT_ANGLE:  # 0: undrained clay
+            return (
+                f"material.{name} = {angle:g} is an angle in degrees, with which the material has almost no strength; "
+                f'if it is in radians, set "{angle:g} rad" ({degrees(angle):.3g} degrees)'
+            )
+    return None
+
+
+def density_in_grams(case: Case, h: float) -> str | None:
+    """Time steps are proportional to the square root of the density."""
+    density = case.material.density
+    if density >= LEAST_DENSITY:
+        return None
+    return (
+        f"material.density = {density:g} kg/m3 is less than that of any granular material; if it is in g/cm3, set "
+        f'"{density:g} g/cm3", with {sqrt(1e3):.0f} times fewer steps'
+    )
+
+
+def endless_dilatancy(case: Case, h: float) -> str | None:
+    """Sand dilates to a critical state; a constant angle of dilatancy has no such end."""
+    for name, angle in _angles(case, "dilatancy_"):
+        if angle > MOST_DILATANCY and "peak" not in name:
+            return (
+                f"material.{name} = {angle:g}: the material dilates as long as it flows; at 10 degrees deposits have "
+                f'6 to 18 % more volume; set material.{name} = 0, or use material.law = "mohr-coulomb-softening", '
+                "whose dilatancy decays from dilatancy_peak_deg to dilatancy_residual_deg"
+            )
+    return None
+
+
+def _angles(case: Case, prefix: str) -> Iterator[tuple[str, float]]:
+    """Keys of the material that begin with `prefix`, and their values in degrees."""
+    return ((name, value) for name, value in case.material if name.startswith(prefix))
+
+
+def standing_column(case: Case, h: float) -> str | None:
+    """The cohesion of a column of Mohr-Coulomb on a horizontal base carries it without a gate."""
+    material, geometry = case.material, case.geometry
+    if not isinstance(material, mohr_coulomb.Material) or not _is_plain(case) or material.cohesion == 0.0:
+        return None
+    factor = STANDING_WITH_TENSION if geometry.model == "plane" and _has_full_tension(material) else STANDING
+    passive = tan(radians(45.0 + 0.5 * material.friction_deg))
+    standing = factor * material.cohesion / (material.density * geometry.gravity) * passive
+    if geometry.h_i > standing:
+        return None
+    return (
+        f"material.cohesion = {material.cohesion:g} Pa: the column does not collapse, since a vertical cut of this "
+        f"material stands up to at least {standing:.3g} m; set less than "
+        f"{material.cohesion * geometry.h_i / standing / 2.0:.2g} Pa, or a higher column"
+    )
+
+
+def _is_plain(case: Case) -> bool:
+    """Whether the column is one vertical cut of one material on a base that carries it."""
+    geometry = case.geometry
+    return geometry.is_rectangle and geometry.slope_deg == 0.0 and geometry.base != "granular" and not case.layers
+
+
+def _has_full_tension(material: mohr_coulomb.Material) -> bool:
+    """Whether the tensile strength is that of the cone's apex, c cot(phi), which is its default."""
+    return material.tension is None or material.tension >= 0.99 * material.apex

@@ -7,10 +7,9 @@ what to set instead. Effects are those of runs at r_i / h = 14, relative to the 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from itertools import pairwise
-from math import atan, ceil, degrees, inf, pi, radians, sin, sqrt
-from typing import Any
+from math import ceil
 
 from mpmcol.case import Case
 from mpmcol.case.geometry import GeometryTable, whole_cells
@@ -19,16 +18,25 @@ from mpmcol.errors import UsageError
 from mpmcol.setup.domain import LEAST_CELLS, default_length, expected_front, usable
 from mpmcol.setup.shortening import Shortening, shortenings
 from mpmcol.setup.time_step import time_step_warnings
-from mpmcol.setup.unfit_materials import constant_friction, large_grains, light_grains
+from mpmcol.setup.unfit_duration import large_damping, late_times, many_steps, short_collapse
+from mpmcol.setup.unfit_layers import layer_above_column, layer_without_effect, thin_layer
+from mpmcol.setup.unfit_materials import (
+    constant_friction,
+    density_in_grams,
+    endless_dilatancy,
+    friction_in_radians,
+    large_grains,
+    light_grains,
+    standing_column,
+)
+from mpmcol.setup.unfit_walls import rough_floor, rough_wall, wall_at_gate, wall_out_of_reach
 from mpmcol.units import counted
 
 FEWEST_CELLS = 6  # in height and radius of a column
 FEWEST_BED_CELLS = 4
-FEWEST_LAYER_CELLS = 2
-GATE_CELLS = 2
-RIGHT_ANGLE = pi / 2.0
-LEAST_DENSITY = 23.0  # kg/m3; a smaller number is a density in g/cm3, of which no element has more than 22.6
-MOST_DILATANCY = 5.0  # degrees, constant during the flow
+THICKEST_BASE = 3.0  # over the larger of height and radius
+LEAST_GRAVITY, MOST_GRAVITY = 0.5, 500.0  # m/s2: from small moons to centrifuges
+EARTH = 9.81  # m/s2
 SMALL_SHORTENING, LARGE_SHORTENING, MOST_SHORTENING = 0.001, 0.01, 1.0 / 3.0  # elastic, by the column's own weight
 
 
@@ -47,7 +55,19 @@ def require_stiff_column(case: Case) -> None:
     """Raise UsageError if the column is so soft that its own weight makes a different column of it."""
     for softness in shortenings(case):
         if softness.relative > MOST_SHORTENING:
-            raise UsageError(f"{softness}, more than a third; {_stiffer(softness)}")
+            causes = [unusual_gravity(case, softness.relative), f"{softness}, more than a third; {_stiffer(softness)}"]
+            raise UsageError("; ".join(filter(None, causes)))
+
+
+def unusual_gravity(case: Case, h: float) -> str | None:
+    """g in another unit."""
+    gravity = case.geometry.gravity
+    if LEAST_GRAVITY <= gravity <= MOST_GRAVITY:
+        return None
+    return (
+        f"geometry.gravity = {gravity:g} m/s2 is {gravity / EARTH:.3g} times that of the Earth; set {EARTH} m/s2, "
+        "unless the column is in a centrifuge or on a small body"
+    )
 
 
 def soft_column(case: Case, h: float) -> str | None:
@@ -101,17 +121,16 @@ def thin_bed(case: Case, h: float) -> str | None:
     )
 
 
-def thin_layer(case: Case, h: float) -> str | None:
-    """Points of a thin layer have the strain rates of the material beside it."""
-    for number, layer in enumerate(case.layers):
-        thickness = layer.to - layer.from_
-        if thickness < (FEWEST_LAYER_CELLS - 0.01) * h:
-            return (
-                f"layers.{number}: the layer of {thickness:g} m has only {thickness / h:.2g} cells, and moves with the "
-                "material beside it: a weaker layer does not slide; set grid.spacing = "
-                f"{thickness / FEWEST_LAYER_CELLS:.4g} m or less"
-            )
-    return None
+def thick_base(case: Case, h: float) -> str | None:
+    """A length in mm; the flow does not depend on what is deep below it."""
+    geometry, thickness = case.geometry, case.geometry.base_thickness
+    size = max(geometry.h_i, geometry.r_i)
+    if geometry.base == "rigid" or thickness <= THICKEST_BASE * size:
+        return None
+    return (
+        f"geometry.base_thickness = {thickness:g} m is {thickness / size:.3g} times the size of the column, and takes "
+        f'memory and time; set about {0.2 * size:.2g} m, or, if it is in mm, "{thickness:g} mm"'
+    )
 
 
 def rigid_floor_without_reaction(case: Case, h: float) -> str | None:
@@ -123,109 +142,6 @@ def rigid_floor_without_reaction(case: Case, h: float) -> str | None:
         f'method.wall_impulse = false with geometry.base = "{base}": points slide over the floor, and runouts become '
         "wrong by up to 7 % by front_height and 76 % by front_max; set method.wall_impulse = true"
     )
-
-
-def rough_floor(case: Case, h: float) -> str | None:
-    """The column yields before it slides on the floor; Mohr-Coulomb without dilatancy mobilises sin(phi) in shear."""
-    floor, (mobilised, text) = case.friction.floor, _shear_strength(case)
-    if floor is None or mobilised == 0.0 or floor < mobilised:
-        return None
-    return (
-        f"friction.floor = {floor:.4g} ({degrees(atan(floor)):.3g} degrees): the column shears at {text} of the "
-        "pressure before it slides, nearly as on a floor without slip, with runouts up to 10 % longer; set less than "
-        f"{mobilised:.3g}, or omit it"
-    )
-
-
-def rough_wall(case: Case, h: float) -> str | None:
-    """The same on the faces of walls, where it has no other effect than the smallest such friction."""
-    mobilised, text = _shear_strength(case)
-    for wall in case.walls:
-        if wall.friction >= mobilised > 0.0:
-            return (
-                f"walls: friction = {wall.friction:.4g} of {wall.name}: the material shears at {text} of the pressure "
-                f"before it slides, as on a rough wall; set less than {mobilised:.3g}"
-            )
-    return None
-
-
-def _shear_strength(case: Case) -> tuple[float, str]:
-    """Largest ratio of shear to normal stress of the column without cohesion, and its text; inf without a yield."""
-    for name, ratio in _coefficients(case.material):
-        return ratio, f"{name} = {ratio:.3g}"
-    return inf, ""
-
-
-def _coefficients(material: Any) -> Iterator[tuple[str, float]]:
-    """The largest friction coefficient of a law and its name; nothing for a law without friction."""
-    if hasattr(material, "mu_2"):
-        yield "mu_2", material.mu_2
-    elif hasattr(material, "match"):  # Drucker-Prager, with the coefficient that its angle is matched to
-        yield "mu", material.mobilised_friction
-    elif angles := [value for name, value in material if name.startswith("friction_")]:
-        yield f"sin({max(angles):g} degrees)", sin(radians(max(angles)))
-
-
-def wall_at_gate(case: Case, h: float) -> str | None:
-    """Nodes within two cells of the column receive the pressure on the gate."""
-    for wall in case.walls:
-        if case.stages.gate and (gap := wall.from_ - case.geometry.r_i) < GATE_CELLS * h and wall.from_ > 0.0:
-            return (
-                f"walls: from = {wall.from_:g} m of {wall.name} is {max(gap, 0.0) / h:.2g} cells from the column: "
-                "before the release it carries a part of the force on the gate; set "
-                f"{case.geometry.r_i + GATE_CELLS * h:.4g} m or more, or stages.gate = false"
-            )
-    return None
-
-
-def wall_out_of_reach(case: Case, h: float) -> str | None:
-    """The flow ends before a wall beyond the longest runout among the experiments."""
-    for wall in case.walls:
-        if min(abs(wall.from_), abs(wall.to or wall.from_)) > (front := expected_front(case)):
-            return (
-                f"walls: from = {wall.from_:g} m of {wall.name} is beyond the expected front at {front:.4g} m, and the "
-                f"flow may not reach it; set less than {front:.4g} m"
-            )
-    return None
-
-
-def friction_in_radians(case: Case, h: float) -> str | None:
-    """Granular material has friction angles above 1.6 degrees, a right angle in radians."""
-    for name, angle in _angles(case, "friction_"):
-        if 0.0 < angle < RIGHT_ANGLE:  # 0: undrained clay
-            return (
-                f"material.{name} = {angle:g} is an angle in degrees, with which the material has almost no strength; "
-                f'if it is in radians, set "{angle:g} rad" ({degrees(angle):.3g} degrees)'
-            )
-    return None
-
-
-def density_in_grams(case: Case, h: float) -> str | None:
-    """Time steps are proportional to the square root of the density."""
-    density = case.material.density
-    if density >= LEAST_DENSITY:
-        return None
-    return (
-        f"material.density = {density:g} kg/m3 is less than that of any granular material; if it is in g/cm3, set "
-        f'"{density:g} g/cm3", with {sqrt(1e3):.0f} times fewer steps'
-    )
-
-
-def endless_dilatancy(case: Case, h: float) -> str | None:
-    """Sand dilates to a critical state; a constant angle of dilatancy has no such end."""
-    for name, angle in _angles(case, "dilatancy_"):
-        if angle > MOST_DILATANCY and "peak" not in name:
-            return (
-                f"material.{name} = {angle:g}: the material dilates as long as it flows; at 10 degrees deposits have "
-                f'6 to 18 % more volume; set material.{name} = 0, or use material.law = "mohr-coulomb-softening", '
-                "whose dilatancy decays from dilatancy_peak_deg to dilatancy_residual_deg"
-            )
-    return None
-
-
-def _angles(case: Case, prefix: str) -> Iterator[tuple[str, float]]:
-    """Keys of the material that begin with `prefix`, and their values in degrees."""
-    return ((name, value) for name, value in case.material if name.startswith(prefix))
 
 
 def flow_before_release(case: Case, h: float) -> str | None:
@@ -270,7 +186,10 @@ CHECKS: tuple[Callable[[Case, float], str | None], ...] = (
     one_point_per_cell,
     few_cells,
     thin_bed,
+    thick_base,
     thin_layer,
+    layer_above_column,
+    layer_without_effect,
     rigid_floor_without_reaction,
     rough_floor,
     rough_wall,
@@ -279,11 +198,17 @@ CHECKS: tuple[Callable[[Case, float], str | None], ...] = (
     friction_in_radians,
     density_in_grams,
     endless_dilatancy,
+    unusual_gravity,
     soft_column,
+    standing_column,
     short_domain,
     slope_without_rest,
     flow_before_release,
     constant_friction,
     large_grains,
     light_grains,
+    short_collapse,
+    large_damping,
+    late_times,
+    many_steps,
 )

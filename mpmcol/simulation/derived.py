@@ -1,4 +1,4 @@
-"""Quantities that follow from the stress of points, by the law of each material (`DERIVED` of the law)."""
+"""History of the laws of points by name, and quantities that follow from it and the stress (`DERIVED` of a law)."""
 
 from __future__ import annotations
 
@@ -7,6 +7,17 @@ import numpy as np
 from mpmcol.case import Case
 from mpmcol.mpm.constitutive import LAWS
 from mpmcol.mpm.particles import Points
+
+
+def history_of_laws(case: Case, points: Points) -> dict[str, np.ndarray]:
+    """History variables (n,) of the laws by name; zero for points of materials without the variable."""
+    laws = [(kind, LAWS[material.law].STATE) for kind, material in enumerate(case.materials)]
+    found = {name: np.zeros(len(points)) for _, names in laws for name in names}
+    for kind, names in laws:
+        own = points.kind == kind
+        for k, name in enumerate(names):
+            found[name][own] = points.history[own, k]
+    return found
 
 
 def derived_quantities(case: Case, points: Points) -> dict[str, np.ndarray]:

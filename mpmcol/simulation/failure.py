@@ -12,7 +12,6 @@ import numpy as np
 
 from mpmcol.mpm.boundary import OPEN_END, column_box
 from mpmcol.mpm.kernels.stress_common import J_MAX, J_MIN
-from mpmcol.mpm.particles import COLUMN
 from mpmcol.mpm.solver import Solver
 from mpmcol.setup.domain import usable
 
@@ -72,7 +71,7 @@ def failure_record(solver: Solver, stage: str, failure: Failure, cfl_advice: str
 def identify_failure(solver: Solver, row: int) -> Failure:
     """The failure at which the compiled loop stopped: of the point in `row`, or of one that violates more."""
     points, free = solver.points, solver.settings.free_speed
-    c2 = np.array([body.wave_speed2 for body in solver.bodies])[points.kind.astype(np.intp)]
+    c2 = solver.wave_speeds2()
     with np.errstate(all="ignore"):
         speed, J = np.linalg.norm(points.v, axis=1), points.J
         limit = np.sqrt(np.maximum(c2 * J, free**2))
@@ -100,7 +99,7 @@ def not_finite(solver: Solver, row: int | None) -> Failure:
 
 def finite_fields(solver: Solver) -> dict[str, np.ndarray]:
     """Masks (n,) of the points whose values are finite, by field; unused lanes of a record are ignored."""
-    points, used = solver.points, len(solver.bodies[COLUMN].law.STATE)
+    points, used = solver.points, max(len(body.law.STATE) for body in solver.bodies)
     fields = {
         "mass": points.m, "volume ratio": points.J, "velocity": points.v, "position": points.x, "stress": points.sigma,
         "velocity gradient": points.grad_v, "opening strain": points.opening,

@@ -13,7 +13,6 @@ import numpy as np
 
 from mpmcol.mpm.constitutive.invariants import invariants_of
 from mpmcol.mpm.grid import NODE, Grid
-from mpmcol.mpm.particles import COLUMN
 from mpmcol.mpm.solver import Solver
 from mpmcol.simulation.failure import (
     LOWER_TIME_STEP,
@@ -91,7 +90,7 @@ def _first_not_finite(solver: Solver, row: Mapping[str, Any]) -> int | None:
     The sum of the energies covers most fields. The history of the law is summed separately: a law with a NaN in it does
     not yield.
     """
-    points, used = solver.points, len(solver.bodies[COLUMN].law.STATE)
+    points, used = solver.points, max(len(body.law.STATE) for body in solver.bodies)
     total = sum(row[name] for name in ENERGIES) + points.opening.sum() + points.history[:, :used].sum()
     if np.isfinite(total):
         return None
@@ -135,8 +134,7 @@ def time_step(state: CheckedState, limit: float) -> Violation | None:
     if ratio >= limit:
         return None
     points = solver.points
-    c2 = np.array([body.wave_speed2 for body in solver.bodies])[points.kind.astype(np.intp)]
-    speed = np.sqrt(c2 * points.J) + np.linalg.norm(points.v, axis=1)
+    speed = np.sqrt(solver.wave_speeds2() * points.J) + np.linalg.norm(points.v, axis=1)
     return Violation("the time step collapsed, normalised by that of waves and free fall", ratio, int(speed.argmax()))
 
 

@@ -20,14 +20,13 @@ from mpmcol.io.snapshot import Snapshot, as_stored, describe_snapshot, list_snap
 from mpmcol.io.vtkhdf import Step
 from mpmcol.measure import measure
 from mpmcol.measure.stress import pressure_and_shear
-from mpmcol.mpm.constitutive import LAWS
 from mpmcol.mpm.kernels import loop
 from mpmcol.mpm.particles import BASE, Points
 from mpmcol.mpm.solver import Solver
 from mpmcol.provenance import versions
 from mpmcol.setup.column_shape import column_shape
 from mpmcol.setup.model import Model
-from mpmcol.simulation.derived import derived_quantities
+from mpmcol.simulation.derived import derived_quantities, history_of_laws
 from mpmcol.simulation.energy import Energies, energy_ledger, stored_energies
 from mpmcol.simulation.flow_regime import FlowHistogram
 from mpmcol.simulation.wall_forces import WallForces
@@ -163,7 +162,7 @@ class Recorder:
         self.rows, self.extreme_J = list(memory["rows"]), memory["extreme_J"]
         self.initial_energies, self.initial_positions = memory["initial_energies"], initial_positions
         self.forces.set_memory(memory["forces"])
-        self.flow.set_memory(memory.get("flow", ()))
+        self.flow.set_memory(memory["flow"])
         self.seconds = memory["seconds"]
         self.checksums = dict(memory["snapshots"])
         self._written = [describe_snapshot(self.folder / name) for name in self.checksums]
@@ -234,9 +233,7 @@ def take_snapshot(
         "volume_ratio": points.J, "opening_strain": points.opening, "mass": points.m,
         "volume": points.V, "material": points.kind.astype(np.uint8), "id": points.id.astype(np.int32),
     }  # fmt: skip
-    for k, name in enumerate(LAWS[case.material.law].STATE):
-        arrays[name] = points.history[:, k]
-    arrays |= derived_quantities(case, points)
+    arrays |= history_of_laws(case, points) | derived_quantities(case, points)
     return Snapshot(time, steps, stage, arrays)
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from mpmcol.case import Case
-from mpmcol.errors import CaseError, OutputError, UsageError
+from mpmcol.errors import OutputError, UsageError
 from mpmcol.io.checkpoint import FORMAT, Checkpoint, damaged_snapshots, read_checkpoints
 from mpmcol.io.names import CASE_FILE, CHECKPOINT_FILES
 from mpmcol.io.results import Results
@@ -36,16 +36,12 @@ def finished_run(case: Case, folder: Path, notify: Notify) -> Results | None:
     """The finished run of a case in a folder; None if the folder holds no finished run.
 
     notify: receives a line about the run, and a note if another version of the code computed it. Raises UsageError if
-    it is of another case.
+    it is of another case, OutputError if its files are damaged.
     """
     if not (folder / CASE_FILE).exists() or read_status(folder).name != "done":
         return None
     results = Results(folder)
-    try:
-        found = case_differences(identity(results.case), identity(case), "the finished run")
-    except CaseError:
-        found = [f"{CASE_FILE} is not a valid case of this version"]
-    if found:
+    if found := case_differences(identity(results.case), identity(case), "the finished run"):
         raise UsageError(
             f"{folder} holds a finished run of another case:\n  "
             + "\n  ".join(found)

@@ -22,7 +22,8 @@ def halve_time_step(simulation: Simulation, failure: dict[str, Any]) -> bool:
     simulation.set_state(state)
     simulation.valid_states.clear()
     simulation.valid_states.append(state)
-    simulation.solver.clock[loop.DT] *= 0.5
+    factor = 0.5 * failed.cfl_factor
+    simulation.solver.clock[loop.DT] *= factor / state.progress["cfl_factor"]  # a second retry from the same state
     record = {name: failure[name] for name in ("check", "cause", "stage", "step", "time")} | {
         "cfl": cfl,
         "new_cfl": 0.5 * cfl,
@@ -31,7 +32,7 @@ def halve_time_step(simulation: Simulation, failure: dict[str, Any]) -> bool:
     }
     simulation.recorder.seconds = seconds  # cost, warnings and resumptions count for the whole run
     progress = simulation.progress
-    progress.cfl_factor, progress.retries = 0.5 * failed.cfl_factor, [*failed.retries, record]
+    progress.cfl_factor, progress.retries = factor, [*failed.retries, record]
     progress.warnings, progress.resumed = failed.warnings, failed.resumed
     progress.wall_s, progress.cpu_s = failed.wall_s, failed.cpu_s
     simulation.notify(

@@ -195,14 +195,14 @@ def _write_result(simulation: Simulation, status: str, snapshot: str, **more: An
 
 
 def _write_last_valid_state(simulation: Simulation, failure: dict[str, Any]) -> None:
-    """Write the last valid state as a snapshot unless there is a later one; note its index in the failure."""
+    """Write the last valid state as a snapshot unless there is a later valid one; note its index in the failure."""
     recorder, state = simulation.recorder, simulation.valid_states[-1]
-    if not any(time >= state.time for time in recorder.snapshot_times):
+    last_check = [row["time"] for row in recorder.rows[-2:-1]]  # the last row is of the failed state
+    valid_until = max([state.time, *last_check])
+    if not any(state.time <= time <= valid_until for time in recorder.snapshot_times):
         points = _points_of(state, simulation.solver.points.dimension)
         steps = int(state.clock[loop.STEPS])
         recorder.append_snapshot(recorder.snapshot_of(points, state.time, steps, "last_valid"))
-    last_check = [row["time"] for row in recorder.rows[-2:-1]]  # the last row is of the failed state
-    valid_until = max([state.time, *last_check])
     failure["last_valid"] = max(k for k, time in enumerate(recorder.snapshot_times) if time <= valid_until)
 
 

@@ -13,7 +13,8 @@ from mpmcol.case import case_hash, conditions_of
 from mpmcol.case.title import title_of
 from mpmcol.experiments import profile_scores, score
 from mpmcol.io.glossary import ENERGY_UNITS
-from mpmcol.io.results import RESULT_SCHEMA, erosion_of, measure_snapshot, measure_stop_time
+from mpmcol.io.results import erosion_of, measure_snapshot, measure_stop_time
+from mpmcol.io.run_status import RESULT_SCHEMA
 from mpmcol.io.snapshot import Snapshot
 from mpmcol.measure.wall_forces import LEAST_TRANSITS, wall_force_summary
 from mpmcol.mpm.contact import friction_sums

@@ -16,6 +16,7 @@ from mpmcol.case.source import Source, read_source, shipped_cases
 from mpmcol.errors import UsageError, suggestion
 
 Value = str | bool | float
+CASE_KEYS = {"extends", "geometry", "stages", "material"}  # at the top of a case file; a study does not have them
 
 
 class DefinitionTable(BaseModel):
@@ -50,6 +51,8 @@ def load_definition(source: str, shipped: Mapping[str, Path], kind: str, model: 
     try:
         return model.model_validate(content.tables)
     except ValidationError as invalid:
+        if CASE_KEYS & content.tables.keys():
+            raise UsageError(f"{content.name} is a case file; expected the TOML file of a {kind}") from None
         errors = islice(invalid.errors(include_url=False), MOST_SHOWN)
         raise UsageError("\n".join(_message(content, error) for error in errors)) from None
 

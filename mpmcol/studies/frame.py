@@ -64,10 +64,12 @@ def carry_out_study(
     covers the runs that have ended.
 
     Raises:
-        UsageError: `report_only`, and no run has ended.
+        UsageError: `report_only` with `fresh`, or no run has ended.
         MpmcolError: no run was successful; the error has the exit code of the runs.
     """
     folder = out / RUNS
+    if report_only and fresh:
+        raise UsageError("--report-only runs nothing, and --fresh repeats all runs; give one of them")
     if report_only:
         ended = find_ended(study.runs(), folder)
     else:

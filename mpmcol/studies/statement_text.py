@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from mpmcol.errors import OutputError
-from mpmcol.io.atomic import atomic_write
+from mpmcol.io.atomic import atomic_write, read_bytes
 from mpmcol.io.names import ACCURACY_FILE
 from mpmcol.io.values import to_json
 from mpmcol.studies.judgement import NAMES
@@ -18,7 +18,7 @@ from mpmcol.units import length_scale, length_text
 def write_statement(folder: Path, record: Mapping[str, Any]) -> None:
     """Write the record of `make_statement` into the folder of its run, unless it is there. Raises OutputError."""
     path, content = folder / ACCURACY_FILE, (to_json(record, indent=1) + "\n").encode()
-    if not path.is_file() or path.read_bytes() != content:
+    if not path.is_file() or read_bytes(path) != content:
         atomic_write(path, content)
 
 

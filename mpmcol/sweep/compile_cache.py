@@ -13,7 +13,8 @@ def kernel_variant(run: PlannedRun) -> tuple[object, ...]:
     """Identify the compiled kernels that a run needs: runs with equal values share them."""
     case, method = run.case, run.case.method
     scheme = method.basis, method.stress_order, method.transfer == "apic", method.volumetric_strain
-    return case.geometry.dimension, case.material.law, case.stages.equilibrate.law, *scheme
+    laws = case.material.law, case.base_material.law, case.stages.equilibrate.law
+    return case.geometry.dimension, case.geometry.base, bool(case.walls), *laws, *scheme
 
 
 def smallest_per_variant(runs: Sequence[PlannedRun]) -> list[PlannedRun]:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from mpmcol.errors import OutputError, UsageError
-from mpmcol.io.atomic import atomic_write, make_folder
+from mpmcol.io.atomic import atomic_write, make_folder, read_bytes
 from mpmcol.io.values import to_json, toml_notation
 
 PLAN_FILE = "sweep.json"
@@ -46,7 +46,7 @@ def write_plan(out: Path, plan: Plan) -> None:
     """Write sweep.json, unless the same content is there already."""
     text = as_json({"schema": PLAN_SCHEMA, **asdict(plan)}).encode() + b"\n"
     path = out / PLAN_FILE
-    if not path.exists() or path.read_bytes() != text:
+    if not path.exists() or read_bytes(path) != text:
         atomic_write(path, text)
 
 
@@ -58,7 +58,10 @@ def read_plan(out: Path) -> Plan:
         if content.pop("schema") != PLAN_SCHEMA:
             raise ValueError("written by another version of mpmcol")
         content["runs"] = tuple(PlanEntry(**run) for run in content["runs"])
-        return Plan(**content)
+        plan = Plan(**content)
+        if not plan.runs or min(min(run.cost, run.end) for run in plan.runs) <= 0.0 or min(plan.jobs, plan.threads) < 1:
+            raise ValueError("no runs, or a cost or a duration that is not positive")
+        return plan
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise OutputError(f"{path} cannot be read ({error}); repeat the sweep command") from None
 

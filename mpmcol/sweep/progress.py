@@ -64,18 +64,18 @@ def find_plan(folder: Path) -> tuple[Plan, Path]:
     """The plan of a sweep, or a plan with the single run in this folder, and the folder that the runs are in.
 
     Raises:
-        OutputError: the folder contains neither.
+        OutputError: the folder contains neither, or the plan or the case is damaged.
     """
     if (folder / PLAN_FILE).exists():
         return read_plan(folder), folder
     case = next((folder / name for name in (CASE_FILE, GIVEN_CASE_FILE) if (folder / name).exists()), None)
     if case is None:
         raise OutputError(f"{folder}: expected the folder of a sweep (with {PLAN_FILE}) or of a run (with {CASE_FILE})")
-    from mpmcol.case import load_case
     from mpmcol.case.title import title_of
+    from mpmcol.io.stored_case import read_stored_case
     from mpmcol.sweep.runs import PlannedRun
 
-    run = PlannedRun({}, load_case(case), folder.resolve())
+    run = PlannedRun({}, read_stored_case(case), folder.resolve())
     entry = PlanEntry(run.folder.name, {}, run.cost, run.end)
     return Plan(title_of(run.case), "", 1, 1, (entry,)), run.folder.parent
 

@@ -117,7 +117,7 @@ def plan_runs(
     try:
         combinations = combine(axes, zipped)
     except ValueError as error:
-        found[str(error)] = Problem("the axes", None, "", str(error), "")
+        found[str(error)] = Problem("values", None, "", str(error), "")
         combinations = [((axis.key, text),) for axis in axes for text in axis.values]  # to find further problems
     names = short_names([axis.key for axis in axes if len(axis.values) > 1] or [axis.key for axis in axes])
     runs: list[PlannedRun] = []
@@ -195,5 +195,5 @@ def _duplicates(runs: Sequence[PlannedRun]) -> list[Problem]:
         first = seen.setdefault(digest, run)
         if first is not run:
             message = f"runs {first.name} and {run.name} are the same simulation"
-            problems.append(Problem("the axes", None, "", message, "remove one of the two values"))
+            problems.append(Problem("values", None, "", message, "remove one of the two values"))
     return problems

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ import numpy as np
 from mpmcol.case import experiment_of, resolved_toml
 from mpmcol.case.fields import number_of
 from mpmcol.case.reference import field_at
+from mpmcol.errors import OutputError
 from mpmcol.io import columns
 from mpmcol.io.atomic import atomic_write
 from mpmcol.io.glossary import TABLE
@@ -23,6 +24,7 @@ from mpmcol.sweep.engine import Outcome
 
 CSV_FILE, HDF5_FILE = "table.csv", "table.h5"
 TABLE_SCHEMA = 1
+AGAIN = "delete it and repeat the `mpmcol sweep` command"
 MOVING = "still moving at the end: not compared with experiments"
 
 SIZES = ("spacing_used", "r_i", "h_i", "base_used")
@@ -63,11 +65,26 @@ def table_text(rows: Sequence[Row]) -> str:
     return csv_text([{columns.with_unit(name, unit_of(name)): value for name, value in row.items()} for row in rows])
 
 
-def read_table(path: Path) -> list[dict[str, str]]:
-    """Rows of a CSV file that mpmcol wrote into the folder of a run or a sweep, with names without units."""
-    with path.open(newline="") as file:
-        names = [columns.without_unit(column) for column in next(csv.reader(file))]
-        return list(csv.DictReader(file, names))
+def read_table(path: Path, required: Collection[str] = ()) -> list[dict[str, str]]:
+    """Rows of a table of a sweep or a run, with names without units.
+
+    Raises OutputError if it is missing or damaged, or lacks a required column.
+    """
+    if not path.exists():
+        raise OutputError(
+            f"{path} is missing: the sweep has not ended; repeat the `mpmcol sweep` command to complete it"
+        )
+    try:
+        with path.open(newline="", encoding="utf-8") as file:
+            names = [columns.without_unit(column) for column in next(csv.reader(file), [])]
+            rows = list(csv.DictReader(file, names, strict=True))
+        if not rows or any(None in row or None in row.values() for row in rows):
+            raise ValueError("rows are missing or truncated")
+        if missing := set(required) - rows[0].keys():
+            raise ValueError(f"it lacks the columns {', '.join(sorted(missing))}")
+    except (OSError, ValueError, csv.Error) as error:
+        raise OutputError(f"{path} is damaged ({error}); {AGAIN}") from None
+    return rows
 
 
 def write_hdf5(out: Path, rows: Sequence[Row], outcomes: Sequence[Outcome]) -> Path:

@@ -132,7 +132,7 @@ def return_space(s: ti.template(), material: ti.template()):
         # outside the cone inscribed in the surface
         inverse = 3.0 / ti.max(j2, TINY)
         lode = ti.min(ti.max(0.5 * d.determinant() * inverse * ti.sqrt(inverse), -1.0), 1.0)
-        far = 2.0 * ti.sqrt(THIRD * j2) * ti.cos(THIRD * ti.acos(ti.abs(lode))) * ti.math.sign(lode)
+        far = 2.0 * ti.sqrt(THIRD * j2) * ti.cos(THIRD * ti.acos(ti.abs(lode))) * ti.select(lode < 0.0, -1.0, 1.0)
         along = (d @ d + far * d + (far * far - j2) * eye) / ti.max(3.0 * far * far - j2, TINY)
         across = d + 0.5 * far * eye - 1.5 * far * along
         radius = ti.sqrt(0.5 * (across * across).sum())

@@ -137,6 +137,11 @@ def test_python_gives_the_same_and_repeats_nothing(fitted: Path) -> None:
     assert times == {path: path.stat().st_mtime_ns for path in (fitted / "runs").glob("*/result.json")}
     assert found.values[0].value == json.loads((fitted / "fit.json").read_text())["unknowns"][0]["value"]
     assert FRICTION in repr(found) and FRICTION in found._repr_html_() and "still moved" in remarks[-1]
+    with pytest.warns(UserWarning, match="still moved"):
+        mpmcol.fit(
+            "coarse-channel", {"zeta": 0.2, "beta": (0.99, 0.01)}, {FRICTION: (20, 44)}, out=fitted,
+            overrides=[TINY[0], TINY[2]], jobs=1, threads=1,
+        )  # fmt: skip
     assert "zeta: measured 0.2" in repr(found) and "zeta: measured 0.2" in found._repr_html_()
     assert found.agreement.comparisons[0].differences.tolist() == found.record["targets"][0]["difference"]
 

@@ -11,10 +11,12 @@ import click
 import pytest
 
 from mpmcol.cli import COMMANDS, main
+from mpmcol.cli.options import DURATION
 from mpmcol.setup import cores
 from tests.support.cli import invoke, set_options
 from tests.support.runs import TINY
 
+CASES = Path(__file__).parents[2] / "cases"
 SHARED = ("--set", "--aspect", "--accuracy", "--fresh", "--jobs", "--threads", "--dry-run")
 OWN_FORM = {("bench", "--threads"), ("render", "--out"), ("report", "--out")}  # a list of numbers; files
 
@@ -62,6 +64,25 @@ def test_no_line_of_the_help_is_cut_or_longer_than_80_columns(name: str | None) 
         (("check", "coarse-channel", "--aspect", "2", "--set", "geometry.aspect=3"), "are the same value"),
         (("run", "coarse-channel", "--jobs", "2"), "--jobs applies to several runs"),
         (("measure", str(Path(__file__).parent), "--json", "--csv"), "two forms of the same result"),
+        (("run", "coarse-channel", "--aspect", "2", "--aspect", "3"), "is given 2 times: 2, 3; give one value"),
+        (("check", "coarse-channel", "--set", "time.cfl=0.4", "--set", "time.cfl=0.3"), "time.cfl is given twice"),
+        (("run", "coarse-channel", "--aspect", "abc"), "'--aspect': 'abc': not a number with a unit"),
+        (("run", "coarse-channel", "--fresh", "--force-resume"), "give one of them"),
+        (("run", "coarse-channel", "--requeue-code", "0"), "0 is not in the range 6<=x<=129"),
+        (("run", "channel", "--accuracy", "5"), "did you mean 5%?"),
+        (
+            ("run", "cylinder", "--accuracy", "20%", "--set", "grid.spacing=0.02", "--dry-run"),
+            "remove --set grid.spacing=0.02, or --accuracy",
+        ),
+        (("sweep", "--aspect", "1", "--dry-run", "--engine", "commands"), "remove --engine commands"),
+        (("pareto", str(CASES / "channel.toml")), "channel.toml is a case file; expected the TOML file of a study"),
+        (("stability", "--map", str(CASES / "channel.toml")), "expected the TOML file of a map"),
+        (("init", str(CASES / "channel.toml")), "is a file already"),
+        (("bench", "--per-axis", "4"), "expected at most 3 with all three models"),
+        (("bench", "--model", "plane", "--per-axis", "5"), "expected at most 4"),
+        (("bench", "--against", "missing.json"), "missing.json: cannot be read: No such file"),
+        (("fit", "channel", "--to", "zeta=1.3+-0", "--vary", "material.friction_deg=20:40"), "standard error > 0"),
+        (("run", "coarse-channel", "--max-wall", "1:00"), "2h, 1.5d or 01:30:00"),
     ],
 )
 def test_contradictions_are_refused(arguments: tuple[str, ...], message: str) -> None:
@@ -141,3 +162,34 @@ def test_more_threads_than_cores_are_noted(
     monkeypatch.setattr(cores, "available_cores", lambda: 1)
     done = invoke("run", "coarse-channel", *set_options(TINY), "--threads", 2, "--out", str(tmp_path / "r"), *extra)
     assert done.exit_code == 0 and "note: 2 threads on 1 core: no faster than 1; omit --threads" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("text", "seconds"), [("90", 90.0), ("1.5d", 129600.0), ("01:30:05", 5405.0), ("2-00:00:01", 172801.0)]
+)
+def test_durations(text: str, seconds: float) -> None:
+    assert DURATION.convert(text, None, None) == seconds
+
+
+@pytest.mark.parametrize("text", ["0", "00:00:00", "1:00", "1:2:3", "-1s", "1h30m", "nan", "1-2"])
+def test_other_durations_are_refused(text: str) -> None:
+    with pytest.raises(click.BadParameter, match="expected a time > 0"):
+        DURATION.convert(text, None, None)
+
+
+@pytest.mark.parametrize("command", [("run", "coarse-channel"), ("sweep", "coarse-channel", "--aspect", "1")])
+@pytest.mark.parametrize("name", ["file", "file/run", "a" * 300])
+def test_a_dry_run_refuses_a_folder_that_cannot_be(command: tuple[str, ...], name: str, tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    refused = invoke(*command, "--dry-run", "--out", tmp_path / name)
+    assert refused.exit_code == 5 and "cannot be written" in refused.stderr
+
+
+def test_a_dry_run_refuses_the_folder_of_another_run_and_notes_a_finished_one(repeated: Path, tmp_path: Path) -> None:
+    command = ("run", "coarse-channel", *set_options(TINY), "--dry-run", "--out")
+    assert "holds the finished run of this case" in invoke(*command, repeated).stderr
+    other = invoke(*command, repeated, "--set", "time.cfl=0.4")
+    assert other.exit_code == 2 and "holds a finished run of another case" in other.stderr
+    assert invoke(*command, repeated, "--set", "time.cfl=0.4", "--fresh").exit_code == 0
+    (tmp_path / "notes.txt").touch()
+    assert "is not empty and holds no run" in invoke(*command, tmp_path).stderr

@@ -48,7 +48,7 @@ def folder(tmp_path: Path) -> Path:
     ends = np.minimum(np.linspace(0.0, 0.4, 41), 0.3)
     rows = [{"stage": "collapse", "time": 0.01 * i, "front_height": 0.1 * (1 + 5 * t)} for i, t in enumerate(ends)]
     write_history(tmp_path, [dict.fromkeys(HISTORY, 0.0) | row for row in rows])
-    write_result(tmp_path, {"status": "done", "at_rest": True})
+    write_result(tmp_path, {"schema": 1, "status": "done", "at_rest": True})
     return tmp_path
 
 
@@ -80,7 +80,7 @@ ENDINGS = [
 def end(folder: Path, result: dict | None) -> None:
     (folder / "result.json").unlink()
     if result:
-        write_result(folder, result)
+        write_result(folder, {"schema": 1, **result})
 
 
 @pytest.mark.parametrize(("result", "text"), ENDINGS)

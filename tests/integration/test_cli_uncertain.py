@@ -80,6 +80,8 @@ def test_commands_and_a_forecast_run_nothing() -> None:
     assert printed.exit_code == 0 and printed.stdout.count("mpmcol run ") == 6
     forecast = invoke(*SWEEP, "--dry-run")
     assert forecast.exit_code == 0 and "nothing was run" in forecast.stdout and not Path("sweeps").exists()
+    assert "beyond the domain" not in forecast.stderr
+    assert "300 m: beyond the domain" in invoke(*SWEEP, "--dry-run", "--passes", "300").stderr
 
 
 @pytest.mark.parametrize(
@@ -91,8 +93,8 @@ def test_commands_and_a_forecast_run_nothing() -> None:
         ((*OPTIONS, "--aspect", "1,2"), "--set geometry.aspect=1,2: expected one value beside uncertain keys"),
         ((*OPTIONS, "--set", f"{FRICTION}=30"), f"{FRICTION} is uncertain as well"),
         ((*OPTIONS, "--engine", "commands", "--json"), "--json prints results"),
-        ((*OPTIONS, "--passes", "-1"), "expected a distance > 0 in m"),
-        ((*OPTIONS, "--passes", "3 kg"), "expected a distance > 0 in m"),
+        ((*OPTIONS, "--passes", "-1"), "expected a number > 0 in m"),
+        ((*OPTIONS, "--passes", "3 kg"), "expected a number > 0 in m"),
         ((*OPTIONS, "--samples", "4"), "4 is not in the range 5<=x<=10000"),
         (("--aspect", "1,2", "--samples", "8"), "--samples, --seed and --passes require --uncertain"),
     ],

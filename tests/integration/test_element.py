@@ -143,11 +143,25 @@ def test_extension_prints_the_tensile_strength(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("option", "value", "text"),
-    [("--test", "torsion", "plane-strain"), ("--pressure", "-1", "x>0"), ("--steps", "1", "10<=x")],
+    [
+        ("--test", "torsion", "plane-strain"),
+        ("--steps", "1", "10<=x"),
+        *(("--pressure", text, "expected a number > 0 in Pa") for text in ("-1", "nan", "inf", "1e300", "0", "1 kg")),
+        *(("--rate", text, "expected a number > 0") for text in ("nan", "inf")),
+        ("--strain", "11", "expected a strain of at most 10"),
+    ],
 )
 def test_wrong_options_are_refused(option: str, value: str, text: str) -> None:
     refused = invoke("element", "coarse-channel", option, value)
     assert refused.exit_code == 2 and text in refused.stderr
+
+
+def test_values_have_units_and_a_folder_that_cannot_be_is_refused_first(tmp_path: Path) -> None:
+    command = ("element", "coarse-channel", "--steps", "10", "--pressure", "2 kPa", "--strain", "5%", "--out")
+    assert "initial pressure 2000 Pa" in invoke(*command, tmp_path / "out").output
+    (tmp_path / "file").touch()
+    refused = invoke(*command, tmp_path / "file")
+    assert refused.exit_code == 5 and refused.stdout == ""
 
 
 def test_a_stress_that_cannot_be_kept_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -45,6 +45,7 @@ def run_of(shape: ColumnShape, folder: Path) -> SimpleNamespace:
         "errors": [entry.as_dict() for entry in score(measured, shape.a, shape.model, shape.section)],
         "wall_s": {"collapse": 1.0}, "ledger": {"residual": 0.0}, "at_rest": True, "ns_per_point_step": 100.0,
         "points": 1, "steps": 1, "dt": 1e-5, "threads": 1, "time_over_tau": 3.0, "worst_J": [1.0, 1.0],
+        "energy_unit": "J of the quarter that is modelled",
     }  # fmt: skip
     history = dict.fromkeys([*FRONTS, *charts.ENERGY_STYLES, "height", "potential", "residual"], ones)
     return SimpleNamespace(
@@ -53,6 +54,7 @@ def run_of(shape: ColumnShape, folder: Path) -> SimpleNamespace:
         case=load_case("lube-quarter", [*SIZE, f"geometry.section={shape.section}"]),
         summary=json.loads(json.dumps(summary)), measure=lambda number: measured,
         snapshot=lambda number: SimpleNamespace(stage="rest", time=0.3), wall_pressure={},
+        erosion=None,
     )  # fmt: skip
 
 

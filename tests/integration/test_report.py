@@ -233,7 +233,7 @@ def remove(name: str) -> Callable[[Path], None]:
         (end_as("failed"), "the run failed: it exploded"),
         (end_as("done"), "result.json lacks area_factor, at_rest, base_used"),
         (end_as("odd"), "its status is 'odd'"),
-        (damage("result.json", b'{"status": "done"}'), "its schema is None"),
+        (damage("result.json", b'{"status": "done"}'), "it lacks schema"),
         (damage("result.json"), "cannot be read"),
         (damage("history.csv", b"stage,time\ncollapse,0.1\n"), "is missing or damaged"),
         (damage("snapshots/000001.vtkhdf"), "not a readable snapshot"),

@@ -141,4 +141,4 @@ def test_the_wall_clock_limit_and_the_exit_codes(tmp_path: Path) -> None:
 @pytest.mark.parametrize("text", ["5 years", "-1s", "0", "nan", ""])
 def test_a_time_is_a_number_with_a_unit(text: str) -> None:
     done = invoke("run", "coarse-channel", "--max-wall", text)
-    assert done.exit_code == 2 and "expected a time > 0, for example 90s, 5min, 2h or 1.5d" in done.output
+    assert done.exit_code == 2 and "expected a time > 0, for example 90s, 5min, 2h, 1.5d or 01:30:00" in done.output

@@ -59,7 +59,8 @@ def execute(folder, what):
     with lock:
         return behave(folder, what)
 def end(folder, status, code, **more):
-    (folder / "result.json").write_text(json.dumps({"status": status, "wall_s": {"collapse": 1.0}, **more}))
+    result = {"schema": 1, "status": status, "wall_s": {"collapse": 1.0}, **more}
+    (folder / "result.json").write_text(json.dumps(result))
     return code
 def behave(folder, what):
     tries = folder / "tries"
@@ -101,7 +102,7 @@ for line in sys.stdin:
     sys.stdout.flush()
     print(code, 300_000_000 if what == "leaves memory" else 200_000_000, file=answers, flush=True)
 """
-DONE = json.dumps({"status": "done", "wall_s": {"compile": 9.0, "collapse": 2.0}})
+DONE = json.dumps({"schema": 1, "status": "done", "wall_s": {"compile": 9.0, "collapse": 2.0}})
 
 Acts = Callable[..., None]
 
@@ -370,7 +371,7 @@ def test_time_left_follows_from_the_mean_speed(tmp_path: Path, monkeypatch: pyte
     write_run(tmp_path / "done", 1.0, DONE)
     write_run(tmp_path / "half", 0.5)
     write_run(tmp_path / "cut", None)
-    write_run(tmp_path / "stopped", 0.7, '{"status": "stopped"}')
+    write_run(tmp_path / "stopped", 0.7, '{"schema": 1, "status": "stopped"}')
     plan = Plan("", code_version(), 2, 1, tuple(PlanEntry(name, {}, 100.0, 1.0) for name in names))
     monkeypatch.setattr("mpmcol.sweep.progress.running_for", lambda folder: 4.0)
     with locked(tmp_path / "half"):

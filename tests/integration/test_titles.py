@@ -41,6 +41,14 @@ def test_the_aspect_ratio_in_the_title_is_that_of_the_column() -> None:
         assert TITLE in text and "2.75" not in text, place
 
 
+def test_a_resolved_case_has_the_aspect_ratio_of_its_column_in_its_title() -> None:
+    assert load_case("quickstart", ["geometry.aspect=1"]).title == "Quickstart: a cylinder of sand, a = 1"
+    assert load_case("quickstart", ["geometry.height=0.26675"]).title == "Quickstart: a cylinder of sand, a = 2.75"
+    heap = load_case("quickstart", ["geometry.outline=[[0, 0], [0.1, 0], [0, 0.2]]"])
+    assert heap.title == "Quickstart: a cylinder of sand"
+    assert load_case("quickstart", ["geometry.aspect=1", "title=mine"]).title == "mine"
+
+
 def test_a_sweep_over_the_aspect_ratio_has_none_in_its_title() -> None:
     runs = plan_runs("quickstart", parse_axes("1,2", [])[0], Path("s"))
     assert make_plan(runs, Allocation(1, 1)).title == "Quickstart: a cylinder of sand"

@@ -10,6 +10,8 @@ from typing import Any
 
 from PIL import Image
 
+from mpmcol.case import case_hash, load_case
+
 STUDY_TEXT = """\
 # A study
 
@@ -26,15 +28,15 @@ Some text with <script>alert(1)</script>.
 
 
 def copy_run(source: Path, target: Path, change: Callable[[dict[str, Any]], object], *edits: tuple[str, str]) -> Path:
-    """Copy a run, change its result, and replace texts in its case."""
+    """Copy a run, replace texts in its case as if that had been simulated, and change its result."""
     shutil.copytree(source, target)
-    result = json.loads((target / "result.json").read_text())
-    change(result)
-    (target / "result.json").write_text(json.dumps(result))
     case = target / "case.resolved.toml"
     for old, new in edits:
         assert old in case.read_text()
         case.write_text(case.read_text().replace(old, new))
+    result = json.loads((target / "result.json").read_text()) | {"case_hash": case_hash(load_case(case))}
+    change(result)
+    (target / "result.json").write_text(json.dumps(result))
     return target
 
 

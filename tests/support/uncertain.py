@@ -41,6 +41,6 @@ def ended(plan: UncertaintyPlan, result: Callable[[Mapping[str, Any]], Mapping[s
     """Outcomes of the runs with results that follow from their inputs."""
     for run in plan.runs:
         run.folder.mkdir(parents=True, exist_ok=True)
-        record = {"status": "done", "at_rest": True, **result(run.inputs)}
+        record = {"schema": 1, "status": "done", "at_rest": True, **result(run.inputs)}
         (run.folder / "result.json").write_text(json.dumps(record))
     return [Outcome(run, TaskResult("done", 1)) for run in plan.runs]

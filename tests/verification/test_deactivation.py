@@ -155,7 +155,7 @@ def test_a_run_deactivates_the_base_from_the_release(stress_filter: str, tmp_pat
     assert 0.2 < shares[0] < 0.9 and shares[1] == 0.0
     difference, largest = np.abs(stress[0] - stress[1]), np.abs(stress[1]).max()
     assert np.sqrt(np.mean(difference**2)) < 2e-3 * largest
-    assert stress_filter == "flow" or difference.max() < 1e-2 * largest
+    assert difference.max() < {"none": 1e-2, "flow": 3e-2}[stress_filter] * largest
     assert still.measure().zeta["front_max"] == pytest.approx(moved.measure().zeta["front_max"], abs=1e-3)
     flow = still.history["stage"] == "collapse"
     assert np.abs(still.history["residual"][flow]).max() < 1e-9 * still.history["damping"][flow].max()

@@ -61,24 +61,23 @@ def shared_functions_compiled_meanwhile(dimension: int, basis: str, signatures: 
     with contextlib.ExitStack() as stack:
         if not are_compiled and (os.cpu_count() or 1) > 1 and os.access(CACHE_FOLDER, os.W_OK):
             with contextlib.suppress(OSError):
-                stack.enter_context(_second_process(pickle.dumps((dimension, basis, signatures))))
+                process = stack.enter_context(_second_process())
+                if process.stdin:
+                    process.stdin.write(pickle.dumps((dimension, basis, signatures)))
+                    process.stdin.close()
         yield
 
 
-def _second_process(task: bytes) -> subprocess.Popen[bytes]:
-    """Start a process that compiles; it imports this package, not one of that name in the present folder."""
+def _second_process() -> subprocess.Popen[bytes]:
+    """Start a process that reads what it is to compile; it imports this package, not one in the present folder."""
     packages = [PACKAGE_ROOT, *filter(None, [os.environ.get("PYTHONPATH")])]
-    process = subprocess.Popen(
+    return subprocess.Popen(
         [sys.executable, "-P", "-m", __name__],
         env=os.environ | {"PYTHONPATH": os.pathsep.join(packages)},
         stdin=subprocess.PIPE,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
     )
-    if process.stdin:
-        process.stdin.write(task)
-        process.stdin.close()
-    return process
 
 
 def compile_shared_functions(dimension: int, basis: str, signatures: Sequence[Signature]) -> None:

@@ -16,7 +16,7 @@ from PIL import Image
 from mpmcol.errors import OutputError, UsageError
 from mpmcol.io.atomic import atomic_write
 from mpmcol.io.results import Results, measure_snapshot
-from mpmcol.io.snapshot import list_snapshots
+from mpmcol.io.run_snapshots import find_snapshot, run_snapshots
 from mpmcol.plotting.render import animation, cutaway, side
 from mpmcol.plotting.render.backends import draw_frames
 from mpmcol.plotting.render.coloring import COLORINGS, Coloring
@@ -69,8 +69,7 @@ def render(
             or an MP4 is wanted without ffmpeg.
         OutputError: a file cannot be read or written.
     """
-    paths = list_snapshots(results_folder)
-    chosen = _choose_snapshot(paths, snapshot, results_folder)
+    chosen = find_snapshot(results_folder, snapshot)
     view = _choose_view(view, gif or mp4, chosen)
     target = _target(out or results_folder / ("topview.png" if view == "top" else f"snapshot-{chosen.stem}.png"))
     if view == "top":
@@ -82,7 +81,7 @@ def render(
     if mp4:
         animation.require_mp4()
         encoders[".mp4"] = animation.mp4
-    frames = _frames(chosen, paths if encoders else [], FIT_VIEW[view], size, COLORINGS[color])
+    frames = _frames(chosen, run_snapshots(results_folder) if encoders else [], FIT_VIEW[view], size, COLORINGS[color])
     images, note = draw_frames(frames, lambda done: progress(done, len(frames)))
     atomic_write(target, _encode(images[0]))
     written = [target]
@@ -101,14 +100,6 @@ def _frames(
         common = fit_view(paths, size, coloring)
         frames += [(path, common) for path in paths]
     return frames
-
-
-def _choose_snapshot(paths: Sequence[Path], snapshot: int, folder: Path) -> Path:
-    if not paths:
-        raise OutputError(f"{folder}: no snapshots/*.vtkhdf here; give the results folder of a run")
-    if not -len(paths) <= snapshot < len(paths):
-        raise UsageError(f"there is no snapshot {snapshot}: {folder} has 0 to {len(paths) - 1} (-1 is the last)")
-    return paths[snapshot]
 
 
 def _choose_view(requested: str | None, animated: bool, path: Path) -> str:

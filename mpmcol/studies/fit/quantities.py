@@ -170,6 +170,8 @@ def _parse(part: str) -> Target:
         number, deviation = _number(value, unit), _number(error or "0", unit)
     except ValueError as reason:
         raise UsageError(f"--to {part}: {reason}; {EXPECTED}") from None
+    if error and not deviation > 0.0:
+        raise UsageError(f"--to {part}: expected a standard error > 0; without one 2 % are assumed")
     return _target(name, number, deviation, f"--to {part}")
 
 

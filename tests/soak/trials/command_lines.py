@@ -153,7 +153,7 @@ def _folder_of_files(folder: Path) -> Iterator[None]:
     (folder / "run/case.resolved.toml").write_text(resolved_toml(load_case("coarse-channel")))
     (folder / "run/snapshots/000000.vtkhdf").write_bytes(b"damaged")
     (folder / "run/history.csv").write_text("stage,time\ncollapse,1\n")
-    (folder / "run/result.json").write_text('{"status": "done"}')
+    (folder / "run/result.json").write_text('{"schema": 1, "status": "done"}')
     (folder / "sweep/sweep.json").write_text('{"schema": 2, "runs": [1]}')
     with contextlib.chdir(folder):
         yield

@@ -55,7 +55,11 @@ def test_results_are_shown_as_text_and_as_a_table(finished: Path) -> None:
         assert f"<td>{name}</td>" in shown
 
 
-@pytest.mark.parametrize("content", [None, "{", "[]", '{"status": "stopped"}', '{"status": "done", "zeta": null}'])
+NO_VALUE = '{"schema": 1, "status": "done", "zeta": null}'
+FAILED = '{"schema": 1, "status": "failed", "ledger": {"residual": null}, "dissipation": {"released": 2.0}}'
+
+
+@pytest.mark.parametrize("content", [None, "{", "[]", "{}", '{"schema": 1, "status": "stopped"}', NO_VALUE, FAILED])
 def test_unfinished_and_damaged_results_are_shown_as_well(finished: Path, tmp_path: Path, content: str | None) -> None:
     shutil.copy(finished / "case.resolved.toml", tmp_path)
     if content is not None:

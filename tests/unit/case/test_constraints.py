@@ -180,8 +180,14 @@ RIGID = ["geometry.base=rigid", "method.wall_impulse=true"]
             ["geometry.model=full", "friction.side_walls=0.3", "friction.channel_width=0.2"],
             "in 3D the sides of a channel are [[walls]] with side_from or side_to, and friction",
         ),
-        (["friction.side_walls=0.3"], "is given, but friction.channel_width = absent: give both, or neither"),
-        (["friction.channel_width=0.2"], "is given, but friction.side_walls = absent: give both, or neither"),
+        (
+            ["friction.side_walls=0.3"],
+            "side_walls = 0.3: needs friction.channel_width, which is missing: give both",
+        ),
+        (
+            ["friction.channel_width=0.2"],
+            "channel_width = 0.2: needs friction.side_walls, which is missing: give both",
+        ),
         (
             ["geometry.model=full", "friction.side_walls=0.3", "friction.channel_width=0.2"],
             "needs a channel in plane strain, not geometry.model",

@@ -170,6 +170,34 @@ def test_a_layer_with_another_law_is_one_problem(write: Write, own: str) -> None
     assert (problem.hint, problem.about) == ("", "layers.material.law")
 
 
+LAYER = "[[layers]]\nto = 0.03\nmaterial = { frction_deg = 22 }\n"
+
+
+@pytest.mark.parametrize(
+    ("law", "expected"),
+    [
+        ("mohr-coulom", ["law", "density", "frictiondeg", "frction_deg"]),
+        ("cam-clay", ["law", "density"]),  # the other keys may be those of this law
+        (None, ["law", "density"]),
+    ],
+)
+def test_an_unknown_law_does_not_hide_the_problems_beside_it(
+    write: Write, law: str | None, expected: list[str]
+) -> None:
+    line = "" if law is None else f'law = "{law}"\n'
+    text = GOOD.replace('law = "mohr-coulomb"\n', line).replace("density = 2650.0", "density = -1")
+    text = text.replace("friction_deg", "frictiondeg") + LAYER
+    found = [problem.key.rpartition(".")[2] for problem in problems_of(write(text))]
+    assert sorted(found) == sorted(expected)
+
+
+def test_an_unknown_law_of_a_bed_does_not_hide_the_problems_beside_it(write: Write) -> None:
+    text = GOOD.replace('model = "plane"', 'model = "plane"\nbase = "granular"')
+    bed = '[base_material]\nlaw = "mohr-coulom"\nfriction_deg = 95\n'
+    keys = [problem.key for problem in problems_of(write(text + bed))]
+    assert keys == ["base_material.law", "base_material.friction_deg"]
+
+
 def test_missing_keys_are_reported_at_their_table(write: Write) -> None:
     problems = problems_of(write(GOOD.replace("spacing = 0.002\n", "").replace("density = 2650.0\n", "")))
     assert [(problem.line, problem.message) for problem in problems] == [

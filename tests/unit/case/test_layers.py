@@ -87,6 +87,12 @@ def test_layers_are_explained() -> None:
     assert text.startswith("[[layers]]") and "layers.material.friction_deg" in text
 
 
+def test_a_layer_without_a_material_repeats_no_problem_of_the_column(write: Write) -> None:
+    text = GOOD + "cohesion = 1.0\ntension = 1e9\n[[layers]]\nto = 0.1\n"
+    assert only_problem(write(text)).key == "material.tension"
+    assert only_problem(write(text.replace("to = 0.1", "to = -1").replace("1e9", "0"))).key == "layers.0.to"
+
+
 def test_an_invalid_material_does_not_hide_the_mistakes_of_layers(write: Write) -> None:
     """Missing keys and misspelt ones are reported with it; keys that follow from it are not reported as missing."""
     text = LAYERS.replace("density = 2650.0", "density = -1").replace('to = "5 cm"\n', "")

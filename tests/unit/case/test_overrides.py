@@ -5,6 +5,8 @@ from __future__ import annotations
 import pytest
 
 from mpmcol.case import load_case
+from mpmcol.case.overrides import refuse_repeated
+from mpmcol.errors import CaseError
 from tests.support.case_files import GOOD, Write, only_problem, problems_of
 
 
@@ -51,6 +53,31 @@ def test_all_malformed_overrides_are_reported(write: Write, override: str) -> No
     problems = problems_of(write(GOOD), override, "grid.spacing=-1", "y")
     assert len(problems) == 3
     assert all(problem.file.startswith("--set") for problem in problems)
+
+
+@pytest.mark.parametrize(
+    ("override", "message"),
+    [
+        ("x", "there is no equals sign: expected key=value"),
+        ("=3", "the key is missing"),
+        ("grid..spacing=3", "a part of the key is empty"),
+        ("grid.spacing=", "the value is missing"),
+    ],
+)
+def test_what_is_missing_in_an_override_is_named(write: Write, override: str, message: str) -> None:
+    assert message in only_problem(write(GOOD), override).message
+
+
+def test_two_values_of_one_key_are_refused_where_a_user_gives_them(write: Write) -> None:
+    """A study appends its values to those of the user; the last one counts."""
+    twice = ["grid.spacing=0.01", "geometry.aspect=2", " grid . spacing = 0.02"]
+    with pytest.raises(CaseError) as refused:
+        refuse_repeated(twice)
+    (problem,) = refused.value.problems
+    assert problem.file == "--set  grid . spacing = 0.02" and problem.key == "grid.spacing"
+    assert problem.message == "grid.spacing is given twice; the other one is --set grid.spacing=0.01"
+    refuse_repeated(["grid.spacing=0.01", "grid.spacing=0.01", "geometry.aspect=2"])
+    assert load_case(write(GOOD), twice).grid.spacing == 0.02
 
 
 def test_an_override_cannot_set_extends(write: Write) -> None:

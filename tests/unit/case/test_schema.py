@@ -6,8 +6,8 @@ import math
 
 import pytest
 
-from mpmcol.case import load_case
-from tests.support.case_files import GOOD, Write
+from mpmcol.case import load_case, resolved_toml
+from tests.support.case_files import GOOD, Write, only_problem
 
 
 def test_default_values(write: Write) -> None:
@@ -37,10 +37,22 @@ def test_defaults_that_depend_on_the_material(write: Write) -> None:
 
 
 def test_given_values_replace_defaults_that_depend_on_the_material(write: Write) -> None:
-    stages = '[stages]\nk0 = 0.5\nequilibrate = { law = "elastic" }\n'
+    stages = '[stages]\ninitial_stress = "k0"\nk0 = 0.5\nequilibrate = { law = "elastic" }\n'
     base = "[base_material]\ndensity = 1\nyoungs_modulus = 2\npoissons_ratio = 0\nlaw = 'elastic'\n"
     case = load_case(write(GOOD + stages + base))
     assert (case.stages.k0, case.stages.equilibrate.law, case.base_material.density) == (0.5, "elastic", 1.0)
+
+
+def test_a_ratio_of_the_initial_stress_without_effect_is_refused(write: Write) -> None:
+    problem = only_problem(write(GOOD + "[stages]\nk0 = 0.5\n"))
+    assert (problem.key, problem.line) == ("stages.k0", 19)
+    assert problem.message.startswith('[stages] k0 = 0.5: has no effect with initial_stress = "gravity": remove it')
+    case = load_case(write(GOOD))
+    assert load_case(write(GOOD), [f"stages.k0={case.stages.k0}"]) == case  # in resolved cases of earlier versions
+    weaker = load_case(write(resolved_toml(case)), ["material.friction_deg=20"])
+    assert weaker.stages.k0 == pytest.approx(math.tan(math.radians(35)) ** 2)
+    assigned = load_case(write(GOOD), ["stages.initial_stress=k0", "stages.k0=0.5"])
+    assert load_case(write(resolved_toml(assigned))) == assigned
 
 
 def test_keys_of_the_base_follow_from_the_material(write: Write) -> None:

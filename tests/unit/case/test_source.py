@@ -108,6 +108,22 @@ def test_an_unquoted_string_is_reported_with_a_hint(write: Write) -> None:
     assert "unit in quotes" in only_problem(write(GOOD.replace("0.002", "2 mm"))).hint
 
 
+@pytest.mark.parametrize(
+    ("text", "line", "table"),
+    [
+        ("[geometry]\nradius = 1\n[geometry]\naspect = 1\n", 3, "geometry"),
+        ("[stages.collapse]\n[stages.collapse]\n", 2, "stages.collapse"),
+        ("grid = { spacing = 1 }\ngrid.points_per_cell = 4\n", 2, "grid"),
+        ("[a.b]\n[a]\nb.c = 1\n", 3, "a.b"),
+        ("[[layers]]\n[layers]\n", 2, "layers"),
+    ],
+)
+def test_a_table_that_is_given_twice_is_named_as_in_the_file(write: Write, text: str, line: int, table: str) -> None:
+    problem = only_problem(write(text))
+    assert (problem.line, problem.message) == (line, f"not valid TOML: [{table}] is given twice")
+    assert problem.hint == "give all keys of a table below one header"
+
+
 def test_a_folder_is_not_a_case(tmp_path: Path) -> None:
     assert "is a folder; expected a case file" in only_problem(tmp_path).message
 

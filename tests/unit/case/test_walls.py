@@ -33,7 +33,7 @@ def test_defaults_and_hash(write: Write) -> None:
 @pytest.mark.parametrize(
     ("walls", "message"),
     [
-        ("{from=0.05, to=0.21}", "wall wall-1: overlaps the column"),
+        ("{from=0.05, to=0.21}", "wall wall-1: overlaps the column, which ends at x = 0.09 m; set from > 0.09 m"),
         ("{from=0.21, to=0.18}", "from = 0.21 m must be smaller than to = 0.18 m"),
         ("{to=0.18}", "[[walls]] 1: from is missing"),
         ("{from=0.18, name='gate'}", "not the name of another wall"),

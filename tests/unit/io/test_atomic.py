@@ -108,7 +108,7 @@ def test_data_is_synced_before_the_rename_and_the_folder_after(tmp_path: Path, m
 
 
 def test_missing_folder_is_named(tmp_path: Path):
-    with pytest.raises(OutputError, match="gone/a.txt: cannot be written: No such file.*the folder is gone"):
+    with pytest.raises(OutputError, match="gone/a.txt: cannot be written: .*; there is no folder .*gone; create it"):
         atomic_write(tmp_path / "gone" / "a.txt", b"")
 
 

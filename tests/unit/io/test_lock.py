@@ -29,7 +29,8 @@ def test_the_folder_is_created_and_locked_for_one_process(tmp_path: Path) -> Non
 
 
 def test_temporary_files_of_a_killed_run_are_removed(tmp_path: Path) -> None:
-    names = (".checkpoint-1.npz.77.tmp", ".result.json.77.tmp", ".run.vtkhdf.77.tmp", "snapshots/.000003.vtkhdf.77.tmp")
+    own = ("checkpoint-1.npz", "result.json", "report.html", "wall_pressure.csv", "run.vtkhdf")
+    names = (*(f".{name}.77.tmp" for name in own), "snapshots/.000003.vtkhdf.77.tmp")
     others = (".case.toml.77.tmp", "snapshots/000002.vtkhdf", "checkpoint-0.npz")  # a sweep may be writing the first
     (tmp_path / "snapshots").mkdir()
     for name in (*names, *others):

@@ -366,3 +366,15 @@ def test_docstrings_of_kernels_state_what_they_read_and_write_and_their_equation
         doc = ast.get_docstring(function) or ""
         for word in ("Reads:", "Writes:", "Eq."):
             assert word in doc, f"{path.name}: {function.name} lacks {word}"
+
+
+def test_only_cache_folders_that_are_old_are_removed(tmp_path: Path) -> None:
+    """The folder may hold other things of the user, such as a clone of this repository."""
+    names = ("0" * 16, "a1" * 8, "f" * 16, ".git", "tests", "A" * 16, "1" * 15)
+    for name in names:
+        (tmp_path / name / "content").mkdir(parents=True)
+        os.utime(tmp_path / name, (0.0, 0.0))
+    (tmp_path / ("2" * 16)).mkdir()
+    jit._remove_stale(tmp_path, tmp_path / ("f" * 16))
+    assert {path.name for path in tmp_path.iterdir()} == {*names[2:], "2" * 16}
+    jit._remove_stale(tmp_path / "missing", tmp_path)

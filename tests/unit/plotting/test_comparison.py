@@ -19,6 +19,7 @@ from mpmcol.plotting import comparison
 from mpmcol.plotting.captions import run_names
 from mpmcol.plotting.comparison import MOST_RUNS, chart_comparison
 from mpmcol.plotting.measured_series import EXPECTED, MOST_SERIES, read_points
+from mpmcol.plotting.run_charts import _far_points
 from tests.support.cli import invoke
 from tests.support.figures import recorded_figures
 from tests.support.synthetic_run import SHAPE, SyntheticRun
@@ -163,8 +164,17 @@ def test_points_are_read_in_their_units(tmp_path: Path) -> None:
     (series,) = read_points(write(tmp_path, "# scanned\nr [mm],z (cm)\n0,8.2\n\n100, 4\n"))
     assert series.r == pytest.approx([0.0, 0.1]) and series.z == pytest.approx([0.082, 0.04])
     assert series.label == "measured.csv"
+    (series,) = read_points(write(tmp_path, "x [mm],y\n100,0.04\n"))
+    assert (series.r[0], series.z[0]) == (pytest.approx(0.1), 0.04)
     (series,) = read_points(write(tmp_path, "\ufeffz,r\n0.08,0\n"))
     assert (series.r[0], series.z[0]) == (0.0, 0.08)
+
+
+def test_points_far_beyond_the_deposit_are_noted(tmp_path: Path) -> None:
+    points = read_points(write(tmp_path, "r,z\n0,100\n200,50\n"))
+    (note,) = _far_points(points, 0.37)
+    assert "points up to 200 m, a deposit of 370 mm" in note and "r [mm]" in note
+    assert not [*_far_points(points, 50.0)]
 
 
 @pytest.mark.parametrize(
@@ -189,8 +199,9 @@ def test_a_third_column_divides_the_points_into_series(tmp_path: Path, column: s
         ("r,z\n0,05,0,1\n", "line 2: 4 values, expected 2 as in the header; the decimal separator is a point"),
         ("r,z\n0\n", "line 2: 1 values, expected 2"),
         ("r;z\n0;1\n", "line 1: column 'r;z' is not usable; columns are separated by commas"),
-        ("x,y\n0,1\n", "line 1: column 'x' is not usable; expected columns"),
-        ("0,1\n0,2\n", "line 1: column '0' is not usable"),
+        ("x,h\n0,1\n", "line 1: column 'h' is not usable; expected columns"),
+        ("0,1\n0,2\n", "line 1: column '0' is not usable; the first line must be a header"),
+        ("r,x,z\n0,1,2\n", "line 1: column 'x' is not usable"),
         ("r,z,r\n0,1,2\n", "line 1: column 'r' is not usable"),
         ("r [inch],z\n0,1\n", "line 1: r cannot be in 'inch'; expected m, mm, cm"),
         ("r,t\n0,1\n", "line 1: columns r, t; expected columns"),

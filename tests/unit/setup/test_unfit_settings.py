@@ -12,6 +12,7 @@ from mpmcol.errors import UsageError
 from mpmcol.setup import cores
 from mpmcol.setup.cores import available_cores, thread_note
 from mpmcol.setup.discretization import discretize
+from mpmcol.setup.memory import require_memory_for
 from mpmcol.setup.shortening import elastic_shortening
 from mpmcol.setup.unfit_settings import kind_of, require_stiff_column
 from tests.support.cli import invoke, set_options
@@ -35,6 +36,38 @@ UNFIT = [  # overrides of SAND, beginning of the warning, what it proposes
     (["material.dilatancy_deg=10"], "material.dilatancy_deg = 10", "material.dilatancy_deg=0"),
     (["material.youngs_modulus=1e5"], "material.youngs_modulus = 100000 Pa", "material.youngs_modulus=1.1e+06"),
     (["geometry.slope_deg=30"], "geometry.slope_deg = 30: the flow does not stop", "stages.collapse.end=time"),
+    (["geometry.base_thickness=10"], "geometry.base_thickness = 10 m is 111 times", "geometry.base_thickness=10 mm"),
+    (["geometry.gravity=0.0981"], "geometry.gravity = 0.0981 m/s2 is 0.01 times", "geometry.gravity=9.81"),
+    (["material.cohesion=5 kPa"], "material.cohesion = 5000 Pa: the column does not", "material.cohesion=1.8e+02"),
+    (["stages.collapse.damping=0.9"], "stages.collapse.damping = 0.9: local", "stages.collapse.damping=0.05"),
+    (
+        ["stages.collapse.max_time_factor=1e-3"],
+        "stages.collapse.max_time_factor = 0.001: the run ends 9.58e-05 s",
+        "stages.collapse.max_time_factor=10",
+    ),
+    (["stages.collapse.max_time_factor=0.5"], "stages.collapse.max_time_factor = 0.5: the", "stages.collapse.end=time"),
+    (
+        ["stages.gate_speed=1e-6"],
+        "stages.gate_speed = 1e-06 m/s: the run takes about 2.3e+09",
+        "stages.gate_speed=0.094",
+    ),
+    (
+        ["material.poissons_ratio=0.4999999"],
+        "material.poissons_ratio = 0.4999999: the run",
+        "material.poissons_ratio=0.49",
+    ),
+    (
+        ["material.youngs_modulus=1e15"],
+        "material.youngs_modulus = 1e+15 Pa: the run",
+        "material.youngs_modulus=1.2e+06",
+    ),
+    (["time.cfl=1e-4"], "time.cfl = 0.0001: the run", "time.cfl=0.5"),
+    (["grid.spacing=0.001 mm"], "grid.spacing = 0.001 mm: the run", "grid.spacing=0.9 mm"),
+    (
+        ["stages.collapse.end=time", "stages.collapse.max_time_factor=1e4"],
+        "stages.collapse.max_time_factor = 1e+04: the run",
+        "stages.collapse.max_time_factor=10",
+    ),
     (["geometry.domain_length=0.3"], "geometry.domain_length = 0.3 m", "geometry.domain_length=0.398"),
 ]
 WALLS = [  # walls of the case frictional-floor, beginning of the warning, walls that cause none
@@ -90,7 +123,7 @@ def test_friction_is_compared_with_the_largest_that_each_law_mobilises() -> None
     assert warnings_of("frictional-floor", matched, "friction.floor=0.75") == []
     elastic = matched.replace("drucker-prager", "elastic").replace(' friction_deg=33, match="compression",', "")
     assert warnings_of("frictional-floor", elastic, "friction.floor=5") == []
-    clay = ("material.friction_deg=0", "material.cohesion=5000")
+    clay = ("material.friction_deg=0", "material.cohesion=500")
     assert warnings_of("frictional-floor", *clay, "walls=[{from=0.2, to=0.25, friction=0.1}]") == []
 
 
@@ -108,6 +141,77 @@ def test_a_bed_has_as_many_cells_as_it_is_rounded_to() -> None:
 def test_residual_angles_are_those_that_last(overrides: list[str], beginning: str) -> None:
     (warning,) = warnings_of("lube-channel-dense", *overrides)
     assert warning.startswith(beginning)
+
+
+@pytest.mark.parametrize(
+    ("ratio", "overrides", "stands"),
+    [
+        (1.9, (), True),  # without tensile strength: stands up to 2, falls from 2.67
+        (2.1, (), False),
+        (3.4, ("material.tension=@",), True),  # with that of the apex: the slip circle falls at 3.83
+        (3.6, ("material.tension=@",), False),
+        (1.9, ("geometry.base=granular", "geometry.base_thickness=0.2"), False),  # the bed may fail below it
+        (1.9, ("geometry.slope_deg=10",), False),
+        (1.9, ("layers=[{to=0.5, material={cohesion=0.0}}]",), False),
+        (3.4, ("material.tension=@", "geometry.model=axisymmetric"), False),
+        (1.9, ("geometry.model=axisymmetric",), True),
+    ],
+)
+def test_a_column_whose_cohesion_carries_it_is_reported(ratio: float, overrides: tuple[str, ...], stands: bool) -> None:
+    """Ratio: rho g h_i / (c tan(45 deg + phi/2)) with phi = 30 degrees; @: the apex of the cone, c cot(phi)."""
+    cohesion = 1800.0 * 9.81 / 3.0**0.5 / ratio
+    given = [text.replace("@", str(0.999 * cohesion * 3.0**0.5)) for text in overrides]
+    found = warnings_of("cohesive-column", f"material.cohesion={cohesion}", *given)
+    assert any("stands up to" in text for text in found) == stands
+
+
+def test_snapshots_after_the_end_are_reported() -> None:
+    (warning,) = warnings_of("lube-channel", *SAND, "output.times=[0.1, 100]")
+    assert warning.startswith("output.times: 100 s is after the end of the run, at most 0.9578 s after the release")
+    assert warnings_of("lube-channel", *SAND, "output.times=[0.1, 0.957]") == []
+
+
+def test_locking_is_named_with_a_large_poissons_ratio_only_where_it_occurs() -> None:
+    locking, averaged = (
+        warnings_of("lube-channel", *SAND, "material.poissons_ratio=0.4999999", f"method.volumetric_strain={how}")
+        for how in ("point", "cell")
+    )
+    assert 'method.volumetric_strain = "cell"' in locking[0] and "volumetric_strain" not in averaged[0]
+
+
+def test_the_stiffest_material_causes_the_number_of_steps() -> None:
+    (warning,) = warnings_of("lube-channel", *SAND, "base_material.youngs_modulus=1e15")
+    assert warning.startswith("base_material.youngs_modulus = 1e+15 Pa: the run")
+
+
+@pytest.mark.parametrize(
+    ("layer", "beginning"),
+    [
+        ("to=45, material={friction_deg=22}", "layers.0.to = 45 m is above the column, whose top is at 0.18 m"),
+        ("to=0.18001, material={friction_deg=22}", ""),  # rounded
+        ("to=0.045", "layers.0.material has the values of the column's material: the layer has no effect"),
+        ("to=0.045, material={density=2650}", "layers.0.material has the values"),
+    ],
+)
+def test_a_layer_without_effect_or_above_the_column_is_reported(layer: str, beginning: str) -> None:
+    found = warnings_of("layered-column", f"layers=[{{{layer}}}]")
+    assert len(found) == bool(beginning) and all(text.startswith(beginning) for text in found)
+
+
+def test_gravity_is_named_before_the_stiffness_that_it_makes_too_small() -> None:
+    wrong = load_case("lube-channel", [*SAND, "geometry.gravity=981", "material.youngs_modulus=1e5"])
+    with pytest.raises(UsageError, match=r"^geometry.gravity = 981 m/s2 is 100 times .*; material.youngs_modulus"):
+        require_stiff_column(wrong)
+    gravity, stiffness = warnings_of("lube-channel", *SAND, "geometry.gravity=981")
+    assert gravity.startswith("geometry.gravity = 981") and stiffness.startswith("material.youngs_modulus")
+
+
+def test_large_numbers_are_short() -> None:
+    heavy = load_case("lube-channel", [*SAND, "material.density=1e30"])
+    with pytest.raises(UsageError, match=r"is 3.97e\+22 times its height"):
+        require_stiff_column(heavy)
+    with pytest.raises(UsageError, match=r"^grid.spacing = 1e-12 m: .* need \S{8} GB"):
+        require_memory_for(discretize(load_case("lube-channel", [*SAND, "grid.spacing=1e-12"])))
 
 
 @pytest.mark.parametrize("name", shipped_cases())

@@ -11,14 +11,18 @@ import pytest
 import mpmcol
 from mpmcol.io.checkpoint import read_checkpoints, write_checkpoint
 from mpmcol.io.names import CASE_FILE
+from mpmcol.io.snapshot import list_snapshots, read_snapshot
 from mpmcol.mpm.kernels import loop
+from mpmcol.mpm.particles import BASE
 from mpmcol.mpm.solver import Solver
 from mpmcol.setup.model import build_model
 from mpmcol.simulation.checkpointer import make_checkpoint
+from mpmcol.simulation.derived import history_of_laws
+from mpmcol.simulation.failure import finite_fields
 from mpmcol.simulation.recorder import Recorder
 from mpmcol.simulation.restart import resume
 from mpmcol.simulation.retry import MAX_RETRIES, halve_time_step
-from mpmcol.simulation.run import start
+from mpmcol.simulation.run import _write_last_valid_state, start
 from mpmcol.simulation.stages import Stages
 from mpmcol.simulation.state import STATES_FOR_RETRY, Simulation
 from mpmcol.simulation.summary import state_checksum
@@ -105,3 +109,41 @@ def test_without_retry_the_state_is_unchanged(reason: str, tmp_path: Path) -> No
     before = state_checksum(simulation.solver)
     assert not halve_time_step(simulation, FAILURE | {"smaller_step_helps": reason != "of no use"})
     assert state_checksum(simulation.solver) == before
+
+
+def test_further_retries_from_one_state_halve_the_time_step_again(tmp_path: Path) -> None:
+    simulation = released(tmp_path, retry=True)
+    first = simulation.valid_states[0].clock[loop.DT]
+    for number in range(1, MAX_RETRIES + 1):
+        advance(simulation, 0.005)
+        assert halve_time_step(simulation, FAILURE)
+        assert simulation.solver.dt == 0.5**number * first
+
+
+def test_a_snapshot_after_the_last_check_is_not_the_last_valid_state(tmp_path: Path) -> None:
+    simulation = released(tmp_path)
+    recorder, failure = simulation.recorder, dict(FAILURE)
+    recorder.open()
+    simulation.valid_states.clear()
+    advance(simulation)
+    simulation.keep_valid_state()
+    recorder.record("collapse")
+    advance(simulation, 0.005)
+    recorder.write_snapshot("collapse")
+    recorder.record("collapse")  # the check that fails
+    _write_last_valid_state(simulation, failure)
+    assert recorder.snapshot_times[failure["last_valid"]] == simulation.valid_states[-1].time
+    assert read_snapshot(list_snapshots(recorder.folder)[failure["last_valid"]]).stage == "last_valid"
+
+
+def test_history_of_the_law_of_a_bed_is_stored_and_checked(tmp_path: Path) -> None:
+    angles = [f"{name}_{end}_deg=30" for name in ("friction", "dilatancy") for end in ("peak", "residual")]
+    bed = ("law=mohr-coulomb-softening", "softening_rate=2", *angles)
+    sand = mpmcol.load_case("granular-bed", ["grid.spacing=0.015", *(f"base_material.{key}" for key in bed)])
+    simulation = start(sand, build_model(sand), tmp_path)
+    points = simulation.solver.points
+    points.history[:, 0] = 0.5
+    stored = history_of_laws(sand, points)["plastic_shear_strain"]
+    assert np.array_equal(stored, np.where(points.kind == BASE, 0.5, 0.0))
+    points.history[points.kind == BASE, 0] = np.nan
+    assert not finite_fields(simulation.solver)["history of the law"][points.kind == BASE].any()

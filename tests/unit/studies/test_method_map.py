@@ -147,7 +147,8 @@ def test_a_point_whose_run_was_not_successful_fails_with_its_cause(tmp_path: Pat
 
     diverged = TaskResult("failed", 1, 3, "a cause; a fix")
     assert assessment(diverged) == Assessment("fails", {}, (), "a cause; a fix")
-    (run.folder / "result.json").write_text(json.dumps({"status": "failed", "failure": {"cause": "a cause"}}))
+    failed = {"schema": 1, "status": "failed", "failure": {"cause": "a cause"}}
+    (run.folder / "result.json").write_text(json.dumps(failed))
     assert assessment(diverged).cause == "a cause"
     (run.folder / "result.json").unlink()
     assert assessment(TaskResult("error", 3, 1, "killed by SIGKILL, 3 times")).cause == "killed by SIGKILL, 3 times"
@@ -287,6 +288,7 @@ def test_a_small_map_from_end_to_end(tmp_path: Path, monkeypatch: pytest.MonkeyP
         (["--map", "--list"], "--map requires at most one MAP and excludes --list"),
         (["--jobs", "2"], "--jobs and --report-only require --map"),
         (["--report-only"], "--jobs and --report-only require --map"),
+        (["--map", "--fresh", "--report-only"], "--report-only runs nothing, and --fresh repeats all runs"),
         (["--map", "defualt"], "defualt: no such map; did you mean 'default'"),
     ],
 )

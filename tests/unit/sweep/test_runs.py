@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import itertools
+import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from mpmcol.case import key_names, load_case
-from mpmcol.errors import CaseError
+from mpmcol.errors import CaseError, OutputError
 from mpmcol.io.names import GIVEN_CASE_FILE
 from mpmcol.setup.memory import memory_bytes
 from mpmcol.sweep import runs as sweep_runs
 from mpmcol.sweep.axes import parse_axes
+from mpmcol.sweep.compile_cache import kernel_variant
 from mpmcol.sweep.names import run_name, safe_name, short_names, sweep_name
+from mpmcol.sweep.plan import PLAN_FILE, PLAN_SCHEMA, read_plan
 from mpmcol.sweep.runs import PlannedRun, notes, plan_runs, write_case
 from mpmcol.sweep.scheduling import Allocation, allocate
 from mpmcol.sweep.series import choose_axis, group_rows
@@ -260,3 +264,31 @@ def test_the_cost_of_a_run_is_its_work_at_the_pace_of_its_method() -> None:
     assert plane.cost == plane.work
     assert slow.work == plane.work and slow.cost > 1.5 * slow.work
     assert solid.cost > 1.3 * solid.work
+
+
+BED = "base_material={law='drucker-prager', density=1600, youngs_modulus=1e6, friction_deg=30}"
+
+
+@pytest.mark.parametrize("setting", ["walls=[{from=0.2}]", "geometry.base=granular", BED])
+def test_runs_that_need_other_kernels_are_not_one_variant(setting: str) -> None:
+    base = ["geometry.base=granular"] if setting == BED else ["geometry.base=rigid", "method.wall_impulse=true"]
+
+    def variant(*keys: str) -> tuple[object, ...]:
+        return kernel_variant(PlannedRun({}, load_case("channel", [*base, *keys]), OUT))
+
+    assert variant() != variant(setting) and variant() == variant("grid.spacing=0.01")
+
+
+@pytest.mark.parametrize(
+    "change", [{"runs": []}, {"jobs": 0}, {"cost": 0.0}, {"cost": "2"}, {"end": 0.0}, {"end": -1.0}, {"runs": None}]
+)
+def test_a_damaged_plan_is_refused_in_words(change: dict[str, Any], tmp_path: Path) -> None:
+    run = {"folder": "a1", "inputs": {}, "cost": 1.0, "end": 1.0}
+    content = {"schema": PLAN_SCHEMA, "title": "", "version": "1", "jobs": 1, "threads": 1, "runs": [run]}
+    (tmp_path / PLAN_FILE).write_text(json.dumps(content))
+    assert read_plan(tmp_path).runs[0].folder == "a1"
+    run |= {key: value for key, value in change.items() if key in run}
+    content |= {key: value for key, value in change.items() if key in content}
+    (tmp_path / PLAN_FILE).write_text(json.dumps(content))
+    with pytest.raises(OutputError, match="cannot be read"):
+        read_plan(tmp_path)

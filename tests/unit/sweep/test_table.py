@@ -38,7 +38,7 @@ def finish(run: PlannedRun, at_rest: bool = True) -> Outcome:
     if geometry.dimension == 3:
         zeta = {name: {"mean": value, "min": value - 0.1, "max": value + 0.1} for name, value in zeta.items()}
     result = {
-        "status": "done", "zeta": zeta, "beta": measured["beta"], "height": 0.05, "at_rest": at_rest,
+        "schema": 1, "status": "done", "zeta": zeta, "beta": measured["beta"], "height": 0.05, "at_rest": at_rest,
         "undisturbed_radius": None, "errors": errors, "profile_scores": [], "points": 848, "steps": 7997,
         "wall_s": {"compile": 2.0, "collapse": 5.0}, "ns_per_point_step": 50.5, "threads": 1, "r_i": 0.097,
         "versions": {"mpmcol": "0.1.0+00000000", "numpy": "2.0"},
@@ -51,7 +51,8 @@ def finish(run: PlannedRun, at_rest: bool = True) -> Outcome:
 def fail(run: PlannedRun) -> Outcome:
     run.folder.mkdir(parents=True, exist_ok=True)
     failure = {"cause": "too fast", "remedy": "lower time.cfl"}
-    write_result(run.folder, {"status": "failed", "zeta": dict.fromkeys(FRONTS, 9.0), "beta": 9.0, "failure": failure})
+    zeta = dict.fromkeys(FRONTS, 9.0)
+    write_result(run.folder, {"schema": 1, "status": "failed", "zeta": zeta, "beta": 9.0, "failure": failure})
     return Outcome(run, TaskResult("failed", 1, 3, "too fast; lower time.cfl"))
 
 
