@@ -28,7 +28,7 @@ def find_snapshot(folder: Path, index: int) -> Path:
     paths = run_snapshots(folder)
     if not paths:
         raise OutputError(
-            f"{folder}: no snapshots ({SNAPSHOT_FOLDER}/*.vtkhdf); give the results folder of a run, or run the case again"
+            f"{folder}: no snapshots ({SNAPSHOT_FOLDER}/*.vtkhdf); give the folder of a run, or run the case again"
         )
     if not -len(paths) <= index < len(paths):
         raise UsageError(f"{folder}: there is no snapshot {index}; expected 0 to {len(paths) - 1}, or -1 for the last")
