@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import sqrt
 from pathlib import Path
 from typing import Any
 
@@ -116,5 +115,4 @@ def _stop_time(results: Results, notify: Notify) -> float | None:
         problem = "is damaged: rows or columns are missing or truncated" if path.exists() else "is missing"
         notify(f"note: {path} {problem}; the stop time of the front is omitted")
         return None
-    fall_time = sqrt(results.shape.h_i / results.case.geometry.gravity)
-    return measure_stop_time(history, results.shape.spacing, fall_time)
+    return measure_stop_time(history, results.shape.spacing, results.fall_time)

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from mpmcol.case import Case
-from mpmcol.errors import OutputError
+from mpmcol.errors import OutputError, UsageError
 from mpmcol.io.columns import without_unit
 from mpmcol.io.html import html_table
 from mpmcol.io.names import CASE_FILE, HISTORY_FILE, PRESSURE_FILE, RESULT_FILE
@@ -121,6 +121,19 @@ class Results:
         """Columns of wall_pressure.csv: wall, face and state as text, all others as numbers; empty without the file."""
         path = self.folder / PRESSURE_FILE
         return _read_columns(path, ("wall", "face", "state")) if path.exists() else {}
+
+    @cached_property
+    def released_history(self) -> dict[str, np.ndarray]:
+        """Columns of the history since the release. Raises UsageError if the run ended before it."""
+        released = self.history["stage"] != "equilibrate"
+        if not (released.any() and self.snapshots):
+            raise UsageError(f"{self.folder}: the run ended before the column was released; there is nothing to chart")
+        return {name: column[released] for name, column in self.history.items()}
+
+    @property
+    def fall_time(self) -> float:
+        """Characteristic time sqrt(h_i / g), s."""
+        return self.shape.fall_time(self.case.geometry.gravity)
 
     @property
     def snapshots(self) -> list[Path]:

@@ -113,21 +113,21 @@ def write_history(folder: Path, rows: Sequence[Mapping[str, Any]], model: str = 
 
     model: geometry.model, on which the unit of energies depends; without it the unit is J.
     """
-    text = io.StringIO()
     names = [*HISTORY, *(name for name in (rows[0] if rows else {}) if name not in HISTORY)]
-    csv.writer(text, lineterminator="\n").writerow(header(names, HISTORY_FILE, model))
-    csv.DictWriter(text, names, lineterminator="\n").writerows(rows)
-    atomic_write(folder / HISTORY_FILE, text.getvalue().encode())
+    _write_table(folder / HISTORY_FILE, names, rows, model)
 
 
 def write_pressure(folder: Path, rows: Sequence[Mapping[str, Any]], model: str) -> None:
     """Write wall_pressure.csv; nothing without rows. Raises OutputError."""
-    if not rows:
-        return
+    if rows:
+        _write_table(folder / PRESSURE_FILE, list(rows[0]), rows, model)
+
+
+def _write_table(path: Path, names: Sequence[str], rows: Sequence[Mapping[str, Any]], model: str) -> None:
     text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerow(header(rows[0], PRESSURE_FILE, model))
-    csv.DictWriter(text, list(rows[0]), lineterminator="\n").writerows(rows)
-    atomic_write(folder / PRESSURE_FILE, text.getvalue().encode())
+    csv.writer(text, lineterminator="\n").writerow(header(names, path.name, model))
+    csv.DictWriter(text, names, lineterminator="\n").writerows(rows)
+    atomic_write(path, text.getvalue().encode())
 
 
 def write_result(folder: Path, result: Mapping[str, Any], snapshots: Mapping[str, str] | None = None) -> None:

@@ -16,7 +16,8 @@ def run_snapshots(folder: Path) -> list[Path]:
     Thus the last one is the state at the end of the run, and a removed file does not change the index of the others.
     """
     listed = (folder / name for name in listed_checksums(folder) if name.startswith(f"{SNAPSHOT_FOLDER}/"))
-    return sorted({*list_snapshots(folder), *listed}, key=lambda path: int(path.stem))
+    numbered = (path for path in listed if path.stem.isdecimal())
+    return sorted({*list_snapshots(folder), *numbered}, key=lambda path: int(path.stem))
 
 
 def find_snapshot(folder: Path, index: int) -> Path:
@@ -26,7 +27,9 @@ def find_snapshot(folder: Path, index: int) -> Path:
     """
     paths = run_snapshots(folder)
     if not paths:
-        raise OutputError(f"{folder}: the run has no snapshots ({SNAPSHOT_FOLDER}/*.vtkhdf); run the case again")
+        raise OutputError(
+            f"{folder}: no snapshots ({SNAPSHOT_FOLDER}/*.vtkhdf); give the folder of a run, or run the case again"
+        )
     if not -len(paths) <= index < len(paths):
         raise UsageError(f"{folder}: there is no snapshot {index}; expected 0 to {len(paths) - 1}, or -1 for the last")
     path = paths[index]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import cos, pi, radians
+from math import cos, pi, radians, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,6 +55,10 @@ class ColumnShape:
     def a(self) -> float:
         """Aspect ratio h_i / r_i."""
         return self.h_i / self.r_i
+
+    def fall_time(self, gravity: float) -> float:
+        """Characteristic time sqrt(h_i / g), s."""
+        return sqrt(self.h_i / gravity)
 
     @property
     def rectangle_a(self) -> float | None:

@@ -18,7 +18,7 @@ from mpmcol.mpm.jit import device
 from mpmcol.mpm.simd import extract, reduce_sum, splat, sqrt, vector, where_positive
 
 NO_WALL = -1
-AXES = (1, 0, 2)  # order in which the walls of a node act: the floor first
+CONTACT_ORDER = (1, 0, 2)  # axes in the order in which the walls of a node act: the floor first
 FRICTION_WORK, SUMS = 9, 10  # of a row: the impulse on the wall with normal axis k is at 3 k to 3 k + 2
 
 
@@ -112,7 +112,7 @@ def slide(v: Any, normal: Any, side: float, friction: float) -> tuple[float, Any
 @device
 def slide_on_walls(contacts: Contacts, slot: int, v: Any) -> Any:
     """The nodal velocity v (m/s) after contact with the walls of a row, for a stress update without motion."""
-    for axis in AXES:
+    for axis in CONTACT_ORDER:
         _, v = slide(v, normal_of(axis), contacts.side[slot, axis], contacts.friction[slot, axis])
     return v
 
@@ -139,7 +139,7 @@ def touch_walls(
     start = where_positive(contact, free, v)
     v_after, pressed = start, zero
     rest = vector(0.0, int(walls[slot, 0] < 0), int(walls[slot, 1] < 0), int(walls[slot, 2] < 0), 0.0, 0.0, 0.0, 0.0)
-    for axis in AXES:
+    for axis in CONTACT_ORDER:
         if walls[slot, axis] < 0:
             continue
         normal = normal_of(axis)

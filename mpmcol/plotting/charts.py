@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import sqrt
 from pathlib import Path
 from typing import Any
 
@@ -83,7 +82,7 @@ def profile_chart(
     figure.set_size_inches(8.0, min(6.6 * flatness, 8.0) + 2.1)
     if shape.model == "plane":
         draw_gravity(target.axes, shape.slope_deg)
-    tau = sqrt(shape.h_i / gravity)
+    tau = shape.fall_time(gravity)
     last = _draw_in_time(figure, target, deposits, tau, ", deposit" if at_rest else ", last state")
     known, names = draw_experiment(target, shape, experiment)
     fronts, text = draw_fronts(target, deposits[-1][1])
@@ -145,7 +144,7 @@ def front_chart(
         gravity: m/s2.
     """
     figure, upper, lower = history_panels(heading or Heading(run_title("", shape.model, shape.rectangle_a)))
-    tau = time / sqrt(shape.h_i / gravity)
+    tau = time / shape.fall_time(gravity)
     for name, front in fronts.items():
         style = {key: value for key, value in FRONT_STYLES[name].items() if key != "marker"}
         upper.plot(tau, front / shape.r_i - 1.0, label=FRONT_LABELS[name], **style)
@@ -209,7 +208,7 @@ def energy_chart(
     """
     figure = Figure(figsize=(8.0, 6.0), layout="constrained")
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[4, 1])
-    tau = time / sqrt(shape.h_i / gravity)
+    tau = time / shape.fall_time(gravity)
     total = shape.potential_energy(gravity)
 
     def change(name: str) -> Array:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import sqrt
 from pathlib import Path
 from typing import Any
 
@@ -63,7 +62,7 @@ class ComparedRun:
     @property
     def tau(self) -> Array:
         """Time since release over sqrt(h_i / g)."""
-        return self.history["time"] / sqrt(self.shape.h_i / self.results.case.geometry.gravity)
+        return self.history["time"] / self.results.fall_time
 
     @property
     def label(self) -> str:
@@ -124,11 +123,8 @@ def _kind(shape: ColumnShape) -> str:
 
 
 def _compared(results: Results, name: str, i: int) -> ComparedRun:
-    released = results.history["stage"] != "equilibrate"
-    if not (released.any() and results.snapshots):
-        raise UsageError(f"{results.folder}: the run ended before the column was released; there is nothing to chart")
-    history = {key: column[released] for key, column in results.history.items()}
-    return ComparedRun(results, name, history, {"color": RUN_COLOURS[i], "linestyle": RUN_LINES[i], "linewidth": 1.6})
+    style = {"color": RUN_COLOURS[i], "linestyle": RUN_LINES[i], "linewidth": 1.6}
+    return ComparedRun(results, name, results.released_history, style)
 
 
 def _common_experiment(runs: Sequence[Results]) -> Experiment:

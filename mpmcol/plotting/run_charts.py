@@ -46,11 +46,7 @@ def chart_run(
         UsageError: the run ended before the release, or it has no snapshot near one of the times.
         OutputError: no snapshot can be read, or a chart cannot be written.
     """
-    shape = results.shape
-    released = results.history["stage"] != "equilibrate"
-    if not (released.any() and results.snapshots):
-        raise UsageError(f"{results.folder}: the run ended before the column was released; there is nothing to chart")
-    history = {name: column[released] for name, column in results.history.items()}
+    shape, history = results.shape, results.released_history
     options: dict[str, Any] = {"gravity": results.case.geometry.gravity, "svg": svg}
     experiment = compared_experiment(results.case)
     options["heading"] = heading_of(results.case, shape)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from math import radians, sin, sqrt
+from math import radians, sin
 from pathlib import Path
 from typing import NamedTuple
 
@@ -62,7 +62,7 @@ def wall_chart(
         return []
     figure = Figure(figsize=(10.0, 4.6), layout="constrained")
     left, right = figure.subplots(1, 2, width_ratios=[3, 2])
-    tau = history["time"] / sqrt(shape.h_i / gravity)
+    tau = history["time"] / shape.fall_time(gravity)
     for wall, colour, line in zip(walls, RUN_COLOURS, RUN_LINES, strict=False):
         parts = [history[column(wall, axis)] for axis in AXES if column(wall, axis) in history]
         left.plot(tau, np.linalg.norm(parts, axis=0), color=colour, linestyle=line, label=_text(wall))

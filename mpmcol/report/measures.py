@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from math import sqrt
 from typing import Any
 
 from mpmcol.experiments import EXPERIMENTS, mark
@@ -47,7 +46,7 @@ class Measure:
 def measures(results: Results) -> list[Measure]:
     """Runout, height and shape of the deposit, and the end of the run."""
     summary, shape = results.summary, results.shape
-    tau = sqrt(shape.h_i / results.case.geometry.gravity)
+    tau = results.fall_time
     angle, undisturbed, stop = (summary.get(name) for name in ("repose_angle_deg", "undisturbed_radius", "stop_time"))
     to_base = " to the base" if shape.slope_deg else ""
     return [

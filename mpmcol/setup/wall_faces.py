@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpmcol.case.walls import BACK_WALL, FLOOR, GATE_WALL
+from mpmcol.measure.wall_forces import AXES
 from mpmcol.mpm.boundary import AXIS
 from mpmcol.mpm.grid import grid_shape, node_coordinates
 from mpmcol.mpm.shape_functions import SHAPE_FUNCTIONS
@@ -18,7 +19,6 @@ from mpmcol.setup.model import Model, make_boundaries
 from mpmcol.setup.wall_boxes import WallBox
 
 SAMPLES = 64  # per cell, of shape functions along a face
-AXES = ("x", "y", "z")
 
 
 @dataclass(frozen=True)

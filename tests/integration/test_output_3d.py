@@ -48,13 +48,14 @@ def run_of(shape: ColumnShape, folder: Path) -> SimpleNamespace:
         "energy_unit": "J of the quarter that is modelled",
     }  # fmt: skip
     history = dict.fromkeys([*FRONTS, *charts.ENERGY_STYLES, "height", "potential", "residual"], ones)
+    history |= {"stage": np.array(["collapse"] * 3), "time": np.arange(3.0)}
     return SimpleNamespace(
         folder=folder, shape=shape, snapshots=[folder], status="done", came_to_rest=True,
-        history=history | {"stage": np.array(["collapse"] * 3), "time": np.arange(3.0)},
+        history=history, released_history=history,
         case=load_case("lube-quarter", [*SIZE, f"geometry.section={shape.section}"]),
         summary=json.loads(json.dumps(summary)), measure=lambda number: measured,
         snapshot=lambda number: SimpleNamespace(stage="rest", time=0.3), wall_pressure={},
-        erosion=None,
+        erosion=None, fall_time=shape.fall_time(9.81),
     )  # fmt: skip
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from math import sqrt
-
 import numpy as np
 
 from mpmcol.errors import OutputError
@@ -25,7 +23,7 @@ def course_of(results: Results) -> dict[str, float]:
     except OutputError:
         return {}
     collapse, shape = history["stage"] == "collapse", results.shape
-    unit = sqrt(shape.h_i / results.case.geometry.gravity)
+    unit = results.fall_time
     time = history["time"][collapse] / unit
     if len(time) == 0:
         return {}

@@ -6,7 +6,6 @@ the state whose front is at the position of the law, are therefore compared with
 
 from __future__ import annotations
 
-from math import sqrt
 from pathlib import Path
 
 import numpy as np
@@ -39,7 +38,7 @@ def evaluate(completed: CompletedRuns, quick: bool) -> FigureResult:
     times = [results.snapshot(i).time for i in range(len(results.snapshots))]
     released = [i for i, time in enumerate(times) if time >= 0.0]
     states = {times[i]: results.measure(i) for i in released}
-    tau = sqrt(results.shape.h_i / results.case.geometry.gravity)
+    tau = results.fall_time
     rows = [
         {
             "t_s": time,

@@ -179,7 +179,7 @@ def test_relative_folder_from_another_working_directory(folder: Path, tmp_path: 
 
 
 def test_invalid_requests_are_rejected(folder: Path, tmp_path: Path, without_egl: None):
-    with pytest.raises(OutputError, match="give the results folder of a run"):
+    with pytest.raises(OutputError, match="give the folder of a run"):
         render(tmp_path, gif=False)
     for wrong in (STEPS, -STEPS - 1):
         with pytest.raises(UsageError, match=f"no snapshot {wrong}: .* has 0 to 3"):

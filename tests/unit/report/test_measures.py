@@ -8,7 +8,6 @@ from typing import Any
 
 import pytest
 
-from mpmcol.case import load_case
 from mpmcol.cli.measure_text import text_of
 from mpmcol.measure import Erosion
 from mpmcol.report.measures import ANGLE, comparison_table, measures
@@ -21,7 +20,7 @@ def results(erosion: Erosion | None = None, **changed: Any) -> Any:
     """A run with these values of its result."""
     values = replace(deposit(1.5), **changed).scalars()
     summary = {**values, "stop_time": None, "time_over_tau": 5.0, "at_rest": True}
-    return SimpleNamespace(summary=summary, shape=SHAPE, case=load_case("coarse-channel"), erosion=erosion)
+    return SimpleNamespace(summary=summary, shape=SHAPE, fall_time=SHAPE.fall_time(9.81), erosion=erosion)
 
 
 def printed(shape: Any = SHAPE, erosion: Erosion | None = None, **changed: Any) -> str:
