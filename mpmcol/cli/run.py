@@ -132,7 +132,7 @@ def run(
     if dry_run:
         _check_folder(loaded, folder, fresh, quiet)
         _note_threads(threads, quiet)
-        print_estimate(loaded, threads, to_json=to_json, quiet=quiet)
+        print_estimate(loaded, folder, threads, to_json=to_json, quiet=quiet)
         return
     from mpmcol.io.results import Results
     from mpmcol.simulation.run import run as simulate
