@@ -268,6 +268,7 @@ OUTPUTS: dict[str, Names] = {  # command or file -> its names
     "run --dry-run --json": _ESTIMATE,
     "sweep --json": _SWEEP,
     "sweep --dry-run --json": _FORECAST,
+    "fit --dry-run --json": _FORECAST,
     "sweep --uncertain --json": {**RECORD_NAMES, "folder": _SWEEP["folder"], **_FILES},
     "uncertainty.json": RECORD_NAMES,
     "sweep.json": _PLAN_FILE,
