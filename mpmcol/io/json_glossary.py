@@ -34,6 +34,7 @@ _SPREAD: Names = {
     "max": ("ns", "longest of them"),
 }
 _ESTIMATE: Names = {
+    **_SCHEMA,
     **{name: NAMES[RESULT][name] for name in ("points", "column_points", "dt", "warnings")},
     "nodes": ("", "number of grid nodes near material at the start"),
     "tiles_of_group": ("", "occupied tiles of each group; those of a group are processed in parallel"),
