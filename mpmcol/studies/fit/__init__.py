@@ -16,12 +16,12 @@ from mpmcol.studies.fit.quantities import Target
 from mpmcol.studies.fit.search import Notify, Search, Solution
 from mpmcol.studies.fit.surface import design
 from mpmcol.studies.fit.unknowns import Unknown
+from mpmcol.studies.frame import RUNS
 from mpmcol.sweep.engine import KeptPool
 from mpmcol.sweep.plan import PLAN_FILE
 from mpmcol.sweep.runner import SweepObserver
 from mpmcol.sweep.runs import PlannedRun
 
-RUNS = "runs"  # folder of the runs within that of the fit
 REPEATS = 2  # runs for each set of values
 
 
