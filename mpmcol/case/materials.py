@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, Union
 
 from pydantic import Field, field_validator
-from pydantic_core import PydanticCustomError
 
 from mpmcol.case.constraints import violations
 from mpmcol.case.geometry import GeometryTable
+from mpmcol.case.problem import refusal
 from mpmcol.case.values import leaf_values
 from mpmcol.mpm.constitutive import LAWS, elastic
 from mpmcol.units import Table, option, quantity
@@ -39,7 +39,7 @@ class LayerTable(Table):
     def _check_material(cls, material: Material) -> Material:
         """Check what the constraints require of the column's material."""
         for violation in violations(leaf_values(material, "material.")):
-            raise _refusal(f"{violation.key.partition('.')[2]} {violation.message.replace('material.', '')}")
+            raise refusal(f"{violation.key.partition('.')[2]} {violation.message.replace('material.', '')}")
         return material
 
 
@@ -82,25 +82,20 @@ def check_laws(layers: list[Any], law: str) -> None:
     for number, layer in enumerate(layers):
         own = layer.get("material") if isinstance(layer, dict) else None
         if isinstance(own, dict) and own.get("law", law) in [other for other in LAWS if other != law]:
-            raise _refusal(f'must be that of the column, "{law}"', number, "material", "law")
+            raise refusal(f'must be that of the column, "{law}"', number, "material", "law")
 
 
 def check_layers(layers: tuple[LayerTable, ...], geometry: GeometryTable) -> None:
     """Raise PydanticCustomError if layers overlap, begin above the column, or are too many."""
     height, most = geometry.h_i, MOST_LAYERS[geometry.dimension]
     if len(layers) > most:
-        raise _refusal(f"{len(layers)} layers, expected at most {most} for this model")
+        raise refusal(f"{len(layers)} layers, expected at most {most} for this model")
     top = 0.0
     for number, layer in sorted(enumerate(layers, 1), key=lambda one: one[1].from_):
         if not layer.from_ < layer.to:
-            raise _refusal(f"layer {number}: from = {layer.from_:g} m must be smaller than to = {layer.to:g} m")
+            raise refusal(f"layer {number}: from = {layer.from_:g} m must be smaller than to = {layer.to:g} m")
         if layer.from_ < top:
-            raise _refusal(f"layer {number}: from = {layer.from_:g} m lies in another layer, which ends at {top:g} m")
+            raise refusal(f"layer {number}: from = {layer.from_:g} m lies in another layer, which ends at {top:g} m")
         if layer.from_ >= height:
-            raise _refusal(f"layer {number}: from = {layer.from_:g} m lies above the column, {height:g} m high")
+            raise refusal(f"layer {number}: from = {layer.from_:g} m lies above the column, {height:g} m high")
         top = layer.to
-
-
-def _refusal(text: str, *inside: int | str) -> PydanticCustomError:
-    """An error of an item of the array, and of a key in it, if they are given."""
-    return PydanticCustomError("quantity", "{text}", {"text": text, "inside": tuple(map(str, inside))})

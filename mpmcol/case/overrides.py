@@ -57,6 +57,12 @@ def _parsed(text: str) -> Any:
     return parsed["value"]
 
 
+def split_setting(argument: str) -> tuple[str, str]:
+    """Key and value, both as text, of "grid.spacing = 0.005"."""
+    name, _, text = argument.partition("=")
+    return ".".join(part.strip() for part in name.split(".")), text.strip()
+
+
 def refuse_repeated(arguments: Sequence[str]) -> None:
     """Raise CaseError if a key has two different values among the arguments that a user gave.
 
@@ -65,8 +71,7 @@ def refuse_repeated(arguments: Sequence[str]) -> None:
     given: dict[str, tuple[str, str]] = {}  # key -> its first value and that argument
     problems = []
     for argument in arguments:
-        name, _, text = argument.partition("=")
-        key, value = ".".join(part.strip() for part in name.split(".")), text.strip()
+        key, value = split_setting(argument)
         first, earlier = given.setdefault(key, (value, argument))
         if value != first:
             message = f"{shortened(key)} is given twice; the other one is {set_option(earlier)}"

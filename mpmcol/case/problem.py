@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from pydantic_core import PydanticCustomError
+
 from mpmcol.case.fields import shortened
 from mpmcol.errors import CaseError
 
@@ -55,3 +57,8 @@ def case_error(problems: Sequence[Problem]) -> CaseError:
 def set_option(argument: str) -> str:
     """Location of a problem that was caused by an override."""
     return f"--set {shortened(argument)}"
+
+
+def refusal(text: str, *inside: int | str) -> PydanticCustomError:
+    """An error of an item of an array of tables, and of a key in it, if they are given."""
+    return PydanticCustomError("quantity", "{text}", {"text": text, "inside": tuple(map(str, inside))})

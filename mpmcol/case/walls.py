@@ -9,11 +9,11 @@ from itertools import combinations
 from typing import Annotated, Any
 
 from pydantic import Field
-from pydantic_core import PydanticCustomError
 
 from mpmcol.case.fields import shortened
 from mpmcol.case.friction import coefficient
 from mpmcol.case.geometry import GeometryTable
+from mpmcol.case.problem import refusal
 from mpmcol.units import Table, counted, option, quantity
 
 FLOOR, BACK_WALL, GATE_WALL = "floor", "back_wall", "gate"  # names of the other walls whose forces are recorded
@@ -72,20 +72,15 @@ def check_walls(walls: tuple[WallTable, ...], geometry: GeometryTable, wall_impu
     wall_impulse: that of the method, which walls need. h: spacing of the grid, m; None if it is invalid.
     """
     if walls and not wall_impulse:
-        raise _refusal("walls need their reaction: set method.wall_impulse = true")
+        raise refusal("walls need their reaction: set method.wall_impulse = true")
     for number, wall in enumerate(walls):
         for key, problem in (*_problems(wall, geometry), *(_thin_parts(wall, geometry.model, h) if h else ())):
-            raise _refusal(f"wall {shortened(wall.name)}: {problem}", number, key)
+            raise refusal(f"wall {shortened(wall.name)}: {problem}", number, key)
     for (_, one), (number, other) in combinations(enumerate(walls), 2):
         if one.name == other.name:
-            raise _refusal(f"two walls have the name {one.name}", number)
+            raise refusal(f"two walls have the name {one.name}", number)
         if _overlap(one.along, other.along) and _overlap(one.across, other.across):
-            raise _refusal(f"walls {one.name} and {other.name} overlap", number)
-
-
-def _refusal(text: str, *inside: int | str) -> PydanticCustomError:
-    """An error of an item of the array, and of a key in it, if they are given."""
-    return PydanticCustomError("quantity", "{text}", {"text": text, "inside": tuple(map(str, inside))})
+            raise refusal(f"walls {one.name} and {other.name} overlap", number)
 
 
 def _thin_parts(wall: WallTable, model: str, h: float) -> Iterator[tuple[str, str]]:

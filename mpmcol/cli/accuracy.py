@@ -19,12 +19,13 @@ if TYPE_CHECKING:
 
 def recommend(case: str, overrides: Sequence[str], accuracy: float, silent: bool) -> Recommendation:
     """The cheapest configuration for a case within an accuracy; prints which one and why on stderr unless `silent`."""
+    from mpmcol.case.overrides import split_setting
     from mpmcol.studies.pareto.recommend import recommend as find_cheapest
 
     advice = find_cheapest(case, overrides, accuracy)
     chosen = dict(text.split("=", 1) for text in advice.overrides)
     for text in overrides:
-        key, _, value = (part.strip() for part in text.partition("="))
+        key, value = split_setting(text)
         if chosen.get(key, value) != value:
             raise click.UsageError(f"--accuracy chooses {key} = {chosen[key]}; remove --set {text}, or --accuracy")
     if not silent:

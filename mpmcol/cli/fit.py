@@ -10,6 +10,7 @@ from mpmcol.cli.options import (
     PATH,
     accuracy_option,
     aspect_option,
+    dry_run_option,
     fresh_option,
     jobs_option,
     json_option,
@@ -21,6 +22,7 @@ from mpmcol.cli.options import (
     with_aspect,
 )
 from mpmcol.cli.report import report_at_end
+from mpmcol.cli.sweep_plan import print_forecast
 
 
 @click.command()
@@ -51,6 +53,7 @@ from mpmcol.cli.report import report_at_end
 @fresh_option
 @jobs_option
 @threads_option
+@dry_run_option
 @report_option
 @json_option("values with their standard errors, and the differences from the measurements")
 @quiet_option
@@ -67,6 +70,7 @@ def fit(
     fresh: bool,
     jobs: int | None,
     threads: int | None,
+    dry_run: bool,
     report: bool,
     to_json: bool,
     quiet: bool,
@@ -85,7 +89,7 @@ def fit(
     from mpmcol.cli.sweep_display import SweepDisplay
     from mpmcol.io.atomic import require_folder_path
     from mpmcol.io.values import to_json as as_json
-    from mpmcol.studies.fit import RUNS, carry_out_fit
+    from mpmcol.studies.fit import RUNS, carry_out_fit, plan_fit
     from mpmcol.studies.fit.report import lines, record, write_report
     from mpmcol.studies.fit.unknowns import parse_unknowns
 
@@ -94,6 +98,13 @@ def fit(
     unknowns = parse_unknowns(vary, case, overrides)
     folder = out or default_folder(case, unknowns)
     require_folder_path(folder)
+    if dry_run:
+        levels, runs = plan_fit(case, overrides, unknowns, targets, folder, accuracy=accuracy, repeats=repeats)
+        if not quiet:
+            click.echo("\n".join(f"{level.name}: {level.text}" for level in levels), err=True)
+            click.echo("first runs, on the first grid; then two or more for each step of the search:", err=True)
+        print_forecast(runs, jobs, threads, fresh=fresh, to_json=to_json, quiet=quiet)
+        return
     with SweepDisplay(folder / RUNS, quiet) as display:
         found = carry_out_fit(
             case, overrides, unknowns, targets, folder, accuracy=accuracy, repeats=repeats,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from math import inf
 from pathlib import Path
 from shlex import quote
@@ -35,6 +36,7 @@ from mpmcol.io.values import to_json as as_json
 
 if TYPE_CHECKING:
     from mpmcol.case import Case
+    from mpmcol.io.results import Results
 
 SINGLE_RUN_OPTIONS = (
     "force_resume", "checkpoint", "max_wall", "on_instability", "requeue_code", "dry_run", "report",
@@ -132,7 +134,7 @@ def run(
     if dry_run:
         _check_folder(loaded, folder, fresh, quiet)
         _note_threads(threads, quiet)
-        print_estimate(loaded, threads, to_json=to_json, quiet=quiet)
+        print_estimate(loaded, folder, threads, to_json=to_json, quiet=quiet)
         return
     from mpmcol.io.results import Results
     from mpmcol.simulation.run import run as simulate
@@ -156,13 +158,18 @@ def run(
     if to_json:
         click.echo(as_json(results.summary | ({"accuracy": statement} if statement else {})))
     elif not quiet:
-        from mpmcol.cli.run_summary import summary_table
-
-        shown = quote(str(folder))
-        click.echo(summary_table(results, lines))
-        click.echo(f"results in {shown}; next: mpmcol plot {shown}, mpmcol render {shown}")
+        _print_summary(results, lines)
     if report:
         report_at_end(folder, overwrite=fresh, quiet=quiet)
+
+
+def _print_summary(results: Results, lines: Sequence[str]) -> None:
+    """The table of a run, with the lines of its statement of accuracy, and what to do next."""
+    from mpmcol.cli.run_summary import summary_table
+
+    shown = quote(str(results.folder))
+    click.echo(summary_table(results, lines))
+    click.echo(f"results in {shown}; next: mpmcol plot {shown}, mpmcol render {shown}")
 
 
 def _check_certify(accuracy: float | None) -> None:

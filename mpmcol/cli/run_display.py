@@ -6,10 +6,12 @@ import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, suppress
 from dataclasses import asdict
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from mpmcol.io.atomic import free_bytes
 from mpmcol.io.run_log import ProgressLines, TimeLeft
 from mpmcol.io.values import to_json as as_json
 from mpmcol.units import duration_text
@@ -78,8 +80,8 @@ class RunDisplay:
             self._done = done
 
 
-def print_estimate(case: Case, threads: int | None, *, to_json: bool, quiet: bool) -> None:
-    """Print what a run of the case would cost."""
+def print_estimate(case: Case, folder: Path, threads: int | None, *, to_json: bool, quiet: bool) -> None:
+    """Print what a run of the case in this folder would cost."""
     from mpmcol.setup.cost import estimate
 
     if not quiet:
@@ -90,6 +92,12 @@ def print_estimate(case: Case, threads: int | None, *, to_json: bool, quiet: boo
         return
     for warning in cost.warnings:
         click.echo(f"note: {warning}")
+    free = free_bytes(folder)
+    if cost.disk_bytes > free:
+        click.echo(
+            f"note: the results need about {cost.disk_bytes / 1e6:,.0f} MB, and {free / 1e6:,.0f} MB are free; set "
+            "fewer output.snapshots, or choose another folder with --out"
+        )
     for name, value in _estimate_rows(cost):
         click.echo(f"{name:26s} {value}")
     click.echo("nothing was run")

@@ -30,7 +30,7 @@ def _explanation(key: str) -> str:
     Raises UsageError if there is neither.
     """
     from mpmcol.case import explain as explain_key
-    from mpmcol.case import hint_for, key_names
+    from mpmcol.case import hint_for, key_names, shipped_cases
     from mpmcol.case.not_modelled import answer_to
     from mpmcol.case.reference import without_index
     from mpmcol.io.columns import explain_name, explain_names, explain_word
@@ -44,6 +44,8 @@ def _explanation(key: str) -> str:
         found.append(f"In a case file, {answer}.")
     if not found and not hint_for(key):
         found = [text for text in [explain_word(key)] if text]
+    if not found and key in shipped_cases():
+        raise click.UsageError(f"{key} is a shipped case, not a key; mpmcol init {key} prints it")
     return "\n\n".join(found) or explain_key(key)  # which raises
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mpmcol.experiments.base import Conditions, Experiment, Law, Profile, ProfileScore, Score, mark
+from mpmcol.experiments.surface import rms_difference
 
 
 def score_laws(
@@ -68,7 +69,7 @@ def _score_in_metres(x: np.ndarray, y: np.ndarray, experiment: Experiment, surfa
     return ProfileScore(
         experiment=surface.experiment,
         profile=surface.name,
-        rms_mm=_rms_mm(x, y, np.array(surface.x), np.array(surface.y)),
+        rms_mm=1e3 * rms_difference((x, y), (np.array(surface.x), np.array(surface.y))),
         front=front,
         expected_front=tip,
         error=front / tip - 1.0,
@@ -82,23 +83,13 @@ def _score_normalised(x: np.ndarray, y: np.ndarray, experiment: Experiment, surf
     return ProfileScore(
         experiment=surface.experiment,
         profile=surface.name,
-        rms_mm=_rms_mm(x, y, length * np.array(surface.x), height * np.array(surface.y)),
+        rms_mm=1e3 * rms_difference((x, y), (length * np.array(surface.x), height * np.array(surface.y))),
         front=None,
         expected_front=None,
         error=None,
         comment=f"shape only: scaled to the length and height of the deposit{mark(surface.verified)}",
         verified=surface.verified,
     )
-
-
-def _rms_mm(x: np.ndarray, y: np.ndarray, surface_x: np.ndarray, surface_y: np.ndarray) -> float:
-    """Root mean square of the distance in height over the length of the digitised surface, mm.
-
-    Stations are equally spaced, so that the spacing of the digitised points has no influence.
-    """
-    station = np.linspace(surface_x[0], surface_x[-1], 1001)
-    difference = np.interp(station, x, y, right=0.0) - np.interp(station, surface_x, surface_y)
-    return float(1e3 * np.sqrt(np.mean(difference**2)))
 
 
 def _crossing(x: np.ndarray, y: np.ndarray, level: float) -> float:

@@ -96,6 +96,11 @@ def require_folder_path(path: Path) -> None:
         raise cannot_write(path, OSError(errno.EACCES, os.strerror(errno.EACCES)))
 
 
+def free_bytes(path: Path) -> int:
+    """Free space on the disk of a folder that may not exist yet."""
+    return shutil.disk_usage(next(one for one in (path, *path.absolute().parents) if one.exists())).free
+
+
 def remove(path: Path) -> None:
     """Delete a file or a folder with its content, if it exists. Raises OutputError."""
     try:

@@ -34,6 +34,7 @@ _SPREAD: Names = {
     "max": ("ns", "longest of them"),
 }
 _ESTIMATE: Names = {
+    **_SCHEMA,
     **{name: NAMES[RESULT][name] for name in ("points", "column_points", "dt", "warnings")},
     "nodes": ("", "number of grid nodes near material at the start"),
     "tiles_of_group": ("", "occupied tiles of each group; those of a group are processed in parallel"),
@@ -270,6 +271,7 @@ OUTPUTS: dict[str, Names] = {  # command or file -> its names
     "run --dry-run --json": _ESTIMATE,
     "sweep --json": _SWEEP,
     "sweep --dry-run --json": _FORECAST,
+    "fit --dry-run --json": _FORECAST,
     "sweep --uncertain --json": {**RECORD_NAMES, "folder": _SWEEP["folder"], **_FILES},
     "uncertainty.json": RECORD_NAMES,
     "sweep.json": _PLAN_FILE,

@@ -74,6 +74,11 @@ class Measurement:
     repose_high_x_deg: float | None = None
 
     @property
+    def profile(self) -> tuple[Array, Array]:
+        """Bin centres and heights (bins,), m."""
+        return self.profile_x, self.profile_y
+
+    @property
     def max_distance(self) -> float:
         """Distance of the farthest point of all sections from the wall or axis, m."""
         return self.front_range["front_max"][1] if self.front_range else self.front["front_max"]

@@ -67,7 +67,8 @@ def estimate(case: Case, threads: int | None = None) -> Estimate:
 
     typical, longest = durations(case, model.discretization)
     steps, most_steps = int(sum(typical) / dt), int(sum(longest) / dt)
-    snapshots = 2 + (len(case.output.times) if case.output.times is not None else case.output.snapshots)
+    wanted = len(case.output.times) if case.output.times is not None else case.output.snapshots
+    snapshots = 2 + min(wanted, most_steps)
     return Estimate(
         points=points,
         column_points=model.column_points,

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from math import isfinite
 
 from mpmcol.case import Problem
+from mpmcol.case.overrides import split_setting
 from mpmcol.case.problem import set_option
 
 ASPECT, SLOPE = "geometry.aspect", "geometry.slope_deg"
@@ -59,8 +60,7 @@ def _options(aspect: str | None, slope: str | None, settings: Iterable[str]) -> 
         if values is not None:
             yield f"{name} {values}", key, values.strip()
     for setting in settings:
-        key, _, text = setting.partition("=")
-        yield set_option(setting), ".".join(part.strip() for part in key.split(".")), text.strip()
+        yield set_option(setting), *split_setting(setting)
 
 
 def parse_values(text: str) -> tuple[str, ...]:

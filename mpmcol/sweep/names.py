@@ -11,6 +11,7 @@ from typing import Any
 
 from mpmcol.case import Case
 from mpmcol.case.fields import number_of
+from mpmcol.case.overrides import split_setting
 from mpmcol.case.reference import field_at, key_names
 from mpmcol.case.values import leaf_values
 from mpmcol.sweep.axes import ASPECT, Axis
@@ -64,7 +65,7 @@ def safe_name(text: str) -> str:
 def run_name(source: str, case: Case, overrides: Sequence[str], accuracy: float | None = None) -> str:
     """Name of the default results folder of a run: its case, and the values that replace others."""
     leaves = leaf_values(case)
-    given = dict(_split(text) for text in overrides)
+    given = dict(split_setting(text) for text in overrides)
     names = short_names(given)
     labels = [value_label(names[key], key, leaves.get(key, text)) for key, text in given.items()]
     return safe_name("-".join([Path(source).stem, *labels, *_accuracy_label(accuracy)]))
@@ -81,11 +82,6 @@ def sweep_name(source: str, axes: Sequence[Axis], accuracy: float | None = None)
 def member_name(source: str | Path, inputs: Mapping[str, Any], names: Mapping[str, str]) -> str:
     """Name of a run of a sweep, without its hash: the values of the keys in `names`, or the case if there are none."""
     return "-".join(value_label(names[key], key, inputs[key]) for key in inputs if key in names) or Path(source).stem
-
-
-def _split(override: str) -> tuple[str, str]:
-    key, _, text = override.partition("=")
-    return ".".join(part.strip() for part in key.split(".")), text.strip()
 
 
 def _accuracy_label(accuracy: float | None) -> list[str]:

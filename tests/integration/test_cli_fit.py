@@ -19,6 +19,7 @@ from mpmcol.studies.fit.quantities import parse_targets
 from mpmcol.studies.fit.unknowns import parse_unknowns
 from mpmcol.studies.fit.values import fitted_values
 from tests.support.cli import invoke
+from tests.support.json_keys import unexplained_keys
 from tests.support.processes import wait_until
 from tests.support.runs import TINY
 
@@ -180,3 +181,12 @@ def test_a_folder_that_holds_something_else_is_refused(tmp_path: Path) -> None:
 def test_what_cannot_be_fitted_is_refused(tmp_path: Path, arguments: tuple[str, ...], message: str) -> None:
     done = invoke("fit", "channel", "--out", str(tmp_path / "fit"), *arguments)
     assert done.exit_code == 2 and message in done.stderr and not (tmp_path / "fit").exists()
+
+
+def test_a_dry_run_lists_the_first_runs_and_writes_nothing(tmp_path: Path) -> None:
+    forecast = invoke(*COMMAND, "--out", str(tmp_path / "out"), "--dry-run", "--json")
+    assert forecast.exit_code == 0 and not (tmp_path / "out").exists()
+    record = json.loads(forecast.stdout)
+    assert [run["inputs"][FRICTION] for run in record["runs"]] == [32.0, 32.0, 20.0, 20.0, 44.0, 44.0]
+    assert unexplained_keys(["fit", "--dry-run"], record) == set()
+    assert "level1: the grid of the case" in forecast.stderr

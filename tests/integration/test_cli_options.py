@@ -6,6 +6,7 @@ import json
 import re
 import shutil
 from pathlib import Path
+from types import SimpleNamespace
 
 import click
 import pytest
@@ -77,6 +78,7 @@ def test_no_line_of_the_help_is_cut_or_longer_than_80_columns(name: str | None) 
         (("sweep", "--aspect", "1", "--dry-run", "--engine", "commands"), "remove --engine commands"),
         (("pareto", str(CASES / "channel.toml")), "channel.toml is a case file; expected the TOML file of a study"),
         (("stability", "--map", str(CASES / "channel.toml")), "expected the TOML file of a map"),
+        (("explain", "quickstart"), "quickstart is a shipped case, not a key; mpmcol init quickstart prints it"),
         (("init", str(CASES / "channel.toml")), "is a file already"),
         (("bench", "--per-axis", "4"), "expected at most 3 with all three models"),
         (("bench", "--model", "plane", "--per-axis", "5"), "expected at most 4"),
@@ -183,6 +185,11 @@ def test_a_dry_run_refuses_a_folder_that_cannot_be(command: tuple[str, ...], nam
     (tmp_path / "file").touch()
     refused = invoke(*command, "--dry-run", "--out", tmp_path / name)
     assert refused.exit_code == 5 and "cannot be written" in refused.stderr
+
+
+def test_a_dry_run_notes_results_larger_than_the_disk(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(shutil, "disk_usage", lambda path: SimpleNamespace(free=1000))
+    assert "note: the results need about" in invoke("run", "coarse-channel", *set_options(TINY), "--dry-run").stdout
 
 
 def test_a_dry_run_refuses_the_folder_of_another_run_and_notes_a_finished_one(repeated: Path, tmp_path: Path) -> None:

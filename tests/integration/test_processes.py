@@ -129,7 +129,7 @@ def test_a_signal_that_the_caller_ignores_stays_ignored(ignored: signal.Signals)
 
 def test_a_closed_terminal_stops_the_runs_of_a_sweep_and_does_not_abort_them(tmp_path: Path) -> None:
     with handled_by(signal.SIG_DFL, *REPEATED):
-        with pytest.raises(Interrupted, match="stopped gracefully"), SweepDisplay(tmp_path, quiet=True):
+        with pytest.raises(Interrupted, match="stopped with checkpoints"), SweepDisplay(tmp_path, quiet=True):
             with pytest.raises(KeyboardInterrupt):
                 signal.raise_signal(signal.SIGHUP)
             signal.raise_signal(signal.SIGHUP)  # while the runs write their checkpoints

@@ -13,6 +13,7 @@ import subprocess
 import sys
 import tomllib
 from importlib.util import find_spec
+from itertools import pairwise
 from pathlib import Path
 
 import click
@@ -26,7 +27,7 @@ from tests.support.cli import invoke
 from tests.support.documents import DOCUMENTS, FOLDERS, ROOT, Block, anchors, blocks, links
 
 MARKS = ((), ("slow",), ("not-run",))
-COARSE = ["--set", "grid.spacing=0.012", "--set", "stages.collapse.max_time_factor=0.5"]
+COARSE = {"grid.spacing": "0.012", "stages.collapse.max_time_factor": "0.5"}
 QUICKER = {  # command of a document -> what is executed instead
     "mpmcol paper all --quick": "mpmcol paper fig9 --quick",
     "mpmcol bench": "mpmcol bench --quick --model plane",
@@ -105,12 +106,22 @@ def execute(command: str) -> None:
 
 def coarse(words: list[str]) -> list[str]:
     """The arguments of a run or a sweep with a coarse grid, a short collapse and few aspect ratios."""
+    if "--dry-run" in words:  # other documents may have filled the default folder
+        return [*(word.replace("0.5:7", "0.5:1") for word in words), *(["--fresh"] if words[0] == "run" else [])]
     if words[0] == "run":  # with --set, the name of the default folder would have a hash
-        return [*words, *COARSE, *([] if "--out" in words else ["--out", f"runs/{Path(words[1]).stem}"])]
+        return [*replaced(words), *([] if "--out" in words else ["--out", f"runs/{Path(words[1]).stem}"])]
     words = [word.replace("0.5:7", "0.5:1") if words[0] == "sweep" else word for word in words]
-    if words[0] == "sweep" and not {"--dry-run", "--engine"} & set(words):
-        return [*words, *COARSE, *([] if "--out" in words else ["--out", "sweeps/cylinder"])]
+    if words[0] == "sweep" and "--engine" not in words:
+        return [*replaced(words), *([] if "--out" in words else ["--out", "sweeps/cylinder"])]
     return words
+
+
+def replaced(words: list[str]) -> list[str]:
+    """The arguments with the values of COARSE instead of their own."""
+    pairs = pairwise(words)
+    own = {k for k, pair in enumerate(pairs) if pair[0] == "--set" and pair[1].partition("=")[0] in COARSE}
+    kept = [word for k, word in enumerate(words) if k not in own and k - 1 not in own]
+    return [*kept, *(word for key, text in COARSE.items() for word in ("--set", f"{key}={text}"))]
 
 
 @documents

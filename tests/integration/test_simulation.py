@@ -144,7 +144,7 @@ def test_dry_run_estimates_and_writes_nothing(tmp_path: Path, monkeypatch: pytes
     monkeypatch.chdir(tmp_path)
     result = invoke("run", "coarse-channel", *tiny(), "--dry-run")
     assert result.exit_code == 0
-    for text in ("material points", "grid nodes", "time step", "steps", "memory", "disk", "time"):
+    for text in ("material points", "grid nodes", "useful threads", "time step", "steps", "memory", "disk", "time"):
         assert text in result.output
     assert list(tmp_path.iterdir()) == []
     estimate = json.loads(invoke("run", "coarse-channel", *tiny(), "--dry-run", "--json").stdout)

@@ -34,8 +34,9 @@ def csv_row(text: str) -> dict[str, str]:
 
 
 def set_options(overrides: Iterable[str]) -> list[str]:
-    """Return `--set KEY=VALUE` for each override."""
-    return [argument for override in overrides for argument in ("--set", override)]
+    """Return `--set KEY=VALUE` for each override, of a repeated key the last one."""
+    by_key = {override.partition("=")[0]: override for override in overrides}
+    return [argument for override in by_key.values() for argument in ("--set", override)]
 
 
 @contextmanager

@@ -11,15 +11,17 @@ import numpy as np
 from mpmcol.case import load_case
 from mpmcol.errors import UsageError
 from mpmcol.studies.fit.agreement import Agreement, agreement_of
-from mpmcol.studies.fit.forward import Forward, levels_for, make_level
+from mpmcol.studies.fit.forward import Forward, Level, levels_for, make_level
 from mpmcol.studies.fit.quantities import Target
 from mpmcol.studies.fit.search import Notify, Search, Solution
+from mpmcol.studies.fit.surface import design
 from mpmcol.studies.fit.unknowns import Unknown
+from mpmcol.studies.frame import RUNS
 from mpmcol.sweep.engine import KeptPool
 from mpmcol.sweep.plan import PLAN_FILE
 from mpmcol.sweep.runner import SweepObserver
+from mpmcol.sweep.runs import PlannedRun
 
-RUNS = "runs"  # folder of the runs within that of the fit
 REPEATS = 2  # runs for each set of values
 
 
@@ -92,6 +94,32 @@ def carry_out_fit(
             solution = search.run(level, shares if search.evaluations else search.begin(level))
             shares = solution.shares
     return Fit(source, tuple(overrides), tuple(unknowns), tuple(targets), solution, out)
+
+
+def plan_fit(
+    source: str | Path,
+    overrides: Sequence[str],
+    unknowns: Sequence[Unknown],
+    targets: Sequence[Target],
+    out: Path,
+    *,
+    accuracy: float | None = None,
+    repeats: int = REPEATS,
+) -> tuple[list[Level], list[PlannedRun]]:
+    """The grids of a fit, and its first runs: at the middle and the ends of the ranges. Arguments as `carry_out_fit`.
+
+    Raises as `carry_out_fit` before it computes.
+    """
+    require_enough(unknowns, targets)
+    _require_own(out)
+    middle = np.full(len(unknowns), 0.5)
+    levels = [
+        make_level(source, overrides, unknowns, middle, one, number)
+        for number, one in enumerate(levels_for(accuracy), 1)
+    ]
+    with KeptPool() as kept:
+        forward = Forward(source, tuple(overrides), tuple(unknowns), tuple(targets), out / RUNS, repeats, kept)
+    return levels, [run for one in design(len(unknowns)) for run in forward.planned(levels[0], one)]
 
 
 def _require_own(out: Path) -> None:

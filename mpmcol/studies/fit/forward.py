@@ -93,7 +93,7 @@ class Forward:
 
         Raises an MpmcolError with the exit code of the runs if none of a set was successful.
         """
-        planned = [self._planned(level, one) for one in shares]
+        planned = [self.planned(level, one) for one in shares]
         outcomes = run_sweep(
             [run for runs in planned for run in runs], self.out,
             jobs=self.jobs, threads=self.threads, fresh=self.fresh, observer=self.observer, kept=self.kept,
@@ -108,7 +108,7 @@ class Forward:
             for one, runs in zip(shares, planned, strict=True)
         ]
 
-    def _planned(self, level: Level, shares: np.ndarray) -> list[PlannedRun]:
+    def planned(self, level: Level, shares: np.ndarray) -> list[PlannedRun]:
         """Repeated runs, which differ in time step and spacing by a few per cent."""
         values = settings(self.unknowns, shares)
         base = load_case(self.source, [*self.overrides, *level.overrides, *values])

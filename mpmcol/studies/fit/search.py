@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,14 +20,13 @@ from mpmcol.studies.fit.surface import (
     pooled_variance,
     precision,
 )
+from mpmcol.sweep.engine import Notify
 
 MOST_STEPS = 6  # of the search, at each level
 CONVERGED = 0.5  # change of the unknowns, in their standard errors, at which the search ends
 LEAST_CHANGE = 1e-3  # smallest change, in the range, for which runs are computed
 LEAST_ERROR = 0.005  # relative standard deviation of a run, at least
 CAUSES = ("measurement", "grid", "scatter")
-
-Notify = Callable[[str], None]
 
 
 @dataclass(frozen=True)

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from mpmcol.case import load_case
 from mpmcol.case.fields import number_of
+from mpmcol.case.problem import case_error, set_option
 from mpmcol.case.reference import field_at
 from mpmcol.case.values import leaf_values
-from mpmcol.errors import UsageError
+from mpmcol.errors import CaseError, UsageError
 from mpmcol.studies.runs import CFL
 
 MOST = 3
@@ -82,7 +83,13 @@ def settings(unknowns: Sequence[Unknown], shares: np.ndarray) -> list[str]:
 
 def _value(text: str, key: str, end: str, source: str | Path, overrides: Sequence[str]) -> float:
     """A value of a key in the unit of the key. Raises CaseError if it is invalid."""
-    value = leaf_values(load_case(source, [*overrides, f"{key}={end}"])).get(key)
+    setting = f"{key}={end}"
+    try:
+        value = leaf_values(load_case(source, [*overrides, setting])).get(key)
+    except CaseError as error:  # the user gave --vary
+        own = set_option(setting)
+        found = [replace(one, file=f"--vary {text}") if one.file == own else one for one in error.problems]
+        raise case_error(found) from None
     if not isinstance(value, float) or not np.isfinite(value):
         raise UsageError(f"--vary {text}: {key} is not a real number; {EXPECTED}")
     return float(value)

@@ -11,13 +11,13 @@ from pathlib import Path
 import numpy as np
 
 from mpmcol.experiments import find_experiment
+from mpmcol.experiments.surface import rms_difference
 from mpmcol.measure import Measurement
 from mpmcol.plotting.captions import heading_of
 from mpmcol.plotting.charts import profile_chart
 from mpmcol.studies.paper.fig6 import FIG7_ASPECT, MATERIALS, QUICK_SPACINGS, SPACINGS, channel_run
 from mpmcol.studies.paper.report import Comparison, FigureResult
 from mpmcol.studies.runs import CompletedRun, CompletedRuns, StudyRun
-from mpmcol.studies.surface import rms_difference
 
 TITLE = "Figure 7: the channel column a = 7 in time"
 FRAMES = 6  # besides the deposit at rest
@@ -62,13 +62,14 @@ def _shape_comparisons(run: CompletedRun, states: dict[float, Measurement]) -> l
     front, height = shape.r_i * (1.0 + row["law.zeta"]), shape.h_i * row["law.beta"]
     last = list(states.values())[-1]
     matched = min(states, key=lambda time: abs(states[time].front["front_height"] - front))
-    own = rms_difference(last, last.front["front_height"] * x, last.height * y) / last.height
+    own = rms_difference(last.profile, (last.front["front_height"] * x, last.height * y)) / last.height
     return [
         Comparison("deposit against the universal shape, scaled to its own front and height: RMS over height", own),
         Comparison(f"deposit against that shape with front and height of {experiment.label('beta')}: RMS over height",
-                   rms_difference(last, front * x, height * y) / height),
+                   rms_difference(last.profile, (front * x, height * y)) / height),
         Comparison("state whose front is nearest to the law's against that shape: RMS over height",
-                   rms_difference(states[matched], front * x, height * y) / height, comment=f"t = {matched:.3f} s"),
+                   rms_difference(states[matched].profile, (front * x, height * y)) / height,
+                   comment=f"t = {matched:.3f} s"),
     ]  # fmt: skip
 
 

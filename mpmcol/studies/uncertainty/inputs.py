@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from mpmcol.case import Problem, key_names
 from mpmcol.case.fields import number_of, shortened
+from mpmcol.case.overrides import split_setting
 from mpmcol.case.reference import field_at, hint_for, without_indices
 from mpmcol.studies.runs import CFL
 from mpmcol.studies.uncertainty.distributions import Distribution, parse_distribution
@@ -34,10 +35,9 @@ def parse_inputs(options: Sequence[str]) -> tuple[list[UncertainInput], list[Pro
     inputs: dict[str, UncertainInput] = {}
     problems: list[Problem] = []
     for option in options:
-        key, equals, text = option.partition("=")
-        key = ".".join(part.strip() for part in key.split("."))
+        key, text = split_setting(option)
         try:
-            if not equals:
+            if "=" not in option:
                 raise ValueError("expected KEY=DISTRIBUTION, for example material.friction_deg=normal:33,1.5")
             if key in inputs:
                 raise ValueError(f"{key} is given twice; give one distribution for each key")

@@ -7,11 +7,11 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from mpmcol.experiments import Experiment
+from mpmcol.experiments.surface import height_difference
 from mpmcol.measure import Array, Measurement
 from mpmcol.plotting.figures import save_figure
 from mpmcol.plotting.styles import DEPOSIT_STYLE, experiment_style
 from mpmcol.studies.runs import CompletedRun
-from mpmcol.studies.surface import height_difference
 from mpmcol.studies.validation import measures
 
 Line = tuple[Array, Array]
@@ -48,7 +48,7 @@ def _draw(
         computed, digitised = failure
         upper.plot(*_mm(computed), color="0.4", linestyle="--", label="failure line")
         upper.plot(*_mm(digitised), "+", color=colour, label=f"{name}: failure line")
-    station, apart = height_difference(deposit, *surface)
+    station, apart = height_difference(deposit.profile, surface)
     lower.axhspan(-width, width, color=colour, alpha=0.15, linewidth=0, label="band of the RMS")
     lower.plot(1e3 * station, 1e3 * apart, color="black", label=f"deposit minus surface of {name}")
     shape = run.results.shape

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from mpmcol.experiments import Profile, find_experiment, profile_score
+from mpmcol.experiments.surface import rms_difference
 from mpmcol.measure import Array, Measurement, failure_line
 from mpmcol.studies.runs import CompletedRun
-from mpmcol.studies.surface import rms_difference
 from mpmcol.studies.validation.check import Measure
 
 RODS = find_experiment("bui-2008", "plane")
@@ -71,7 +71,7 @@ def points_of(profile: Profile) -> tuple[Array, Array]:
 
 def rms_mm(deposit: Measurement, x: Array, y: Array) -> float:
     """Return the root mean square difference in height between a deposit and a surface, mm."""
-    return 1e3 * rms_difference(deposit, x, y)
+    return 1e3 * rms_difference(deposit.profile, (x, y))
 
 
 def distance_to_line(x: Array, y: Array, line_x: Array, line_y: Array) -> Array:

@@ -182,7 +182,7 @@ def test_invalid_requests_are_rejected(folder: Path, tmp_path: Path, without_egl
     with pytest.raises(OutputError, match="give the folder of a run"):
         render(tmp_path, gif=False)
     for wrong in (STEPS, -STEPS - 1):
-        with pytest.raises(UsageError, match=f"no snapshot {wrong}: .* has 0 to 3"):
+        with pytest.raises(UsageError, match=f"there is no snapshot {wrong}; expected 0 to 3"):
             render(folder, gif=False, snapshot=wrong)
     with pytest.raises(UsageError, match="ends in .png"):
         render(folder, gif=False, out=tmp_path / "a.jpg")

@@ -370,8 +370,8 @@ def test_quantities_of_the_course_by_hand() -> None:
         "stage": np.where(time < 0.0, "equilibrate", "collapse"), "time": time, "front_height": front,
         "height": 4.0 - 0.2 * np.maximum(time, 0.0),
     }  # fmt: skip
-    shape, geometry = SimpleNamespace(h_i=4.0, r_i=2.0, spacing=0.01), SimpleNamespace(gravity=16.0)
-    results: Any = SimpleNamespace(history=history, shape=shape, case=SimpleNamespace(geometry=geometry))
+    shape = SimpleNamespace(h_i=4.0, r_i=2.0, spacing=0.01)
+    results: Any = SimpleNamespace(history=history, shape=shape, fall_time=0.5)
     assert course_of(results) == {
         "zeta_at_1": pytest.approx(0.5), "zeta_at_2": pytest.approx(1.0), "beta_at_1": pytest.approx(0.975),
         "beta_at_2": pytest.approx(0.95), "stop_time": pytest.approx(2.6, abs=0.21),
@@ -475,8 +475,8 @@ def test_unknowns_are_checked_with_the_case() -> None:
         (["material.friction_deg"], [], UsageError, "expected KEY=LOW:HIGH"),
         (["material.friction_deg=30"], [], UsageError, "expected KEY=LOW:HIGH"),
         (["material.friction_deg=40:30"], [], UsageError, "greater than its start"),
-        (["material.friction_deg=30:100"], [], CaseError, "friction_deg"),
-        (["material.fricton_deg=30:40"], [], CaseError, "friction_deg"),
+        (["material.friction_deg=30:100"], [], CaseError, "--vary material.friction_deg=30:100: "),
+        (["material.fricton_deg=30:40"], [], CaseError, "--vary material.fricton_deg=30:40: "),
         (["geometry.model=plane:full"], [], UsageError, "not a real number"),
         (["grid.points_per_cell=4:9"], [], UsageError, "not a real number"),
         (["grid.spacing=1 mm:2 mm"], [], UsageError, "varies grid.spacing itself"),
