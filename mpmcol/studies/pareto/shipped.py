@@ -13,6 +13,7 @@ from math import hypot
 from typing import Any
 
 from mpmcol.case import Case, conditions_of
+from mpmcol.case.values import leaf_values
 from mpmcol.errors import UsageError
 from mpmcol.experiments import column_kind
 from mpmcol.studies.pareto.score import BETA, ZETA
@@ -51,9 +52,13 @@ def parameters_of(case: Case) -> ColumnParameters:
 
     Raises UsageError for a material without friction, and for what no case of the study has.
     """
-    geometry, law, friction = case.geometry, case.material.law, conditions_of(case).friction_deg
+    geometry, friction = case.geometry, conditions_of(case).friction_deg
     if friction is None:
-        raise UsageError(f"material.law = {law}: the errors were studied for materials with friction only")
+        angle = leaf_values(case).get("material.friction_deg")
+        subject = f'material.law = "{case.material.law}"' if angle is None else f"material.friction_deg = {angle:g}"
+        raise UsageError(
+            f"{subject}: the errors were studied for materials with friction only; set grid.spacing instead of an accuracy"
+        )
     if reason := unstudied(case):
         raise UsageError(f"{reason} only; set grid.spacing instead of an accuracy")
     return ColumnParameters(column_kind(geometry.model, geometry.column_section), geometry.a, friction)
