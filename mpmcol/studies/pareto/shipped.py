@@ -57,7 +57,7 @@ def parameters_of(case: Case) -> ColumnParameters:
         angle = leaf_values(case).get("material.friction_deg")
         subject = f'material.law = "{case.material.law}"' if angle is None else f"material.friction_deg = {angle:g}"
         raise UsageError(
-            f"{subject}: the errors were studied for materials with friction only; set grid.spacing instead of an accuracy"
+            f"{subject}: the errors were studied for materials with friction only; set grid.spacing, not an accuracy"
         )
     if reason := unstudied(case):
         raise UsageError(f"{reason} only; set grid.spacing instead of an accuracy")

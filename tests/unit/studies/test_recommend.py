@@ -122,7 +122,7 @@ def test_an_accuracy_out_of_reach_is_refused_with_the_best(tmp_path: Path) -> No
         recommend.recommend("lube-cylinder", (), 0.01)
     path = tmp_path / "block.toml"
     path.write_text('extends = "lube-cylinder"\n[material]\nlaw = "elastic"\n' + ELASTIC)
-    with pytest.raises(UsageError, match=r"law = elastic: the errors were studied for materials with friction only"):
+    with pytest.raises(UsageError, match='law = "elastic": the errors were studied for materials with friction only'):
         recommend.recommend(path, (), 0.05)
 
 
