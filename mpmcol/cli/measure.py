@@ -54,7 +54,7 @@ def _json(measured: Measured) -> str:
         "stop_time": measured.stop_time,
         "energy_released": measured.energy_released,
         "energy_unit": measured.energy_unit,
-        "profile": _points((measurement.profile_x, measurement.profile_y)),
+        "profile": _points(measurement.profile),
         "erosion": _erosion(measured),
         "surface_over_bed": _points(measured.surface_over_bed),
         "scores": [score.as_dict() for score in measured.scores],

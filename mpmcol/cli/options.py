@@ -71,10 +71,10 @@ class Positive(click.ParamType):
     """A number > 0 with an optional unit, for example "1 kPa"; `unit` is that of a number without one."""
 
     name = "value"
-    least, most = 1e-30, 1e30
+    least = 1e-30
 
-    def __init__(self, unit: str, example: str) -> None:
-        self.unit, self.example = unit, example
+    def __init__(self, unit: str, example: str, most: float = 1e30) -> None:
+        self.unit, self.example, self.most = unit, example, most
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
         """Convert to `unit`."""
@@ -92,7 +92,8 @@ class Positive(click.ParamType):
 
     @property
     def _expected(self) -> str:
-        return f"expected a number > 0{f' in {self.unit}' if self.unit else ''}, for example {self.example}"
+        limit = f" and <= {self.most:g}" if self.most < 1e30 else ""
+        return f"expected a number > 0{limit}{f' in {self.unit}' if self.unit else ''}, for example {self.example}"
 
 
 DURATION, ACCURACY = Duration(), Accuracy()

@@ -38,9 +38,17 @@ if TYPE_CHECKING:
     from mpmcol.case import Case
     from mpmcol.io.results import Results
 
+OTHER_CODES = (0, 1, 2, 3, 4, 5, 130, 141)
 SINGLE_RUN_OPTIONS = (
     "force_resume", "checkpoint", "max_wall", "on_instability", "requeue_code", "dry_run", "report",
 )  # fmt: skip
+
+
+def _free_code(context: click.Context, parameter: click.Parameter, code: int | None) -> int | None:
+    """Refuse the exit codes of other endings, by which a job script would take a stopped run for one of them."""
+    if code in OTHER_CODES:
+        raise click.BadParameter(f"{code} has another meaning; not one of {OTHER_CODES}")
+    return code
 
 
 @click.command()
@@ -64,7 +72,11 @@ SINGLE_RUN_OPTIONS = (
     help="After a numerical failure stop, or return to the last valid state with half the time step.",
 )
 @click.option(
-    "--requeue-code", metavar="N", type=click.IntRange(6, 129), help="Exit code of a stopped run  [default: 75]"
+    "--requeue-code",
+    metavar="N",
+    type=click.IntRange(0, 255),
+    callback=_free_code,
+    help="Exit code of a stopped run  [default: 75]",
 )
 @dry_run_option
 @report_option

@@ -86,7 +86,7 @@ def make_folder(path: Path, parents: bool = True) -> Path:
 def require_folder_path(path: Path) -> None:
     """Raise OutputError if `path` is no folder and cannot become one; writes nothing."""
     try:
-        present = next(one for one in (path, *path.absolute().parents) if one.exists())
+        present = _nearest_existing(path)
     except OSError as error:  # for example a name that is too long
         raise cannot_write(path, error) from error
     if not present.is_dir():
@@ -96,9 +96,14 @@ def require_folder_path(path: Path) -> None:
         raise cannot_write(path, OSError(errno.EACCES, os.strerror(errno.EACCES)))
 
 
+def _nearest_existing(path: Path) -> Path:
+    """The path, or the nearest folder above it that exists. Raises OSError, for example for a name that is too long."""
+    return next(one for one in (path, *path.absolute().parents) if one.exists())
+
+
 def free_bytes(path: Path) -> int:
     """Free space on the disk of a folder that may not exist yet."""
-    return shutil.disk_usage(next(one for one in (path, *path.absolute().parents) if one.exists())).free
+    return shutil.disk_usage(_nearest_existing(path)).free
 
 
 def remove(path: Path) -> None:

@@ -21,7 +21,7 @@ def fall_time(case: Case) -> float:
 def stage_durations(case: Case, base: float) -> tuple[tuple[float, float], tuple[float, float]]:
     """Typical and longest durations of equilibration and collapse, s of simulated time; base: its thickness, m."""
     stages, h_i = case.stages, case.geometry.h_i
-    transit, lifting = 4.0 * (h_i + base) / sqrt(case.material.wave_speed**2), h_i / stages.gate_speed
+    transit, lifting = 4.0 * (h_i + base) / case.material.wave_speed, h_i / stages.gate_speed
     tau = fall_time(case)
     longest = stages.equilibrate.max_time_factor * transit, stages.collapse.max_time_factor * tau + lifting
     equilibration = TYPICAL_TRANSITS[stages.initial_stress] * transit

@@ -55,11 +55,11 @@ def require_stiff_column(case: Case) -> None:
     """Raise UsageError if the column is so soft that its own weight makes a different column of it."""
     for softness in shortenings(case):
         if softness.relative > MOST_SHORTENING:
-            causes = [unusual_gravity(case, softness.relative), f"{softness}, more than a third; {_stiffer(softness)}"]
+            causes = [unusual_gravity(case), f"{softness}, more than a third; {_stiffer(softness)}"]
             raise UsageError("; ".join(filter(None, causes)))
 
 
-def unusual_gravity(case: Case, h: float) -> str | None:
+def unusual_gravity(case: Case, h: float = 0.0) -> str | None:
     """g in another unit."""
     gravity = case.geometry.gravity
     if LEAST_GRAVITY <= gravity <= MOST_GRAVITY:

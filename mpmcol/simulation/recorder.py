@@ -162,7 +162,7 @@ class Recorder:
         self.rows, self.extreme_J = list(memory["rows"]), memory["extreme_J"]
         self.initial_energies, self.initial_positions = memory["initial_energies"], initial_positions
         self.forces.set_memory(memory["forces"])
-        self.flow.set_memory(memory["flow"])
+        self.flow.set_memory(memory.get("flow", ()))  # missing in checkpoints of earlier versions
         self.seconds = memory["seconds"]
         self.checksums = dict(memory["snapshots"])
         self._written = [describe_snapshot(self.folder / name) for name in self.checksums]

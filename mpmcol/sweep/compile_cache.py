@@ -14,7 +14,7 @@ def kernel_variant(run: PlannedRun) -> tuple[object, ...]:
     case, method = run.case, run.case.method
     scheme = method.basis, method.stress_order, method.transfer == "apic", method.volumetric_strain
     laws = case.material.law, case.base_material.law, case.stages.equilibrate.law
-    return case.geometry.dimension, case.geometry.base, bool(case.walls), *laws, *scheme
+    return case.geometry.dimension, bool(case.walls), *laws, *scheme
 
 
 def smallest_per_variant(runs: Sequence[PlannedRun]) -> list[PlannedRun]:

@@ -148,7 +148,7 @@ def test_extension_prints_the_tensile_strength(tmp_path: Path) -> None:
         ("--steps", "1", "10<=x"),
         *(("--pressure", text, "expected a number > 0 in Pa") for text in ("-1", "nan", "inf", "1e300", "0", "1 kg")),
         *(("--rate", text, "expected a number > 0") for text in ("nan", "inf")),
-        ("--strain", "11", "expected a strain of at most 10"),
+        ("--strain", "11", "expected a number > 0 and <= 10"),
     ],
 )
 def test_wrong_options_are_refused(option: str, value: str, text: str) -> None:
