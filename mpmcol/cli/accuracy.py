@@ -88,9 +88,9 @@ def certify(
 
 def _record(bar: ErrorBar, results: Results) -> dict[str, Any]:
     """The bar for JSON, with the value that the experiment of the case leads to expect."""
-    from mpmcol.studies.judgement import applicable_experiment
+    from mpmcol.studies.judgement import experiment_or_reason
 
-    experiment, _ = applicable_experiment(results.case)
+    experiment, _ = experiment_or_reason(results.case)
     law = None
     if experiment and (expected := experiment.expected(bar.quantity.partition(".")[0], results.shape.a)):
         value, scatter = expected

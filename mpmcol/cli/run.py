@@ -199,12 +199,12 @@ def _check_folder(case: Case, folder: Path, fresh: bool, quiet: bool) -> None:
     """Refuse what the run would refuse about its folder."""
     from mpmcol.io.atomic import require_folder_path
     from mpmcol.io.run_folder import require_no_foreign_files
-    from mpmcol.simulation.restart import finished_run
+    from mpmcol.simulation.restart import find_finished_run
 
     require_folder_path(folder)
     require_no_foreign_files(folder)
     if not fresh:
-        finished_run(case, folder, lambda line: None if quiet else click.echo(line, err=True))
+        find_finished_run(case, folder, lambda line: None if quiet else click.echo(line, err=True))
 
 
 def _note_threads(threads: int | None, quiet: bool) -> None:

@@ -14,7 +14,7 @@ from mpmcol.studies.pareto.shipped import unstudied
 from mpmcol.studies.pareto.studied import StudiedError, studied_error
 from mpmcol.units import length_scale
 
-__all__ = ["STILL_MOVING", "applicable_experiment", "applicable_experiments", "judge", "measured_value", "verdict"]
+__all__ = ["STILL_MOVING", "applicable_experiments", "experiment_or_reason", "judge", "measured_value", "verdict"]
 
 FRONT = "front_height"
 NAMES = {"zeta": "runout", "beta": "height"}
@@ -25,14 +25,14 @@ STILL_MOVING = "the column still moved at the end: not compared with experiments
 def judge(results: Results, with_grid: bool = True) -> list[str]:
     """Lines on runout and height of a run that is done; `with_grid` also on the error of the grid."""
     error = studied_error(results.case)
-    experiment, reason = applicable_experiment(results.case)
+    experiment, reason = experiment_or_reason(results.case)
     if not results.summary["at_rest"]:
         experiment, reason = None, STILL_MOVING
     lines = [_quantity_line(results.summary, quantity, results.case, experiment, error) for quantity in NAMES]
     return [*lines, *([reason] if reason else []), *(_grid_lines(results.case, error) if with_grid else [])]
 
 
-def applicable_experiment(case: Case) -> tuple[Experiment | None, str]:
+def experiment_or_reason(case: Case) -> tuple[Experiment | None, str]:
     """The experiment with which a case is compared; or None, and why there is none."""
     found = compared_experiment(case)
     return (found, "") if found.laws else (None, found.title)

@@ -19,8 +19,8 @@ from mpmcol.studies.judgement import (
     IN_STUDY,
     NAMES,
     STILL_MOVING,
-    applicable_experiment,
     applicable_experiments,
+    experiment_or_reason,
     measured_value,
 )
 from mpmcol.studies.pareto.certify import ErrorBar
@@ -107,7 +107,7 @@ def make_statement(
         "variant": advice.variant,
         "cells": max(bars[0].runs) if bars else advice.cells,
         "cases": list(advice.cases),
-        "outside_study": list(advice.differences),
+        "outside_study": [str(one) for one in advice.differences],
         **quantities,
     }
 
@@ -160,7 +160,7 @@ def _reason(name: str, results: Results, model: Sequence[ModelError]) -> str:
     """Why there is no interval for experiments; "" if there is one."""
     if not results.summary["at_rest"]:
         return STILL_MOVING
-    experiment, reason = applicable_experiment(results.case)
+    experiment, reason = experiment_or_reason(results.case)
     if experiment is None:
         return reason
     if not model:

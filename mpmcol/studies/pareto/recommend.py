@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import ceil, hypot, inf, sqrt
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from mpmcol.case import Case, load_case
 from mpmcol.case.fields import shown
@@ -38,6 +38,17 @@ NOT_COMPARED = ("material.friction_deg", "material.youngs_modulus", "stages.k0",
 LOADING = "stages.equilibrate."
 
 
+class Difference(NamedTuple):
+    """A value of a case that differs from those of the study."""
+
+    key: str
+    value: str
+    studied: str
+
+    def __str__(self) -> str:
+        return f"{self.key} = {self.value}, in the study {self.studied}"
+
+
 @dataclass(frozen=True)
 class Recommendation:
     """A configuration for a case, with the errors and the cost that it had in the study."""
@@ -50,7 +61,7 @@ class Recommendation:
     scatter: Mapping[str, float]  # quantity -> relative standard deviation between neighbouring spacings
     cases: Sequence[str]  # of the study, between which the case lies
     core_seconds: float  # expected, on the machine of the study
-    differences: Sequence[str]  # of the case from those of the study, whose errors may not apply to it
+    differences: Sequence[Difference]  # of the case from those of the study, whose errors may not apply to it
 
     @property
     def overrides(self) -> list[str]:
@@ -186,15 +197,15 @@ def configuration_values(case: Case, variant: str, cells: float) -> dict[str, Va
     return values | variant_values(case, shipped_study().variants[variant])
 
 
-def differences_from_study(case: Case, variant: str, cases: Sequence[str]) -> list[str]:
-    """Describe how a case, configured with `variant`, differs from the neighbouring `cases` of the study."""
+def differences_from_study(case: Case, variant: str, cases: Sequence[str]) -> list[Difference]:
+    """Return how a case, configured with `variant`, differs from the neighbouring `cases` of the study."""
     here, there = _compared(case), _compared(study_case(cases[0], variant))
     keys = [key for key in here if key in there and here[key] != there[key]]
     if here[CFL] <= there[CFL]:  # a smaller time step is no less accurate
         keys = [key for key in keys if key != CFL]
     return [
         *_outside_range(case),
-        *(f"{key} = {shown(here[key])}, in the study {shown(there[key])}" for key in keys),
+        *(Difference(key, shown(here[key]), shown(there[key])) for key in keys),
     ]
 
 
@@ -208,7 +219,7 @@ def _compared(case: Case) -> Mapping[str, Any]:
     }
 
 
-def _outside_range(case: Case) -> Iterator[str]:
+def _outside_range(case: Case) -> Iterator[Difference]:
     column = parameters_of(case)
     similar = similar_cases(column).values()
     for name, x, studied, near, ratio in (
@@ -216,4 +227,4 @@ def _outside_range(case: Case) -> Iterator[str]:
         ("friction", column.friction_deg, [one.friction_deg for one in similar], SAME_FRICTION, 1.0),
     ):
         if not min(studied) / ratio - near <= x <= max(studied) * ratio + near:
-            yield f"{name} = {x:.3g}, in the study {min(studied):g} to {max(studied):g}"
+            yield Difference(name, f"{x:.3g}", f"{min(studied):g} to {max(studied):g}")

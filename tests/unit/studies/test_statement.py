@@ -18,7 +18,7 @@ from mpmcol.case import load_case
 from mpmcol.errors import OutputError
 from mpmcol.studies.convergence import NORMAL_90
 from mpmcol.studies.pareto.certify import error_bar
-from mpmcol.studies.pareto.recommend import Recommendation
+from mpmcol.studies.pareto.recommend import Difference, Recommendation
 from mpmcol.studies.pareto.score import BETA, ZETA
 from mpmcol.studies.pareto.shipped import converged_values
 from mpmcol.studies.statement import ModelError, make_statement, of_value
@@ -127,7 +127,7 @@ def test_a_quantity_without_a_law_at_this_aspect_ratio_has_its_gap() -> None:
 
 
 def test_settings_outside_the_study_are_stated() -> None:
-    outside = replace(ADVICE, differences=["a = 10, in the study 1 to 3"])
+    outside = replace(ADVICE, differences=[Difference("a", "10", "1 to 3")])
     assert statement_lines(stated(advice=outside))[-1].endswith(
         "outside the study, intervals may be too narrow: a = 10, in the study 1 to 3"
     )

@@ -23,7 +23,7 @@ from mpmcol.studies.uncertainty.record import as_record, summary_lines
 from mpmcol.studies.uncertainty.report import write_report
 from mpmcol.studies.uncertainty.sampling import CFL_RANGE, draw_sample
 from mpmcol.studies.uncertainty.statistics import median_ranks, probability_of, statistics_of
-from mpmcol.studies.uncertainty.surface import neighbour_variance, variance_shares
+from mpmcol.studies.uncertainty.variance_shares import neighbour_variance, variance_shares
 from mpmcol.sweep.axes import Axis
 from mpmcol.sweep.table import read_table
 from tests.support.json_keys import names_in, unexplained
