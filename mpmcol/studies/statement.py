@@ -11,41 +11,14 @@ from dataclasses import asdict, dataclass
 from math import hypot, inf
 from typing import Any
 
-from mpmcol.case import Case, conditions_of
-from mpmcol.experiments import Experiment, mark
 from mpmcol.io.results import Results
 from mpmcol.studies.convergence import NORMAL_90
-from mpmcol.studies.judgement import (
-    IN_STUDY,
-    NAMES,
-    STILL_MOVING,
-    applicable_experiments,
-    experiment_or_reason,
-    measured_value,
-)
+from mpmcol.studies.judgement import NAMES, STILL_MOVING, experiment_or_reason, measured_value
+from mpmcol.studies.model_error import IN_STUDY, ModelError, model_errors
 from mpmcol.studies.pareto.certify import ErrorBar
 from mpmcol.studies.pareto.recommend import Recommendation
-from mpmcol.studies.pareto.shipped import converged_values, study_case
 
 CONFIDENCE = 0.9
-
-
-@dataclass(frozen=True)
-class ModelError:
-    """Difference of the model from one experiment, in one quantity."""
-
-    experiment: str  # author and year, marked if unverified
-    expected: float  # value by the law of the experiment for the case
-    scatter: float  # relative standard deviation of the experiment
-    difference: float | None  # relative, of grid-converged values; the largest in the study; None: not studied
-
-    @property
-    def part(self) -> float | None:
-        """Part of the interval, relative to the computed value."""
-        if self.difference is None:
-            return None
-        ratio = 1.0 / (1.0 + self.difference)  # experiment over model
-        return abs(1.0 - ratio) + NORMAL_90 * self.scatter * ratio
 
 
 @dataclass(frozen=True)
@@ -128,32 +101,6 @@ def _quantity(name: str, results: Results, advice: Recommendation, bar: ErrorBar
 def of_value(error: float) -> float:
     """Error relative to the computed value, from one relative to the converged value c: |v - c| <= e c, c > 0."""
     return error / (1.0 - error) if error < 1.0 else inf
-
-
-def model_errors(name: str, case: Case, cases: Sequence[str]) -> list[ModelError]:
-    """Return the differences of the model from the laboratory experiments that a case can be compared with.
-
-    They are known for the grid-converged values of those `cases` of the study with which these can be compared as well.
-    """
-    found: dict[tuple[float, float], ModelError] = {}  # records that agree are one experiment
-    for experiment in applicable_experiments(case):
-        law, expected = experiment.law(name), experiment.expected(name, case.geometry.a)
-        if law and expected and experiment.kind == "laboratory":
-            label, difference = f"{experiment.citation}{mark(law.verified)}", _difference(name, experiment, cases)
-            found.setdefault(expected, ModelError(label, expected[0], law.scatter, difference))
-    return list(found.values())
-
-
-def _difference(name: str, experiment: Experiment, cases: Sequence[str]) -> float | None:
-    """The difference by which the interval is widest."""
-    found = [
-        converged_values()[one][IN_STUDY[name]] / expected[0] - 1.0
-        for one in cases
-        if one in converged_values()
-        and not experiment.misfit(conditions_of(study_case(one)))
-        and (expected := experiment.expected(name, study_case(one).geometry.a))
-    ]
-    return max(found, key=lambda difference: ModelError("", 0.0, 0.0, difference).part or 0.0, default=None)
 
 
 def _reason(name: str, results: Results, model: Sequence[ModelError]) -> str:

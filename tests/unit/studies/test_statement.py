@@ -17,11 +17,12 @@ import pytest
 from mpmcol.case import load_case
 from mpmcol.errors import OutputError
 from mpmcol.studies.convergence import NORMAL_90
+from mpmcol.studies.model_error import ModelError
 from mpmcol.studies.pareto.certify import error_bar
 from mpmcol.studies.pareto.recommend import Difference, Recommendation
 from mpmcol.studies.pareto.score import BETA, ZETA
 from mpmcol.studies.pareto.shipped import converged_values
-from mpmcol.studies.statement import ModelError, make_statement, of_value
+from mpmcol.studies.statement import make_statement, of_value
 from mpmcol.studies.statement_text import statement_lines, stored_lines, write_statement
 
 ROOT = Path(__file__).parents[3]
