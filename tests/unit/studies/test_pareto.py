@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,8 +18,10 @@ from mpmcol.case import load_case
 from mpmcol.errors import CaseError, UsageError
 from mpmcol.measure.profile_distance import area_between
 from mpmcol.plotting.figures import MOST_ENTRIES
+from mpmcol.studies.convergence import ConvergedValue
 from mpmcol.studies.pareto.chart import _named_variants
-from mpmcol.studies.pareto.reference import PROFILE
+from mpmcol.studies.pareto.reference import PROFILE, QUANTITIES
+from mpmcol.studies.pareto.report import limits_table
 from mpmcol.studies.pareto.score import BETA, ZETA, RelativeError, ScoredConfiguration
 from mpmcol.studies.pareto.selection import cheapest, effects, error_bounds, pareto_front
 from mpmcol.studies.pareto.study import (
@@ -92,9 +97,22 @@ def test_effects_are_mean_ratios_of_runs_at_equal_spacings(tmp_path: Path) -> No
     assert effect.cost_ratio == 2.5 and effect.change[ZETA] == pytest.approx((0.2, 0.1))
 
 
+def test_the_limit_of_another_variant_is_compared_with_the_reference(tmp_path: Path) -> None:
+    """Runs on a line that ends 4 % above a value known to 3 %; variants of the reference are left out."""
+    study = load_study(str(write(tmp_path)))
+    on_line = {h: 2.08 - 3.0 * h for h in (0.1, 0.11, 0.14, 0.15, 0.2, 0.21)}
+    fast, plain = (completed_at(on_line, scored(variant, 10, 1.0, 0.0)) for variant in ("fast", "plain"))
+    values = {ZETA: ConvergedValue(2.0, 0.06, 1.0), BETA: ConvergedValue(2.08, 0.06, 1.0)}
+    reference: Any = SimpleNamespace(values=values)
+    *_, line = limits_table(study, {"low": reference}, [plain, fast])
+    assert re.fullmatch(r"\| low \| fast \| 10 \| 2\.08 .* \| \+4\.0% \(\+1\.3\) \| 2\.08 .* \| [+-]0\.0% .*", line)
+    assert len(list(limits_table(study, {"low": reference}, [plain]))) == 2
+
+
 def completed_at(values: Mapping[float, float], one: ScoredConfiguration) -> ScoredConfiguration:
     """The configuration with completed runs: spacing -> zeta and beta."""
-    runs = [CompletedRun({"spacing_used": h, ZETA: value, BETA: value}, Path("nowhere")) for h, value in values.items()]
+    rows = ({"spacing_used": h, **dict.fromkeys(QUANTITIES, value)} for h, value in values.items())
+    runs = [CompletedRun(row, Path("nowhere")) for row in rows]
     with_runs = replace(one, runs=runs)
     with_runs.__dict__["cost"] = one.cost
     return with_runs
