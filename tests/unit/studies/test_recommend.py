@@ -241,30 +241,34 @@ def test_the_error_bar_contains_the_converged_value(cells: tuple[int, ...], orde
     assert inside > 270
 
 
-@pytest.mark.parametrize(("quantity", "widest"), [(ZETA, 0.1), (BETA, 0.02)])
+@pytest.mark.parametrize(("quantity", "widest"), [(ZETA, 0.11), (BETA, 0.06)])
 def test_error_bars_from_the_study_contain_its_grid_converged_values(quantity: str, widest: float) -> None:
     """At least nine of ten bars from three neighbouring spacings, with the uncertainty of the converged values."""
-    by_variant: dict[tuple[str, str], list[tuple[float, float, float]]] = {}
+    by_variant: dict[tuple[str, str], dict[float, dict[str, str]]] = {}
     for row in csv.DictReader(shipped_studies()["default"].with_suffix(".csv").read_text().splitlines()):
         if row[f"{quantity} bias"] and float(row["cells"]) >= 14.0:
-            numbers = (row["cells"], row[f"{quantity} bias"], row[f"{quantity} reference uncertainty"])
-            by_variant.setdefault((row["case"], row["variant"]), []).append(tuple(map(float, numbers)))
+            by_variant.setdefault((row["case"], row["variant"]), {})[float(row["cells"])] = row
     inside, widths = [], []
-    for own in map(sorted, by_variant.values()):
+    for rows in by_variant.values():
+        first = next(iter(rows.values()))
+        reference, uncertainty = (float(first[f"{quantity} reference{name}"]) for name in ("", " uncertainty"))
+        own = [(cells, reference * (1.0 + float(row[f"{quantity} bias"]))) for cells, row in sorted(rows.items())]
         for runs in zip(own, own[1:], own[2:], strict=False):
-            bar = error_bar(quantity, {cells: 1.0 + bias for cells, bias, _ in runs})
-            inside.append(abs(bar.value - 1.0) <= np.hypot(bar.error, runs[0][2]))
+            bar = error_bar(quantity, dict(runs), float(first["a"]) if quantity == BETA else 1.0)
+            inside.append(abs(bar.value - reference) <= np.hypot(bar.error, uncertainty * reference))
             widths.append(bar.relative)
-    assert len(inside) == 100 and np.mean(inside) >= 0.9 and np.median(widths) < widest
+    assert len(inside) == 154 and np.mean(inside) >= 0.9 and np.median(widths) < widest
 
 
 def test_parts_of_the_error_bar() -> None:
-    smooth = error_bar(ZETA, {cells: 1.0 - 1.0 / cells for cells in (10, 14, 20)})
-    assert smooth.value == pytest.approx(1.0, abs=smooth.error) and smooth.error < 0.05 and "order" in smooth.cause
-    irregular = error_bar(ZETA, {10: 0.9, 14: 0.96, 20: 0.94})
+    smooth = error_bar(ZETA, {cells: 10.0 - 10.0 / cells for cells in (10, 14, 20)})
+    assert smooth.value == pytest.approx(10.0, abs=smooth.error) and smooth.error < 0.5 and "order" in smooth.cause
+    irregular = error_bar(ZETA, {100: 0.9, 140: 0.96, 200: 0.94})
     assert irregular.from_misfit > irregular.from_order and "irregular" in irregular.cause
-    exact = error_bar(ZETA, dict.fromkeys((10, 14, 20), 1.2))
+    exact = error_bar(ZETA, dict.fromkeys((100, 140, 200), 1.2))
     assert exact.relative == pytest.approx(0.01)
+    coarse = error_bar(BETA, dict.fromkeys((10, 14, 20), 0.9), unit=2.0)  # a = 2: r_i is half of h_i
+    assert coarse.error == pytest.approx(1.5 / 40.0) and coarse.cause.startswith("the spacing: 1.5 node spacings")
     runs = {9: 0.9, 10: 0.9, 13: 0.96, 14: 0.95, 19: 0.94, 20: 0.94}
     coarser = error_bar(ZETA, {5: 9.0, 6: 8.0, **runs})
     assert coarser.value == error_bar(ZETA, runs).value and list(coarser.runs) == [5, 6, *runs]
