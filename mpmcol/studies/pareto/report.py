@@ -41,7 +41,8 @@ def write_report(study: StudyDefinition, references: References, scored: Scored,
     charts = []
     for case, reference in references.items():
         path = out / chart_name(case)
-        charts += case_chart(path, case, of_case(scored, case), reference, experiments[case], study.baseline)
+        own = of_case(scored, case)
+        charts += case_chart(path, case, own, reference, experiments[case], study.baseline, list(study.variants))
     atomic_write(out / CSV_FILE, csv_text(list(table_rows(study, references, scored))).encode())
     atomic_write(out / TEXT_FILE, markdown(study, references, scored, experiments, charts, heading).encode())
     return [out / CSV_FILE, out / TEXT_FILE, *charts]
