@@ -37,7 +37,7 @@ def lines_of_the_table() -> Iterator[str]:
         cells = [case]
         for accuracy in (0.10, 0.05):
             costs = [float(row["core_seconds"]) for row in own if bound(row) <= accuracy]
-            cells.append(f"{min(costs):.2g}" if costs else "-")
+            cells.append(f"{float(f'{min(costs):.2g}'):g}" if costs else "-")
         cells.append(f"{100.0 * min(map(bound, own)):.1f} %")
         cells.append(f"{100.0 * uncertainty(own[0], ZETA):.1f}, {100.0 * uncertainty(own[0], BETA):.1f} %")
         yield f"| {' | '.join(cells)} |"

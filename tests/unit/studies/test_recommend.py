@@ -257,7 +257,7 @@ def test_error_bars_from_the_study_contain_its_grid_converged_values(quantity: s
             bar = error_bar(quantity, dict(runs), float(first["a"]) if quantity == BETA else 1.0)
             inside.append(abs(bar.value - reference) <= np.hypot(bar.error, uncertainty * reference))
             widths.append(bar.relative)
-    assert len(inside) == 154 and np.mean(inside) >= 0.9 and np.median(widths) < widest
+    assert len(inside) == 158 and np.mean(inside) >= 0.9 and np.median(widths) < widest
 
 
 def test_parts_of_the_error_bar() -> None:
