@@ -45,9 +45,7 @@ class Recommendations:
         found: dict[tuple[str, str], dict[str, None]] = {}
         for advice in self.found.values():
             for difference in advice.differences:
-                here, _, studied = difference.partition(", in the study ")
-                key, _, value = here.partition(" = ")
-                found.setdefault((key, studied), {})[value] = None
+                found.setdefault((difference.key, difference.studied), {})[difference.value] = None
         return found
 
 

@@ -58,7 +58,7 @@ def certify(
     to_json: bool,
     quiet: bool,
 ) -> None:
-    """Run a case as recommended at three spacings or four, print runout and height with error bars, and exit."""
+    """Run a case as recommended on several grids, print runout and height with error bars, and exit."""
     from mpmcol.cli.run_summary import summary_table
     from mpmcol.cli.sweep_display import SweepDisplay
     from mpmcol.io.atomic import atomic_write
@@ -82,21 +82,21 @@ def certify(
         click.echo("\ndiscretisation errors, without the error of the model:")
         advised = narrower_bars(case, overrides, accuracy)
         click.echo("\n".join(line for bar in bars for line in _lines(bar, records[bar.quantity], accuracy, advised)))
-        click.echo(f"results in {out}, repeated runs in {out / REPEATS_FOLDER}")
+        click.echo(f"results in {out}, all runs in {out / REPEATS_FOLDER}")
     click.get_current_context().exit(exit_code(outcomes))
 
 
 def _record(bar: ErrorBar, results: Results) -> dict[str, Any]:
     """The bar for JSON, with the value that the experiment of the case leads to expect."""
-    from mpmcol.studies.judgement import applicable_experiment
+    from mpmcol.studies.judgement import experiment_or_reason
 
-    experiment, _ = applicable_experiment(results.case)
+    experiment, _ = experiment_or_reason(results.case)
     law = None
     if experiment and (expected := experiment.expected(bar.quantity.partition(".")[0], results.shape.a)):
         value, scatter = expected
         law = {"experiment": experiment.citation, "expected": value, "scatter": scatter / value}
-    means = {f"{cells:g}": mean for cells, mean in bar.means.items()}
-    return asdict(bar) | {"means": means, "error": bar.error, "cause": bar.cause, "law": law}
+    runs = {f"{cells:g}": result for cells, result in bar.runs.items()}
+    return asdict(bar) | {"runs": runs, "error": bar.error, "cause": bar.cause, "law": law}
 
 
 def narrower_bars(case: str, overrides: Sequence[str], accuracy: float) -> str:

@@ -46,7 +46,8 @@ def plan(
         atomic_write(target, resolved_toml(load_case(case, [*overrides, *advice.overrides])).encode())
     if to_json:
         changes = [asdict(proposal) for proposal in proposals]
-        click.echo(as_json({"schema": RECORD_SCHEMA, "changes": changes, "recommended": asdict(advice)}))
+        recommended = asdict(advice) | {"differences": [str(one) for one in advice.differences]}
+        click.echo(as_json({"schema": RECORD_SCHEMA, "changes": changes, "recommended": recommended}))
         return
     if proposals:
         click.echo(f"{'single change':44s}{'time':>8s}{'zeta':>8s}{'beta':>8s}")

@@ -110,8 +110,8 @@ def run(
     With --accuracy, the cheapest configuration that was within this error in mpmcol pareto is used. These are
     discretisation errors, without the error of the model. The run ends with a statement, also in accuracy.json:
     intervals of runout and height for finer grids and for experiments, and what they hold. With --certify the case is
-    run three times each on this grid and two coarser ones, and on a finer grid too if an error bar is wider than the
-    accuracy; runout and height are extrapolated to zero spacing.
+    run on this grid and two coarser ones, on each also with one cell fewer in the radius, and on a finer grid too if an
+    error bar is wider than the accuracy; runout and height are extrapolated to zero spacing.
 
     Ctrl-C, the signals of schedulers and --max-wall stop the run with a checkpoint (exit code 75); a second Ctrl-C
     aborts it. Repeating the command resumes a stopped or killed run, with results that are identical to those of an
@@ -185,7 +185,7 @@ def _print_summary(results: Results, lines: Sequence[str]) -> None:
 
 
 def _check_certify(accuracy: float | None) -> None:
-    """Refuse options that --certify, a sweep of repeated runs, cannot have."""
+    """Refuse options that --certify, a sweep over spacings, cannot have."""
     if accuracy is None:
         raise click.UsageError("--certify requires --accuracy, which chooses the grid")
     context = click.get_current_context()
@@ -199,12 +199,12 @@ def _check_folder(case: Case, folder: Path, fresh: bool, quiet: bool) -> None:
     """Refuse what the run would refuse about its folder."""
     from mpmcol.io.atomic import require_folder_path
     from mpmcol.io.run_folder import require_no_foreign_files
-    from mpmcol.simulation.restart import finished_run
+    from mpmcol.simulation.restart import find_finished_run
 
     require_folder_path(folder)
     require_no_foreign_files(folder)
     if not fresh:
-        finished_run(case, folder, lambda line: None if quiet else click.echo(line, err=True))
+        find_finished_run(case, folder, lambda line: None if quiet else click.echo(line, err=True))
 
 
 def _note_threads(threads: int | None, quiet: bool) -> None:

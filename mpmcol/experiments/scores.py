@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mpmcol.experiments.base import Conditions, Experiment, Law, Profile, ProfileScore, Score, mark
-from mpmcol.experiments.surface import rms_difference
+from mpmcol.experiments.height_difference import rms_difference
 
 
 def score_laws(

@@ -1,4 +1,4 @@
-"""What `mpmcol run --accuracy` adds to the result: error bars of repeated runs, and the statement of accuracy."""
+"""What `mpmcol run --accuracy` adds to the result: error bars (--certify), and the statement of accuracy."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from mpmcol.io.glossary import Names
 ERROR_BARS: Names = {
     "error_bars.QUANTITY": ("", "a quantity extrapolated to zero spacing (--certify); error_bars.json has the same"),
     "error_bars.QUANTITY.quantity": ("", "name of the quantity"),
-    "error_bars.QUANTITY.means": ("", "mean of the repeated runs by r_i/h, coarsest first"),
-    "error_bars.QUANTITY.means.CELLS": ("", "mean of the repeated runs at this r_i/h"),
-    "error_bars.QUANTITY.scatter": ("", "standard deviation of one run, over all spacings"),
+    "error_bars.QUANTITY.runs": ("", "results of the runs by r_i/h, coarsest first"),
+    "error_bars.QUANTITY.runs.CELLS": ("", "result of the run at this r_i/h"),
     "error_bars.QUANTITY.value": ("", "value extrapolated to zero spacing"),
     "error_bars.QUANTITY.from_order": ("", "half the difference of extrapolations with the lowest and highest order"),
     "error_bars.QUANTITY.from_misfit": ("", "two standard errors of the extrapolation"),
+    "error_bars.QUANTITY.from_spacing": ("", "1.5 node spacings of the finest grid, the least error"),
     "error_bars.QUANTITY.error": ("", "half-width of the error bar: both parts, at least 1 % of the value"),
     "error_bars.QUANTITY.cause": ("", "what determines the width of the bar"),
     "error_bars.QUANTITY.law": ("", "value that the experiment of the case leads to expect; null without one"),
@@ -29,7 +29,7 @@ _INTERVAL: Names = {
 _QUANTITY: Names = {
     "value": ("", "value on which the intervals are centred: of the run, or extrapolated with --certify"),
     "length": ("m", "that value as a length: the runout r_f - r_i, or the height h_f"),
-    "grid": ("", "part of the intervals: error of the grid relative to the value, with the scatter between time steps"),
+    "grid": ("", "part of the intervals: error of the grid relative to the value"),
     "scatter": ("", "part of the intervals: relative scatter between neighbouring spacings; 0 where the bar holds it"),
     "model": ("", "part of the interval for experiments: largest relative difference with scatter; null without one"),
     "finer_grids": ("", "interval of what finer grids would give, from grid and scatter"),
@@ -50,7 +50,7 @@ ACCURACY: Names = {
     "accuracy": ("", "statement of accuracy (--accuracy); accuracy.json has the same"),
     "accuracy.requested": ("", "accuracy that was requested"),
     "accuracy.confidence": ("", "confidence of the intervals"),
-    "accuracy.source": ("", "source of the error of the grid: study, or repeated runs (--certify)"),
+    "accuracy.source": ("", "source of the error of the grid: study, or runs at several spacings (--certify)"),
     "accuracy.variant": ("", "variant of the method in the study"),
     "accuracy.cells": ("", "r_i / h of the run"),
     "accuracy.cases": ("", "cases of the study between which the case lies"),

@@ -28,7 +28,7 @@ from mpmcol.measure.front import FRONTS, fronts, pile_height, profiles
 from mpmcol.measure.sections import Array, Section, split
 from mpmcol.measure.shape import ColumnShape
 from mpmcol.measure.slope import STEEPEST, friction_bias, friction_from_repose, inner_repose_angle, repose_angle
-from mpmcol.measure.surface import UNDISTURBED, failure_line, undisturbed_radius
+from mpmcol.measure.undisturbed import UNDISTURBED, failure_line, undisturbed_radius
 
 __all__ = [
     "FRONTS",

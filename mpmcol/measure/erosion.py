@@ -10,7 +10,7 @@ import numpy as np
 from mpmcol.measure.front import front_by_height, profiles
 from mpmcol.measure.sections import Array, split
 from mpmcol.measure.shape import ColumnShape
-from mpmcol.measure.surface import UNDISTURBED
+from mpmcol.measure.undisturbed import UNDISTURBED
 
 
 class Material(NamedTuple):

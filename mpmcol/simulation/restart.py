@@ -32,7 +32,7 @@ def resume(simulation: Simulation, checkpoint: Checkpoint) -> None:
     simulation.progress.resumed.append({"step": simulation.solver.steps, "version": code_version()})
 
 
-def finished_run(case: Case, folder: Path, notify: Notify) -> Results | None:
+def find_finished_run(case: Case, folder: Path, notify: Notify) -> Results | None:
     """The finished run of a case in a folder; None if the folder holds no finished run.
 
     notify: receives a line about the run, and a note if another version of the code computed it. Raises UsageError if
@@ -41,7 +41,7 @@ def finished_run(case: Case, folder: Path, notify: Notify) -> Results | None:
     if not (folder / CASE_FILE).exists() or read_status(folder).name != "done":
         return None
     results = Results(folder)
-    if found := case_differences(identity(results.case), identity(case), "the finished run"):
+    if found := changed_values(identity(results.case), identity(case), "the finished run"):
         raise UsageError(
             f"{folder} holds a finished run of another case:\n  "
             + "\n  ".join(found)
@@ -125,13 +125,13 @@ def recovery_hint(folder: Path) -> str:
 def differences(checkpoint: Checkpoint, case: Case) -> list[str]:
     """One line for each difference between the run of a checkpoint and a run of this case with this code."""
     checkpointed, present = checkpoint.values["identity"], identity(case)
-    lines = case_differences(checkpointed, present, "the checkpoint")
+    lines = changed_values(checkpointed, present, "the checkpoint")
     if checkpointed["version"] != present["version"]:
         lines.append(f"made by mpmcol {checkpointed['version']}, this is {present['version']}")
     return lines
 
 
-def case_differences(earlier: Mapping[str, Any], present: Mapping[str, Any], source: str) -> list[str]:
+def changed_values(earlier: Mapping[str, Any], present: Mapping[str, Any], source: str) -> list[str]:
     """One line for each value of the case in which two identities differ; `source` names the earlier run."""
     old, new = earlier["case"], present["case"]
     return [

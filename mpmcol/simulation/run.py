@@ -28,7 +28,7 @@ from mpmcol.simulation.checkpointer import INTERVAL, Checkpointer
 from mpmcol.simulation.failure import failure_message
 from mpmcol.simulation.interrupt import Stopped, stop_request
 from mpmcol.simulation.recorder import Recorder
-from mpmcol.simulation.restart import find_checkpoint, finished_run, recovery_hint, require_same_points, resume
+from mpmcol.simulation.restart import find_checkpoint, find_finished_run, recovery_hint, require_same_points, resume
 from mpmcol.simulation.retry import halve_time_step
 from mpmcol.simulation.stages import Stages
 from mpmcol.simulation.state import Notify, RunState, ShowProgress, Simulation, no_messages, no_progress
@@ -77,7 +77,7 @@ def run(
     if on_instability not in ("stop", "retry"):
         raise UsageError(f'on_instability = "{on_instability}": expected "stop" or "retry"')
     folder = Path(folder)
-    if not fresh and (finished := finished_run(case, folder, notify)):
+    if not fresh and (finished := find_finished_run(case, folder, notify)):
         return finished
     used = set_threads(threads)
     if threads is not None and used != threads:

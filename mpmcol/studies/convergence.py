@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import astuple, dataclass
 
 import numpy as np
 
 ORDERS = np.linspace(0.5, 2.0, 31)  # candidate orders of convergence
 MIN_SPACINGS = 3
+MIN_RUNS = 4  # for the order of convergence: two degrees of freedom more than a line has
 NORMAL_90 = 1.645  # standard deviations to either side of the mean that hold 90 % of normally distributed values
 MAX_RATIO = 3.05  # of a spacing to the finest one: coarser grids are not yet in the asymptotic range
 
@@ -40,32 +41,32 @@ def first_order_value(spacings: Sequence[float], values: Sequence[float]) -> Con
     return ConvergedValue(float(line.intercept), float(line.intercept_stderr), 1.0)
 
 
-def converged_value(levels: Mapping[float, Sequence[float]]) -> ConvergedValue | None:
-    """Extrapolate repeated runs at several spacings: q(h) = q_0 + c h^p (Richardson extrapolation, observed order).
+def converged_value(spacings: Sequence[float], values: Sequence[float]) -> ConvergedValue | None:
+    """Extrapolate single runs to h = 0: q(h) = q_0 + c h^p (Richardson extrapolation, observed order).
 
-    A line in h^p is fitted to the means of the spacings for each p of ORDERS, weighted by the standard errors of the
-    means, which follow from the pooled scatter of repetitions. The fits are averaged with their likelihoods as weights.
-    The standard error therefore includes the scatter of the runs and the uncertainty of the order; it is inflated by
-    the misfit where no power law fits the means.
+    Runs at neighbouring spacings scatter, because a result depends on where the nodes lie; their standard deviation is
+    taken as proportional to h, that of a front whose position is known to a part of a cell. A line in h^p is fitted by
+    weighted least squares for each p of ORDERS. The fits are averaged with their likelihoods as weights, so that the
+    standard error includes the scatter of the runs, the misfit, and the uncertainty of the order. Spacings larger than
+    MAX_RATIO times the finest are left out.
 
     Args:
-        levels: node spacing, in any unit -> values of the repeated runs.
+        spacings: node spacing of each run, in any unit.
+        values: result of each run.
 
-    Returns None for fewer than MIN_SPACINGS spacings or without scatter between repetitions.
+    Returns None for fewer than MIN_SPACINGS different spacings or MIN_RUNS runs.
     """
-    levels = {h: values for h, values in levels.items() if values and h <= MAX_RATIO * min(levels)}
-    h = np.array(sorted(levels))
-    if len(h) < MIN_SPACINGS or (scatter := pooled_scatter(levels)) is None:
+    h, q = np.asarray(spacings, dtype=float), np.asarray(values, dtype=float)
+    near = h <= MAX_RATIO * h.min(initial=np.inf)
+    h, q = h[near] / h[near].max(initial=0.0), q[near]
+    if len(np.unique(h)) < MIN_SPACINGS or len(h) < MIN_RUNS:
         return None
-    means = np.array([np.mean(levels[spacing]) for spacing in h])
-    errors = scatter / np.sqrt([len(levels[spacing]) for spacing in h])
-    fits = [_fit(h / h.max(), means, errors, order) for order in ORDERS]
-    values, variances, misfits = (np.array(column) for column in zip(*fits, strict=True))
-    inflation = max(misfits.min() / (len(h) - 2), 1.0)
-    weights = np.exp(-0.5 * (misfits - misfits.min()) / inflation)
+    intercepts, variances, misfits = (np.array(column) for column in zip(*(_fit(h, q, p) for p in ORDERS), strict=True))
+    smallest = max(misfits.min(), np.finfo(float).tiny)
+    weights = (np.maximum(misfits, smallest) / smallest) ** (1.0 - len(h) / 2.0)  # likelihoods with unknown scatter
     weights /= weights.sum()
-    value = float(weights @ values)
-    variance = weights @ (variances * inflation + (values - value) ** 2)
+    value = float(weights @ intercepts)
+    variance = weights @ (variances + (intercepts - value) ** 2)
     return ConvergedValue(value, float(np.sqrt(variance)), float(weights @ ORDERS))
 
 
@@ -78,16 +79,9 @@ def combine(refinements: Sequence[ConvergedValue]) -> ConvergedValue:
     return ConvergedValue(float(share @ values), float(error), float(share @ orders))
 
 
-def pooled_scatter(levels: Mapping[float, Sequence[float]]) -> float | None:
-    """Return the pooled standard deviation within spacings; None without repetitions or without scatter."""
-    freedom = sum(max(len(values) - 1, 0) for values in levels.values())
-    squares = sum(float(np.var(values)) * len(values) for values in levels.values() if len(values) > 1)
-    return float(np.sqrt(squares / freedom)) if freedom and squares > 0.0 else None
-
-
-def _fit(h: np.ndarray, means: np.ndarray, errors: np.ndarray, order: float) -> tuple[float, float, float]:
-    """Fit q_0 + c h^order by weighted least squares; return q_0, its variance and the chi-squared misfit."""
-    x = h**order
-    coefficients, covariance = np.polyfit(x, means, 1, w=1.0 / errors, cov="unscaled")
-    residuals = (means - np.polyval(coefficients, x)) / errors
-    return float(coefficients[1]), float(covariance[1, 1]), float(residuals @ residuals)
+def _fit(h: np.ndarray, q: np.ndarray, order: float) -> tuple[float, float, float]:
+    """Fit q_0 + c h^order with the weights 1 / h; return q_0, its variance and the weighted sum of squares."""
+    coefficients, covariance = np.polyfit(h**order, q, 1, w=1.0 / h, cov="unscaled")
+    residuals = (q - np.polyval(coefficients, h**order)) / h
+    misfit = float(residuals @ residuals)
+    return float(coefficients[1]), float(covariance[1, 1]) * misfit / (len(h) - 2), misfit

@@ -1,4 +1,4 @@
-"""Judgement of a finished run in words: agreement with an experiment, error of the grid, and how to reduce it."""
+"""Judgement of a finished run in words: agreement with an experiment, error of grid and model, what to do for less."""
 
 from __future__ import annotations
 
@@ -6,33 +6,31 @@ from collections.abc import Iterator, Mapping
 from math import hypot
 from typing import Any
 
-from mpmcol.case import Case, applicable_experiments, compared_experiment
+from mpmcol.case import Case, compared_experiment
 from mpmcol.experiments import Experiment, mark
 from mpmcol.io.results import Results
-from mpmcol.studies.pareto.score import BETA, ZETA
+from mpmcol.studies.model_error import IN_STUDY, difference_in_study
 from mpmcol.studies.pareto.shipped import unstudied
 from mpmcol.studies.pareto.studied import StudiedError, studied_error
 from mpmcol.units import length_scale
 
-__all__ = ["STILL_MOVING", "applicable_experiment", "applicable_experiments", "judge", "measured_value", "verdict"]
-
 FRONT = "front_height"
 NAMES = {"zeta": "runout", "beta": "height"}
-IN_STUDY = {"zeta": ZETA, "beta": BETA}
 STILL_MOVING = "the column still moved at the end: not compared with experiments"
 
 
 def judge(results: Results, with_grid: bool = True) -> list[str]:
     """Lines on runout and height of a run that is done; `with_grid` also on the error of the grid."""
     error = studied_error(results.case)
-    experiment, reason = applicable_experiment(results.case)
+    experiment, reason = experiment_or_reason(results.case)
     if not results.summary["at_rest"]:
         experiment, reason = None, STILL_MOVING
     lines = [_quantity_line(results.summary, quantity, results.case, experiment, error) for quantity in NAMES]
-    return [*lines, *([reason] if reason else []), *(_grid_lines(results.case, error) if with_grid else [])]
+    causes = [*_grid_lines(results.case, error), *_model_lines(experiment, error)] if with_grid else []
+    return [*lines, *([reason] if reason else []), *causes]
 
 
-def applicable_experiment(case: Case) -> tuple[Experiment | None, str]:
+def experiment_or_reason(case: Case) -> tuple[Experiment | None, str]:
     """The experiment with which a case is compared; or None, and why there is none."""
     found = compared_experiment(case)
     return (found, "") if found.laws else (None, found.title)
@@ -85,3 +83,13 @@ def _grid_lines(case: Case, error: StudiedError | None) -> Iterator[str]:
     else:
         less = 50.0 * max(error.errors.values())
         yield f"error of the grid: {error}; for less: --accuracy {less:.2g}%"
+
+
+def _model_lines(experiment: Experiment | None, error: StudiedError | None) -> Iterator[str]:
+    """What remains on fine grids; the error of a coarse grid may cancel it."""
+    if experiment is None or error is None:
+        return
+    found = {NAMES[name]: difference_in_study(name, experiment, error.cases) for name in NAMES}
+    texts = [f"{difference:+.1%} in {name}" for name, difference in found.items() if difference is not None]
+    if texts:
+        yield f"error of the model: {' and '.join(texts)} against {experiment.citation}, from fine grids of the study"

@@ -11,42 +11,14 @@ from dataclasses import asdict, dataclass
 from math import hypot, inf
 from typing import Any
 
-from mpmcol.case import Case, conditions_of
-from mpmcol.experiments import Experiment, mark
 from mpmcol.io.results import Results
 from mpmcol.studies.convergence import NORMAL_90
-from mpmcol.studies.judgement import (
-    IN_STUDY,
-    NAMES,
-    STILL_MOVING,
-    applicable_experiment,
-    applicable_experiments,
-    measured_value,
-)
+from mpmcol.studies.judgement import NAMES, STILL_MOVING, experiment_or_reason, measured_value
+from mpmcol.studies.model_error import IN_STUDY, ModelError, model_errors
 from mpmcol.studies.pareto.certify import ErrorBar
-from mpmcol.studies.pareto.neighbouring import node_scatter
 from mpmcol.studies.pareto.recommend import Recommendation
-from mpmcol.studies.pareto.shipped import converged_values, study_case
 
 CONFIDENCE = 0.9
-
-
-@dataclass(frozen=True)
-class ModelError:
-    """Difference of the model from one experiment, in one quantity."""
-
-    experiment: str  # author and year, marked if unverified
-    expected: float  # value by the law of the experiment for the case
-    scatter: float  # relative standard deviation of the experiment
-    difference: float | None  # relative, of grid-converged values; the largest in the study; None: not studied
-
-    @property
-    def part(self) -> float | None:
-        """Part of the interval, relative to the computed value."""
-        if self.difference is None:
-            return None
-        ratio = 1.0 / (1.0 + self.difference)  # experiment over model
-        return abs(1.0 - ratio) + NORMAL_90 * self.scatter * ratio
 
 
 @dataclass(frozen=True)
@@ -97,18 +69,18 @@ def make_statement(
         results: of the run of the recommended configuration.
         advice: the recommendation that the run was made by.
         accuracy: the accuracy that was requested.
-        bars: of repeated runs; they replace the error bound of the study, and their values those of the run.
+        bars: of runs at several spacings; they replace the error bound of the study, and their values those of the run.
     """
     certified = {bar.quantity: bar for bar in bars}
     quantities = {name: _quantity(name, results, advice, certified.get(IN_STUDY[name])).as_dict() for name in NAMES}
     return {
         "requested": accuracy,
         "confidence": CONFIDENCE,
-        "source": "repeated runs" if bars else "study",
+        "source": "several spacings" if bars else "study",
         "variant": advice.variant,
-        "cells": max(bars[0].means) if bars else advice.cells,
+        "cells": max(bars[0].runs) if bars else advice.cells,
         "cases": list(advice.cases),
-        "outside_study": list(advice.differences),
+        "outside_study": [str(one) for one in advice.differences],
         **quantities,
     }
 
@@ -117,10 +89,10 @@ def _quantity(name: str, results: Results, advice: Recommendation, bar: ErrorBar
     case, in_study = results.case, IN_STUDY[name]
     geometry = case.geometry
     if bar:
-        value, grid, scatter = bar.value, bar.relative, 0.0  # the misfit of the bar holds the scatter
+        value, grid, scatter = bar.value, bar.relative, 0.0  # the misfit of the bar contains the scatter
     else:
         _, value = measured_value(results.summary, name, geometry.r_i)
-        grid, scatter = of_value(advice.errors[in_study]), NORMAL_90 * node_scatter(in_study, advice.cells)
+        grid, scatter = of_value(advice.errors[in_study]), NORMAL_90 * advice.scatter[in_study]
     model = model_errors(name, case, advice.cases) if results.summary["at_rest"] else []
     reason = _reason(name, results, model)
     return StatedQuantity(value, geometry.r_i if name == "zeta" else geometry.h_i, grid, scatter, model, reason)
@@ -131,37 +103,11 @@ def of_value(error: float) -> float:
     return error / (1.0 - error) if error < 1.0 else inf
 
 
-def model_errors(name: str, case: Case, cases: Sequence[str]) -> list[ModelError]:
-    """Return the differences of the model from the laboratory experiments that a case can be compared with.
-
-    They are known for the grid-converged values of those `cases` of the study with which these can be compared as well.
-    """
-    found: dict[tuple[float, float], ModelError] = {}  # records that agree are one experiment
-    for experiment in applicable_experiments(case):
-        law, expected = experiment.law(name), experiment.expected(name, case.geometry.a)
-        if law and expected and experiment.kind == "laboratory":
-            label, difference = f"{experiment.citation}{mark(law.verified)}", _difference(name, experiment, cases)
-            found.setdefault(expected, ModelError(label, expected[0], law.scatter, difference))
-    return list(found.values())
-
-
-def _difference(name: str, experiment: Experiment, cases: Sequence[str]) -> float | None:
-    """The difference by which the interval is widest."""
-    found = [
-        converged_values()[one][IN_STUDY[name]] / expected[0] - 1.0
-        for one in cases
-        if one in converged_values()
-        and not experiment.misfit(conditions_of(study_case(one)))
-        and (expected := experiment.expected(name, study_case(one).geometry.a))
-    ]
-    return max(found, key=lambda difference: ModelError("", 0.0, 0.0, difference).part or 0.0, default=None)
-
-
 def _reason(name: str, results: Results, model: Sequence[ModelError]) -> str:
     """Why there is no interval for experiments; "" if there is one."""
     if not results.summary["at_rest"]:
         return STILL_MOVING
-    experiment, reason = applicable_experiment(results.case)
+    experiment, reason = experiment_or_reason(results.case)
     if experiment is None:
         return reason
     if not model:

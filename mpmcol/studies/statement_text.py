@@ -52,7 +52,7 @@ def _source(record: Mapping[str, Any]) -> str:
     if record["source"] == "study":
         variant = f'"{record["variant"]}" at r_i/h = {record["cells"]:g}'
         return f"grid: error bound of {variant} in the study; scatter: between neighbouring spacings"
-    return f"grid: error bar of repeated runs up to r_i/h = {record['cells']:g}, values extrapolated to zero spacing"
+    return f"grid: error bar of runs up to r_i/h = {record['cells']:g}, values extrapolated to zero spacing"
 
 
 def _quantity_lines(name: str, record: Mapping[str, Any]) -> list[str]:

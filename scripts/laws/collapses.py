@@ -2,7 +2,7 @@
 
     python scripts/laws/collapses.py OUT [GROUP ...]
 
-Runs in OUT that are finished are not repeated. All groups take half an hour.
+Runs in OUT that are finished are not repeated. All groups take an hour.
 """
 
 from __future__ import annotations
@@ -77,7 +77,15 @@ def grains() -> Iterator[Run]:
     yield Run("mu-i-constant", 2.0, 0.005, material("mu-i", f"{CONSTANT}, grain_diameter=0.001"))
 
 
-GROUPS = {"strength": strength, "scatter": scatter, "cohesion": cohesion, "grains": grains}
+def refined() -> Iterator[Run]:
+    """Runout with mu(I) over a on finer grids."""
+    for h in (0.0035, 0.0025, 0.0018):
+        for a in (0.5, 1.0, 2.0, 5.0):
+            law = material("mu-i", f"{GRAINS}, grain_diameter={a * R_I / 32}")
+            yield Run(f"mu-i-a{a:g}-{1e3 * h:g}mm", a, h, law)
+
+
+GROUPS = {"strength": strength, "scatter": scatter, "cohesion": cohesion, "grains": grains, "refined": refined}
 
 
 def main() -> None:

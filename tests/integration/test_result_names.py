@@ -162,7 +162,7 @@ def test_a_key_without_an_entry_is_found() -> None:
 
 
 def test_every_key_of_error_bars_is_explained(finished: Path) -> None:
-    bar = ErrorBar("zeta.front_height", {10.0: 2.5, 20.0: 2.6, 28.0: 2.7}, 0.1, 2.8, 0.1, 0.2)
+    bar = ErrorBar("zeta.front_height", {10.0: 2.5, 20.0: 2.6, 28.0: 2.7}, 2.8, 0.1, 0.2, 0.05)
     record = accuracy._record(bar, Results(finished))
     assert record["law"] and unexplained_keys(["run"], {"error_bars": {bar.quantity: record}}) == set()
 

@@ -13,8 +13,8 @@ from mpmcol.errors import UsageError
 from mpmcol.studies.fit.agreement import Agreement, agreement_of
 from mpmcol.studies.fit.forward import Forward, Level, levels_for, make_level
 from mpmcol.studies.fit.quantities import Target
+from mpmcol.studies.fit.response import design
 from mpmcol.studies.fit.search import Notify, Search, Solution
-from mpmcol.studies.fit.surface import design
 from mpmcol.studies.fit.unknowns import Unknown
 from mpmcol.studies.frame import RUNS
 from mpmcol.sweep.engine import KeptPool

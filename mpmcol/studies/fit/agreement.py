@@ -10,8 +10,8 @@ import numpy as np
 
 from mpmcol.studies.convergence import NORMAL_90
 from mpmcol.studies.fit.quantities import Target
+from mpmcol.studies.fit.response import misfit
 from mpmcol.studies.fit.search import Solution
-from mpmcol.studies.fit.surface import misfit
 
 LIMIT = 2.0  # difference, in its standard errors, up to which a measured value counts as reproduced
 END = 1e-3  # of the range: distance from an end at which a value counts as the end

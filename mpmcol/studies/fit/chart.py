@@ -16,7 +16,7 @@ from mpmcol.plotting.profiles import LengthAxes, set_up_axes
 from mpmcol.studies.fit import Fit
 from mpmcol.studies.fit.forward import Evaluation
 from mpmcol.studies.fit.quantities import PROFILE, Target
-from mpmcol.studies.fit.surface import misfit
+from mpmcol.studies.fit.response import misfit
 from mpmcol.studies.fit.values import FittedValue, fitted_values
 from mpmcol.units import length_scale
 

@@ -180,7 +180,7 @@ def _level(name: str, advice: Recommendation, unknowns: Sequence[Unknown]) -> Le
     for one in unknowns:
         if one.key in advice.values:
             raise UsageError(f"{one.key} is set by --accuracy; omit --accuracy, or set it and vary another key")
-    errors, differences = _standard_errors(advice.errors), tuple(advice.differences)
+    errors, differences = _standard_errors(advice.errors), tuple(map(str, advice.differences))
     return Level(name, tuple(advice.overrides), advice.cells, errors, str(advice), differences)
 
 

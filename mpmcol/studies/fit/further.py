@@ -9,7 +9,7 @@ import numpy as np
 
 from mpmcol.studies.fit.forward import Evaluation
 from mpmcol.studies.fit.quantities import ASSUMED_ERROR, FRONT, MEANINGS, PROFILE, STATIONS, Target
-from mpmcol.studies.fit.surface import pooled_variance
+from mpmcol.studies.fit.response import pooled_variance
 
 FURTHER_ERROR = 0.03  # relative standard error that is assumed of a further measurement
 

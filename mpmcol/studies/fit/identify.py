@@ -11,8 +11,8 @@ import numpy as np
 from mpmcol.studies.fit.agreement import agreement_of
 from mpmcol.studies.fit.further import Further, further_measurements
 from mpmcol.studies.fit.quantities import Target
+from mpmcol.studies.fit.response import fit_plane, precision
 from mpmcol.studies.fit.search import MOST_STEPS, Solution
-from mpmcol.studies.fit.surface import fit_plane, precision
 from mpmcol.studies.fit.unknowns import Unknown
 
 DEGENERATE = 0.95  # magnitude of a correlation from which on two unknowns cannot be separated

@@ -9,7 +9,7 @@ import numpy as np
 
 from mpmcol.studies.fit.forward import Evaluation, Forward, Level
 from mpmcol.studies.fit.quantities import Target, grid_covariance
-from mpmcol.studies.fit.surface import (
+from mpmcol.studies.fit.response import (
     Precision,
     Surface,
     best_point,

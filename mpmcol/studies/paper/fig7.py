@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from mpmcol.experiments import find_experiment
-from mpmcol.experiments.surface import rms_difference
+from mpmcol.experiments.height_difference import rms_difference
 from mpmcol.measure import Measurement
 from mpmcol.plotting.captions import heading_of
 from mpmcol.plotting.charts import profile_chart

@@ -21,7 +21,7 @@ from mpmcol.studies.pareto.score import ScoredConfiguration
 from mpmcol.studies.pareto.selection import CRITERIA, pareto_front
 
 TITLES = {"zeta.front_height": r"runout $\zeta$ (front_height)", "beta": r"height $\beta$", "profile": "profile, area"}
-MARKERS = "osv^D>P"
+MARKERS, COLOURS = "osv^D>P", 10
 OTHER_STYLE: dict[str, Any] = {"color": "0.6", "marker": ".", "linestyle": "none"}
 SMALLEST = 1e-3  # smaller errors are drawn at this value
 NOTE: dict[str, Any] = {"fontsize": "x-small", "color": "0.3"}
@@ -34,6 +34,7 @@ def case_chart(
     reference: ConvergedReference,
     experiment: Experiment,
     baseline: str,
+    variants: Sequence[str],
 ) -> list[Path]:
     """Draw one panel for each criterion; return the files written.
 
@@ -41,6 +42,7 @@ def case_chart(
         scored: configurations of the case.
         experiment: its scatter is the smallest error that a comparison with it can resolve.
         baseline: variant whose cost stands for that of failed configurations.
+        variants: all of the study; colour and marker of one are the same in all its charts.
     """
     failed = _failures(scored, baseline)
     named = _named_variants(scored, baseline, MOST_ENTRIES - 2 - bool(failed))  # beside the front and other variants
@@ -48,9 +50,11 @@ def case_chart(
     figure.subplots_adjust(left=0.06, right=0.99, top=0.87, bottom=0.22, wspace=0.2)
     for axes, quantity in zip(figure.subplots(1, len(CRITERIA)), CRITERIA, strict=True):
         axes.set(xscale="log", yscale="log", xlabel="core-seconds of a run", title=TITLES[quantity])
-        for number, variant in enumerate(named):
+        for variant in named:
             own = [one for one in scored if one.configuration.variant == variant]
-            _draw(axes, own, quantity, label=variant, color=f"C{number}", marker=MARKERS[number])
+            number = variants.index(variant)
+            marker = MARKERS[number % len(MARKERS)]
+            _draw(axes, own, quantity, label=variant, color=f"C{number % COLOURS}", marker=marker)
         others = [one for one in scored if one.configuration.variant not in named]
         if others:
             _draw(axes, others, quantity, label="other choices (see the table)", **OTHER_STYLE)
@@ -119,4 +123,5 @@ def _draw_floors(axes: Axes, quantity: str, reference: ConvergedReference, exper
         axes.axhline(law.scatter, color=colour, linestyle="--", linewidth=1.2)
         text = f"scatter of {experiment.label(law.quantity)}"
         place: dict[str, Any] = {"xycoords": ("axes fraction", "data"), "ha": "right", "va": "bottom"}
-        axes.annotate(text, (0.98, law.scatter), **place, **NOTE | {"color": colour})
+        box = {"facecolor": "white", "alpha": 0.7, "linewidth": 0.0, "pad": 0.5}
+        axes.annotate(text, (0.98, law.scatter), bbox=box, **place, **NOTE | {"color": colour})

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from math import ceil, inf, sqrt
+from math import ceil, hypot, inf, sqrt
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from mpmcol.case import Case, load_case
 from mpmcol.case.fields import shown
@@ -29,6 +29,7 @@ from mpmcol.studies.pareto.shipped import (
 from mpmcol.studies.pareto.study import variant_values
 from mpmcol.studies.runs import CFL
 from mpmcol.sweep.runs import PlannedRun
+from mpmcol.units import duration_text
 
 POINTS_PER_CELL = 4  # of the study, where a variant does not set it
 COMPARED = ("method.", "time.", "stages.", "material.")  # tables in which a case is compared with those of the study
@@ -37,17 +38,30 @@ NOT_COMPARED = ("material.friction_deg", "material.youngs_modulus", "stages.k0",
 LOADING = "stages.equilibrate."
 
 
+class Difference(NamedTuple):
+    """A value of a case that differs from those of the study."""
+
+    key: str
+    value: str
+    studied: str
+
+    def __str__(self) -> str:
+        return f"{self.key} = {self.value}, in the study {self.studied}"
+
+
 @dataclass(frozen=True)
 class Recommendation:
     """A configuration for a case, with the errors and the cost that it had in the study."""
 
     variant: str
     cells: float  # r_i / h
+    studied: float  # r_i / h up to which all of `cases` were studied; its bounds also hold for finer grids
     values: Mapping[str, Value]  # to be replaced in the case
     errors: Mapping[str, float]  # quantity -> relative error not exceeded by 90 % of runs in any of `cases`
+    scatter: Mapping[str, float]  # quantity -> relative standard deviation between neighbouring spacings
     cases: Sequence[str]  # of the study, between which the case lies
     core_seconds: float  # expected, on the machine of the study
-    differences: Sequence[str]  # of the case from those of the study, whose errors may not apply to it
+    differences: Sequence[Difference]  # of the case from those of the study, whose errors may not apply to it
 
     @property
     def overrides(self) -> list[str]:
@@ -61,12 +75,14 @@ class Recommendation:
 
     def __str__(self) -> str:
         errors = ", ".join(f"{quantity} {error:.1%}" for quantity, error in self.errors.items())
+        coarser = self.studied < self.cells
         return "\n  ".join(
             [
                 f'"{self.variant}" at r_i/h = {self.cells:g}: {", ".join(self.overrides)}',
                 f"errors in the study: {errors} (90 % of runs; {'; '.join(self.cases)})",
+                *([f"not all of these were studied beyond r_i/h = {self.studied:g}: its errors count"] * coarser),
                 *(f"note: these errors may not apply: {difference}" for difference in self.differences),
-                f"expected cost: about {self.core_seconds:.2g} core-seconds on the machine of the study",
+                f"expected cost: about {duration_text(self.core_seconds)} of one core on the machine of the study",
             ]
         )
 
@@ -125,8 +141,9 @@ def options(source: str | Path, overrides: Sequence[str], accuracy: float = inf)
         configured = load_case(source, [*overrides, *as_overrides(values)])
         pace = max(one.seconds_per_point_step for one in group)
         cost = pace * PlannedRun({}, configured, Path()).work
-        differences = [*differences_from_study(configured, variant, cases), *_finer_than_studied(cells, group)]
-        yield Recommendation(variant, cells, values, errors, cases, cost, differences)
+        differences = differences_from_study(configured, variant, cases)
+        studied = min(one.cells for one in group)
+        yield Recommendation(variant, cells, studied, values, errors, pooled_scatter(group), cases, cost, differences)
 
 
 def studied_configurations(cases: Sequence[str]) -> dict[tuple[str, float], list[ShippedConfiguration]]:
@@ -167,6 +184,11 @@ def largest_errors(group: Sequence[ShippedConfiguration]) -> dict[str, float]:
     return {quantity: max(bound[quantity] for bound in bounds) for quantity in QUANTITIES}
 
 
+def pooled_scatter(group: Sequence[ShippedConfiguration]) -> dict[str, float]:
+    """Return the root mean square of the scatter of each quantity; that of one configuration follows from few runs."""
+    return {quantity: hypot(*(one.scatter[quantity] for one in group)) / sqrt(len(group)) for quantity in QUANTITIES}
+
+
 def configuration_values(case: Case, variant: str, cells: float) -> dict[str, Value]:
     """Return the values that turn a case into a configuration of the study; a 3D cylinder becomes axisymmetric."""
     values: dict[str, Value] = {"grid.spacing": case.geometry.r_i / cells}
@@ -175,15 +197,15 @@ def configuration_values(case: Case, variant: str, cells: float) -> dict[str, Va
     return values | variant_values(case, shipped_study().variants[variant])
 
 
-def differences_from_study(case: Case, variant: str, cases: Sequence[str]) -> list[str]:
-    """Describe how a case, configured with `variant`, differs from the neighbouring `cases` of the study."""
+def differences_from_study(case: Case, variant: str, cases: Sequence[str]) -> list[Difference]:
+    """Return how a case, configured with `variant`, differs from the neighbouring `cases` of the study."""
     here, there = _compared(case), _compared(study_case(cases[0], variant))
     keys = [key for key in here if key in there and here[key] != there[key]]
     if here[CFL] <= there[CFL]:  # a smaller time step is no less accurate
         keys = [key for key in keys if key != CFL]
     return [
         *_outside_range(case),
-        *(f"{key} = {shown(here[key])}, in the study {shown(there[key])}" for key in keys),
+        *(Difference(key, shown(here[key]), shown(there[key])) for key in keys),
     ]
 
 
@@ -197,13 +219,7 @@ def _compared(case: Case) -> Mapping[str, Any]:
     }
 
 
-def _finer_than_studied(cells: float, group: Sequence[ShippedConfiguration]) -> Iterator[str]:
-    coarsest = min(one.cells for one in group)
-    if coarsest < cells:
-        yield f"r_i/h = {cells:g}, in the study up to {coarsest:g}"
-
-
-def _outside_range(case: Case) -> Iterator[str]:
+def _outside_range(case: Case) -> Iterator[Difference]:
     column = parameters_of(case)
     similar = similar_cases(column).values()
     for name, x, studied, near, ratio in (
@@ -211,4 +227,4 @@ def _outside_range(case: Case) -> Iterator[str]:
         ("friction", column.friction_deg, [one.friction_deg for one in similar], SAME_FRICTION, 1.0),
     ):
         if not min(studied) / ratio - near <= x <= max(studied) * ratio + near:
-            yield f"{name} = {x:.3g}, in the study {min(studied):g} to {max(studied):g}"
+            yield Difference(name, f"{x:.3g}", f"{min(studied):g} to {max(studied):g}")

@@ -36,7 +36,7 @@ class ConvergedReference:
 
 def make_reference(variants: Sequence[Levels]) -> ConvergedReference | None:
     """Make the reference from two refinements or more; None if one of them has too few runs."""
-    refinements = [_converged(levels) for levels in variants]
+    refinements = [extrapolate(levels) for levels in variants]
     if any(len(values) < len(QUANTITIES) for values in refinements):
         return None
     by_finest = sorted(variants, key=lambda levels: max(levels), reverse=True)
@@ -53,9 +53,9 @@ def make_reference(variants: Sequence[Levels]) -> ConvergedReference | None:
     )
 
 
-def _converged(levels: Levels) -> dict[str, ConvergedValue]:
-    found = {
-        quantity: converged_value({1.0 / cells: [run.row[quantity] for run in runs] for cells, runs in levels.items()})
-        for quantity in QUANTITIES
-    }
+def extrapolate(levels: Levels) -> dict[str, ConvergedValue]:
+    """Extrapolate the quantities of one variant to zero spacing; without those for which there are too few runs."""
+    rows = [run.row for runs in levels.values() for run in runs]
+    spacings = [row["spacing_used"] for row in rows]
+    found = {quantity: converged_value(spacings, [row[quantity] for row in rows]) for quantity in QUANTITIES}
     return {quantity: value for quantity, value in found.items() if value}

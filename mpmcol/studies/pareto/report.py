@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from math import hypot
 from pathlib import Path
 
 from mpmcol.experiments import Experiment, find_experiment, mark
 from mpmcol.io.atomic import atomic_write
+from mpmcol.studies.convergence import ConvergedValue
 from mpmcol.studies.markdown import document, images, table
-from mpmcol.studies.pareto.reference import PROFILE, QUANTITIES, ConvergedReference
+from mpmcol.studies.pareto.reference import PROFILE, QUANTITIES, ConvergedReference, extrapolate
 from mpmcol.studies.pareto.score import BETA, COSTS, ZETA, ScoredConfiguration
 from mpmcol.studies.pareto.selection import (
     CRITERIA,
@@ -21,6 +23,7 @@ from mpmcol.studies.pareto.selection import (
     pareto_front,
 )
 from mpmcol.studies.pareto.study import StudyDefinition
+from mpmcol.studies.runs import CompletedRun
 from mpmcol.sweep.table import Row, csv_text
 
 CSV_FILE, TEXT_FILE = "pareto.csv", "pareto.md"
@@ -38,7 +41,8 @@ def write_report(study: StudyDefinition, references: References, scored: Scored,
     charts = []
     for case, reference in references.items():
         path = out / chart_name(case)
-        charts += case_chart(path, case, of_case(scored, case), reference, experiments[case], study.baseline)
+        own = of_case(scored, case)
+        charts += case_chart(path, case, own, reference, experiments[case], study.baseline, list(study.variants))
     atomic_write(out / CSV_FILE, csv_text(list(table_rows(study, references, scored))).encode())
     atomic_write(out / TEXT_FILE, markdown(study, references, scored, experiments, charts, heading).encode())
     return [out / CSV_FILE, out / TEXT_FILE, *charts]
@@ -97,6 +101,12 @@ def markdown(
         [f"{heading}, one thread per run."],
         ["## Grid-converged values"],
         _references(study, references, experiments),
+        ["## Limits of the other variants"],
+        [
+            "Each is extrapolated alone. Differences are from the grid-converged value; in brackets over the standard",
+            "error of the difference.",
+        ],
+        limits_table(study, references, scored),
         ["## Cheapest configuration for an error"],
         [
             "Errors are relative to the grid-converged values; 90 % of runs do not exceed them, at this spacing and at",
@@ -140,6 +150,27 @@ def _references(study: StudyDefinition, references: References, experiments: Map
         ("case", "quantity", "converged", *study.reference, "order", "experiment", "difference", "its scatter"),
         (cells(case, quantity) for case in references for quantity in QUANTITIES),
     )
+
+
+def limits_table(study: StudyDefinition, references: References, scored: Scored) -> Iterator[str]:
+    """Yield the table of the extrapolated values of the variants that are not part of the reference."""
+    levels: dict[tuple[str, str], dict[float, Sequence[CompletedRun]]] = {}
+    for one in scored:
+        case, variant = one.configuration.case, one.configuration.variant
+        if case in references and variant not in study.reference and one.runs:
+            levels.setdefault((case, variant), {})[one.configuration.cells] = one.runs
+    rows = []
+    for (case, variant), own in levels.items():
+        found, converged = extrapolate(own), references[case].values
+        if found:
+            zeta, beta = (_limit(found[quantity], converged[quantity]) for quantity in (ZETA, BETA))
+            rows.append((case, variant, f"{max(own):g}", *zeta, *beta))
+    return table(("case", "variant", "r_i/h up to", "zeta (front_height)", "difference", "beta", "difference"), rows)
+
+
+def _limit(own: ConvergedValue, converged: ConvergedValue) -> tuple[str, str]:
+    difference, error = own.value - converged.value, hypot(own.error, converged.error)
+    return f"{own.value:.4g} +- {own.error:.2g}", f"{difference / converged.value:+.1%} ({difference / error:+.1f})"
 
 
 def _compared(value: float, experiment: Experiment, quantity: str, a: float) -> tuple[str, str, str]:

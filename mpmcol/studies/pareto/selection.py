@@ -9,7 +9,7 @@ import numpy as np
 
 from mpmcol.studies.convergence import MIN_SPACINGS
 from mpmcol.studies.pareto.reference import PROFILE
-from mpmcol.studies.pareto.score import BETA, ZETA, RelativeError, ScoredConfiguration
+from mpmcol.studies.pareto.score import BETA, ZETA, ScoredConfiguration
 from mpmcol.studies.pareto.study import StudyDefinition
 
 GOALS = (0.10, 0.05, 0.02, 0.01)  # relative errors
@@ -94,11 +94,13 @@ def effects(study: StudyDefinition, scored: Sequence[ScoredConfiguration]) -> It
             configuration.cells,
             one.cost["core_seconds"] / other.cost["core_seconds"],
             one.cost["point_steps"] / other.cost["point_steps"],
-            {quantity: _change(one.errors[quantity], other.errors[quantity]) for quantity in (ZETA, BETA)},
+            {quantity: _change(one, other, quantity) for quantity in (ZETA, BETA)},
         )
 
 
-def _change(one: RelativeError, other: RelativeError) -> tuple[float, float]:
-    change = (1.0 + one.bias) / (1.0 + other.bias) - 1.0
-    error = np.hypot(one.scatter / np.sqrt(one.runs), other.scatter / np.sqrt(other.runs)) / (1.0 + other.bias)
-    return float(change), float(error)
+def _change(one: ScoredConfiguration, other: ScoredConfiguration, quantity: str) -> tuple[float, float]:
+    """Mean of the ratios of runs at equal spacings, less one, and its standard error; nan with a single pair."""
+    there = {run.row["spacing_used"]: run.row[quantity] for run in other.runs}
+    ratios = [run.row[quantity] / there[h] for run in one.runs if (h := run.row["spacing_used"]) in there]
+    error = np.std(ratios, ddof=1) / np.sqrt(len(ratios)) if len(ratios) > 1 else np.nan
+    return float(np.mean(ratios)) - 1.0, float(error)

@@ -13,6 +13,7 @@ from math import hypot
 from typing import Any
 
 from mpmcol.case import Case, conditions_of
+from mpmcol.case.values import leaf_values
 from mpmcol.errors import UsageError
 from mpmcol.experiments import column_kind
 from mpmcol.studies.pareto.score import BETA, ZETA
@@ -42,6 +43,7 @@ class ShippedConfiguration:
     cells: float  # r_i / h
     seconds_per_point_step: float  # of one core
     bias: Mapping[str, float]  # error of the mean of its runs, by quantity, relative to the grid-converged value
+    scatter: Mapping[str, float]  # relative standard deviation between neighbouring spacings, by quantity
     bounds: Mapping[str, float] | None  # `ErrorBound` plus uncertainty of the reference; None: too few spacings
 
 
@@ -50,9 +52,13 @@ def parameters_of(case: Case) -> ColumnParameters:
 
     Raises UsageError for a material without friction, and for what no case of the study has.
     """
-    geometry, law, friction = case.geometry, case.material.law, conditions_of(case).friction_deg
+    geometry, friction = case.geometry, conditions_of(case).friction_deg
     if friction is None:
-        raise UsageError(f"material.law = {law}: the errors were studied for materials with friction only")
+        angle = leaf_values(case).get("material.friction_deg")
+        subject = f'material.law = "{case.material.law}"' if angle is None else f"material.friction_deg = {angle:g}"
+        raise UsageError(
+            f"{subject}: the errors were studied for materials with friction only; set grid.spacing, not an accuracy"
+        )
     if reason := unstudied(case):
         raise UsageError(f"{reason} only; set grid.spacing instead of an accuracy")
     return ColumnParameters(column_kind(geometry.model, geometry.column_section), geometry.a, friction)
@@ -65,6 +71,8 @@ def unstudied(case: Case) -> str:
         return f"geometry.slope_deg = {geometry.slope_deg:g}: the errors were studied on a horizontal base"
     if geometry.base == "granular":
         return 'geometry.base = "granular": the errors were studied on elastic and rigid bases'
+    if case.walls:
+        return "walls: the errors were studied for columns that spread freely"
     if case.layers:
         return "layers: the errors were studied for columns of one material"
     for name, value in case.friction:
@@ -156,6 +164,7 @@ def _configuration(row: Mapping[str, Any]) -> ShippedConfiguration:
         cells=float(row["cells"]),
         seconds_per_point_step=float(row["core_seconds"]) / float(row["point_steps"]),
         bias={quantity: float(row[f"{quantity} bias"]) for quantity in QUANTITIES},
+        scatter={quantity: float(row[f"{quantity} scatter"]) for quantity in QUANTITIES},
         bounds={quantity: _bound(row, quantity) for quantity in QUANTITIES} if row[f"{ZETA} bound"] else None,
     )
 

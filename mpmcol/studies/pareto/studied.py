@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from mpmcol.case import Case
@@ -24,6 +24,7 @@ class StudiedError:
     variant: str
     cells: float  # r_i / h
     errors: Mapping[str, float]  # quantity -> relative error not exceeded by 90 % of runs
+    cases: Sequence[str]  # of the study, between which the case lies
 
     def __str__(self) -> str:
         return (
@@ -40,7 +41,7 @@ def studied_error(case: Case) -> StudiedError | None:
         return None
     cells = case.geometry.r_i / case.grid.spacing
     coarser = [
-        StudiedError(variant, studied, largest_errors(group))
+        StudiedError(variant, studied, largest_errors(group), cases)
         for (variant, studied), group in studied_configurations(cases).items()
         if studied <= SAME_SPACING * cells and _is_like(case, variant, cases)
     ]

@@ -1,6 +1,7 @@
 """Definition of a study of cost against error: cases, scheme variants, and the configurations that they give.
 
-A configuration is one case computed with one scheme variant at one node spacing. Its runs are repetitions.
+A configuration is one case computed with one scheme variant at one node spacing. Its runs are at this spacing and at
+slightly coarser ones, because results depend on where the nodes lie.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from mpmcol.studies.definition import (
     load_definition,
     shipped_definitions,
 )
-from mpmcol.studies.runs import CFL, StudyRun, repeated_cfl, study_run
+from mpmcol.studies.runs import StudyRun, study_run
 
 Cells = tuple[Annotated[float, Field(ge=2.0, le=1000.0)], ...]
 
@@ -33,6 +34,7 @@ class StudyCase(DefinitionTable):
     aspect: float = Field(gt=0.0)
     set: dict[str, Value] = Field(default_factory=dict)  # further values of the case
     finest: float | None = Field(None, ge=2.0)  # largest r_i / h for this case; no limit if absent
+    variants: tuple[str, ...] | None = None  # with which it is computed; all that do not list other cases if absent
 
 
 class Variant(DefinitionTable):
@@ -42,16 +44,16 @@ class Variant(DefinitionTable):
     softness: float | None = Field(None, gt=0.0, lt=0.1)  # rho g h_i / E; that of the case if absent
     cells: Cells | None = None  # r_i / h; those of the study if absent
     cases: tuple[str, ...] | None = None  # all if absent
-    repeats: int | None = Field(None, ge=1)
+    repeats: int | None = Field(None, ge=1, le=5)
     selectable: bool = False  # whether `mpmcol run --accuracy` may choose it
 
 
 class StudyDefinition(DefinitionTable):
-    """All cases with all scheme variants at all spacings, each configuration run several times."""
+    """All cases with all scheme variants at all spacings, each configuration with several runs."""
 
     schema_: Literal[1] = Field(1, alias="schema")
     title: str = ""
-    repeats: int = Field(4, ge=1, le=20)  # runs of a configuration, which differ slightly in time step
+    repeats: int = Field(2, ge=1, le=5)  # runs of a configuration, each with one cell fewer in the radius
     cells: Cells
     baseline: str  # variant that single choices are compared with
     reference: tuple[str, ...] = Field(min_length=2)  # variants that are refined independently
@@ -69,7 +71,10 @@ class StudyDefinition(DefinitionTable):
             for case in content.cases or ():
                 if case not in self.cases:
                     raise ValueError(f"variants.{variant}: there is no case {case!r}")
-        for case in self.cases:
+        for case, own in self.cases.items():
+            for variant in own.variants or ():
+                if variant not in self.variants:
+                    raise ValueError(f"cases.{case}: there is no variant {variant!r}")
             if missing := set(self.reference) - set(self.variants_of(case)):
                 raise ValueError(f"reference: the case {case!r} is not computed with {', '.join(sorted(missing))}")
         return self
@@ -81,12 +86,16 @@ class StudyDefinition(DefinitionTable):
 
     def variants_of(self, case: str) -> list[str]:
         """Return the variants with which a case is computed."""
-        return [name for name, variant in self.variants.items() if variant.cases is None or case in variant.cases]
+        own = self.cases[case].variants
+        return [
+            name for name, variant in self.variants.items()
+            if (own is None or name in own) and (variant.cases is None or case in variant.cases)
+        ]  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Configuration:
-    """One case with one scheme variant at one spacing; its runs differ only in time step."""
+    """One case with one scheme variant at one spacing; each further run has one cell fewer in the radius."""
 
     case: str
     variant: str
@@ -141,9 +150,6 @@ def load_study_case(case: StudyCase, variant: Variant | None = None) -> Case:
 def _repeated_runs(study_case: StudyCase, variant: Variant, cells: float, repeats: int) -> tuple[StudyRun, ...]:
     case = load_study_case(study_case)
     values = {**study_case.set, **variant_values(case, variant)}
-    cfl = float(values.pop(CFL, case.time.cfl))
-    h = round(case.geometry.r_i / cells, 9)
     texts = {key: as_text(value) for key, value in values.items()}
-    return tuple(
-        study_run(study_case.extends, study_case.aspect, h, **texts, **{CFL: one}) for one in repeated_cfl(cfl, repeats)
-    )
+    spacings = (round(case.geometry.r_i / (cells - i), 9) for i in range(repeats))
+    return tuple(study_run(study_case.extends, study_case.aspect, h, **texts) for h in spacings)

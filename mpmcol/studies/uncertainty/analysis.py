@@ -15,7 +15,7 @@ from mpmcol.io.values import flatten
 from mpmcol.studies.convergence import NORMAL_90
 from mpmcol.studies.uncertainty.plan import UncertaintyPlan
 from mpmcol.studies.uncertainty.statistics import Probability, Statistics, probability_of, statistics_of
-from mpmcol.studies.uncertainty.surface import VarianceShares, variance_shares
+from mpmcol.studies.uncertainty.variance_shares import VarianceShares, variance_shares
 from mpmcol.sweep.engine import Outcome
 
 FRONT = "front.front_height"

@@ -9,7 +9,7 @@ from typing import Any
 from mpmcol.provenance import code_version
 from mpmcol.studies.uncertainty.analysis import Analysis, Quantity
 from mpmcol.studies.uncertainty.statistics import QUANTILES
-from mpmcol.studies.uncertainty.surface import VarianceShares
+from mpmcol.studies.uncertainty.variance_shares import VarianceShares
 from mpmcol.sweep.names import short_names
 
 RECORD_SCHEMA = 1

@@ -7,7 +7,7 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from mpmcol.experiments import Experiment
-from mpmcol.experiments.surface import height_difference
+from mpmcol.experiments.height_difference import height_difference
 from mpmcol.measure import Array, Measurement
 from mpmcol.plotting.figures import save_figure
 from mpmcol.plotting.styles import DEPOSIT_STYLE, experiment_style

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from mpmcol.experiments import Profile, find_experiment, profile_score
-from mpmcol.experiments.surface import rms_difference
+from mpmcol.experiments.height_difference import rms_difference
 from mpmcol.measure import Array, Measurement, failure_line
 from mpmcol.studies.runs import CompletedRun
 from mpmcol.studies.validation.check import Measure

@@ -94,4 +94,4 @@ def test_values_that_the_case_cannot_have_are_not_proposed() -> None:
 
 def test_a_column_too_flat_for_every_configuration_is_refused() -> None:
     with pytest.raises(UsageError, match=r"too few cells for this column.*set grid\.spacing"):
-        recommend("lube-channel", ["geometry.aspect=0.05", "grid.spacing=0.0005"], 0.5)
+        recommend("lube-channel", ["geometry.aspect=0.02", "grid.spacing=0.0002"], 0.5)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 import pytest
 
@@ -35,11 +37,16 @@ def test_two_spacings_are_not_extrapolated() -> None:
     assert first_order_value([], []) is None
 
 
+def as_runs(levels: Mapping[float, np.ndarray]) -> tuple[list[float], list[float]]:
+    """Spacing and value of each run."""
+    return [h for h, values in levels.items() for _ in values], [float(one) for own in levels.values() for one in own]
+
+
 def test_a_power_law_is_found_with_its_order() -> None:
     rng = np.random.default_rng(1)
     for order in (0.7, 1.0, 1.8):
         levels = {h: 1.2 - 0.4 * h**order + 1e-4 * rng.standard_normal(4) for h in (1.0, 0.7, 0.5, 0.35)}
-        converged = converged_value({h: values.tolist() for h, values in levels.items()})
+        converged = converged_value(*as_runs(levels))
         assert converged is not None and abs(converged.order - order) < 0.1
         assert abs(converged.value - 1.2) < 3.0 * converged.error + 1e-3 and converged.error < 0.02
 
@@ -49,36 +56,40 @@ def test_the_stated_error_covers_scatter_and_misfit() -> None:
     rng = np.random.default_rng(2)
     inside = 0
     for _ in range(200):
-        levels = {h: (1.0 - 0.3 * h + 0.02 * rng.standard_normal(4)).tolist() for h in (1.0, 0.7, 0.5, 0.35)}
-        converged = converged_value(levels)
+        h = np.array([1.0, 0.95, 0.7, 0.68, 0.5, 0.49, 0.35, 0.345])
+        converged = converged_value(h.tolist(), (1.0 - 0.3 * h + 0.02 * h * rng.standard_normal(8)).tolist())
         assert converged is not None
         inside += abs(converged.value - 1.0) < 2.0 * converged.error
     assert inside > 180
-    no_power_law = {h: [v, v + 1e-4] for h, v in ((1.0, 0.8), (0.7, 1.0), (0.5, 0.9), (0.35, 1.0))}
-    misfit = converged_value(no_power_law)
+    misfit = converged_value([1.0, 0.7, 0.5, 0.35], [0.8, 1.0, 0.9, 1.0])
     assert misfit is not None and misfit.error > 0.05
 
 
-def test_the_observed_order_needs_spacings_and_repetitions() -> None:
-    assert converged_value({1.0: [1.0, 1.1], 0.5: [1.0, 1.2]}) is None
-    assert converged_value({1.0: [1.0], 0.5: [1.1], 0.4: [1.2]}) is None
-    near = converged_value({10.0: [5.0, 5.1], 1.0: [1.0, 1.01], 0.7: [1.0, 1.01], 0.5: [1.0, 1.01]})
+def test_the_observed_order_needs_spacings_and_runs() -> None:
+    assert converged_value([1.0, 1.0, 0.5, 0.5], [1.0, 1.1, 1.0, 1.2]) is None
+    assert converged_value([1.0, 0.5, 0.4], [1.0, 1.1, 1.2]) is None
+    assert converged_value([], []) is None
+    near = converged_value([10.0, 1.0, 0.7, 0.6, 0.5], [5.0, 1.0, 1.01, 1.0, 1.01])
     assert near is not None and abs(near.value - 1.005) < 0.02  # the coarsest spacing is left out
 
 
+def test_exact_runs_have_no_error() -> None:
+    exact = converged_value([1.0, 0.8, 0.6, 0.5], [2.0, 1.8, 1.6, 1.5])
+    assert exact is not None and exact.value == pytest.approx(1.0, abs=1e-9) and exact.error < 1e-9
+
+
 def test_the_weighted_fit_is_that_of_the_normal_equations() -> None:
-    """With one candidate order the result is the weighted least-squares line, written out here."""
-    levels = {1.0: [0.8, 0.82], 0.7: [0.88, 0.9, 0.87], 0.5: [0.93, 0.91]}
-    h, counts = np.array([0.5, 0.7, 1.0]), np.array([2, 3, 2])
-    means = np.array([np.mean(levels[one]) for one in h])
-    squares = sum(np.sum((np.array(values) - np.mean(values)) ** 2) for values in levels.values())
-    weights = counts / (squares / 4)
-    matrix = np.stack((np.ones(3), h), axis=1)
-    expected = np.linalg.solve(matrix.T @ (weights[:, None] * matrix), matrix.T @ (weights * means))
+    """With one candidate order the result is the least-squares line with the weights 1 / h^2, written out here."""
+    h, q = np.array([0.5, 0.5, 0.7, 0.75, 1.0]), np.array([0.93, 0.91, 0.88, 0.9, 0.8])
+    matrix, weights = np.stack((np.ones(5), h), axis=1), h**-2.0
+    normal = matrix.T @ (weights[:, None] * matrix)
+    expected = np.linalg.solve(normal, matrix.T @ (weights * q))
+    variance = np.sum(weights * (q - matrix @ expected) ** 2) / 3 * np.linalg.inv(normal)[0, 0]
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("mpmcol.studies.convergence.ORDERS", np.array([1.0]))
-        converged = converged_value(levels)
+        converged = converged_value(h.tolist(), q.tolist())
     assert converged is not None and converged.value == pytest.approx(expected[0], rel=1e-12)
+    assert converged.error == pytest.approx(np.sqrt(variance), rel=1e-9)
 
 
 def test_two_values_that_disagree_have_an_error_of_half_their_difference() -> None:

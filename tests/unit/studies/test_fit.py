@@ -31,8 +31,8 @@ from mpmcol.studies.fit.quantities import (
     read_profile,
     targets_of,
 )
+from mpmcol.studies.fit.response import best_point, corrected, design, fit_surface, misfit, pooled_variance, precision
 from mpmcol.studies.fit.search import MOST_STEPS, Search, Solution
-from mpmcol.studies.fit.surface import best_point, corrected, design, fit_surface, misfit, pooled_variance, precision
 from mpmcol.studies.fit.unknowns import Unknown, parse_unknowns, settings
 from mpmcol.studies.fit.values import FittedValue, fitted_values
 

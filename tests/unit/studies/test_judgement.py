@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from types import SimpleNamespace
 from typing import Any
 
@@ -10,11 +11,18 @@ import pytest
 from mpmcol.case import load_case
 from mpmcol.studies import judgement
 from mpmcol.studies.pareto.score import BETA, ZETA
+from mpmcol.studies.pareto.shipped import converged_values
 from mpmcol.studies.pareto.studied import StudiedError, studied_error
 
 
 def lines(
-    name: str, zeta: float, beta: float, *overrides: str, error: float | None = None, at_rest: bool = True
+    name: str,
+    zeta: float,
+    beta: float,
+    *overrides: str,
+    error: float | None = None,
+    cases: Sequence[str] = (),
+    at_rest: bool = True,
 ) -> list[str]:
     """The judgement of a run with this result."""
     case = load_case(name, overrides)
@@ -24,7 +32,7 @@ def lines(
         "height": beta * geometry.h_i, "beta": beta, "at_rest": at_rest,
     }  # fmt: skip
     results: Any = SimpleNamespace(case=case, summary=summary)
-    studied = None if error is None else StudiedError("light", 20.0, {ZETA: error, BETA: error})
+    studied = None if error is None else StudiedError("light", 20.0, {ZETA: error, BETA: error}, cases)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(judgement, "studied_error", lambda case: studied)
         return judgement.judge(results)
@@ -65,6 +73,21 @@ def test_no_experiment_is_named_that_does_not_apply(overrides: tuple[str, ...], 
     assert "against" not in runout + height
     assert reason in why
     assert "not studied" in grid
+
+
+def test_the_error_of_the_model_is_that_of_grid_converged_values() -> None:
+    """There is none if the neighbouring case has not the friction of the experiment, or if the column still moves."""
+    converged = converged_values()["channel, a = 1"]
+    runout, height = converged[ZETA] / 1.6 - 1.0, converged[BETA] - 1.0
+    *_, line = lines("coarse-channel", 1.6, 0.95, error=0.1, cases=["channel, a = 1"])
+    assert line == (
+        f"error of the model: {runout:+.1%} in runout and {height:+.1%} in height against Lube et al. 2007, from fine "
+        "grids of the study"
+    )
+    *_, grid = lines("coarse-channel", 1.6, 0.95, error=0.1, cases=["channel, a = 1, 42 degrees"])
+    assert grid.startswith("error of the grid: up to 10.0%")
+    *_, grid = lines("coarse-channel", 1.6, 0.95, error=0.1, cases=["channel, a = 1"], at_rest=False)
+    assert grid.startswith("error of the grid: up to 10.0%")
 
 
 def test_a_column_that_still_moves_is_not_compared() -> None:

@@ -4,7 +4,12 @@ from __future__ import annotations
 
 import csv
 import json
+import re
+from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,8 +18,10 @@ from mpmcol.case import load_case
 from mpmcol.errors import CaseError, UsageError
 from mpmcol.measure.profile_distance import area_between
 from mpmcol.plotting.figures import MOST_ENTRIES
+from mpmcol.studies.convergence import ConvergedValue
 from mpmcol.studies.pareto.chart import _named_variants
-from mpmcol.studies.pareto.reference import PROFILE
+from mpmcol.studies.pareto.reference import PROFILE, QUANTITIES
+from mpmcol.studies.pareto.report import limits_table
 from mpmcol.studies.pareto.score import BETA, ZETA, RelativeError, ScoredConfiguration
 from mpmcol.studies.pareto.selection import cheapest, effects, error_bounds, pareto_front
 from mpmcol.studies.pareto.study import (
@@ -25,7 +32,7 @@ from mpmcol.studies.pareto.study import (
     shipped_studies,
     variant_values,
 )
-from mpmcol.studies.runs import study_run
+from mpmcol.studies.runs import CompletedRun, study_run
 from tests.support.cli import invoke
 
 STUDY = """
@@ -82,12 +89,33 @@ def test_the_front_has_no_dominated_failed_unfinished_or_single_configurations()
     assert [(one.variant, one.cells) for one in front] == [("a", 10), ("a", 20), ("a", 40)]
 
 
-def test_effects_are_relative_to_the_baseline(tmp_path: Path) -> None:
+def test_effects_are_mean_ratios_of_runs_at_equal_spacings(tmp_path: Path) -> None:
     study = load_study(str(write(tmp_path)))
-    (effect,) = effects(
-        study, [scored("plain", 4, 2.0, -0.2), scored("nine", 4, 5.0, -0.1), scored("nine", 5, 9.0, 0.0)]
-    )
-    assert effect.cost_ratio == 2.5 and effect.change[ZETA][0] == pytest.approx(0.9 / 0.8 - 1.0)
+    plain = completed_at({0.25: 1.0, 0.3: 2.0}, scored("plain", 4, 2.0, 0.0))
+    nine = completed_at({0.25: 1.1, 0.3: 2.6, 0.4: 9.0}, scored("nine", 4, 5.0, 0.0))
+    (effect,) = effects(study, [plain, nine, scored("nine", 5, 9.0, 0.0)])
+    assert effect.cost_ratio == 2.5 and effect.change[ZETA] == pytest.approx((0.2, 0.1))
+
+
+def test_the_limit_of_another_variant_is_compared_with_the_reference(tmp_path: Path) -> None:
+    """Runs on a line that ends 4 % above a value known to 3 %; variants of the reference are left out."""
+    study = load_study(str(write(tmp_path)))
+    on_line = {h: 2.08 - 3.0 * h for h in (0.1, 0.11, 0.14, 0.15, 0.2, 0.21)}
+    fast, plain = (completed_at(on_line, scored(variant, 10, 1.0, 0.0)) for variant in ("fast", "plain"))
+    values = {ZETA: ConvergedValue(2.0, 0.06, 1.0), BETA: ConvergedValue(2.08, 0.06, 1.0)}
+    reference: Any = SimpleNamespace(values=values)
+    *_, line = limits_table(study, {"low": reference}, [plain, fast])
+    assert re.fullmatch(r"\| low \| fast \| 10 \| 2\.08 .* \| \+4\.0% \(\+1\.3\) \| 2\.08 .* \| [+-]0\.0% .*", line)
+    assert len(list(limits_table(study, {"low": reference}, [plain]))) == 2
+
+
+def completed_at(values: Mapping[float, float], one: ScoredConfiguration) -> ScoredConfiguration:
+    """The configuration with completed runs: spacing -> zeta and beta."""
+    rows = ({"spacing_used": h, **dict.fromkeys(QUANTITIES, value)} for h, value in values.items())
+    runs = [CompletedRun(row, Path("nowhere")) for row in rows]
+    with_runs = replace(one, runs=runs)
+    with_runs.__dict__["cost"] = one.cost
+    return with_runs
 
 
 def test_areas_between_profiles() -> None:
@@ -113,6 +141,7 @@ OTHER_CASE = "[cases.high]\nextends = 'cylinder'\naspect = 1\n[variants.plain]\n
         ("[variants.plain]", OTHER_CASE, "reference: the case 'high' is not computed with plain"),
         ("title =", "titel =", "titel: Extra inputs are not permitted"),
         ("schema = 1", "schema = ", "tiny.toml:2: not valid TOML: Invalid value"),
+        ("aspect = 0.9", "aspect = 0.9\nvariants = ['none']", "cases.low: there is no variant 'none'"),
         ("cells = [5, 6, 7]", "cells = [5, 1e9]", "cells.1: Input should be less than or equal to 1000"),
     ],
 )
@@ -138,6 +167,18 @@ def test_shipped_studies_have_valid_cases() -> None:
 def test_a_case_may_leave_out_the_finest_spacings(tmp_path: Path) -> None:
     study = load_study(str(write(tmp_path, "aspect = 0.9", "aspect = 0.9\nfinest = 6")))
     assert [one.cells for one in configurations_of(study) if one.variant == "plain"] == [5, 6]
+
+
+def test_a_case_may_list_its_variants(tmp_path: Path) -> None:
+    study = load_study(str(write(tmp_path, "aspect = 0.9", "aspect = 0.9\nvariants = ['plain', 'nine']")))
+    assert {one.variant for one in configurations_of(study)} == {"plain", "nine"}
+
+
+def test_the_runs_of_a_configuration_differ_by_a_cell(tmp_path: Path) -> None:
+    study = load_study(str(write(tmp_path)))
+    for one in configurations_of(study):
+        r_i = load_case("lube-cylinder").geometry.r_i
+        assert [r_i / run.h for run in one.runs] == pytest.approx([one.cells, one.cells - 1.0])
 
 
 def test_softness_gives_a_modulus_that_is_never_raised() -> None:
