@@ -30,7 +30,7 @@ _TICK_STEPS = ((1.3, (1.0, 2.0, 3.0, 5.0, 7.0)), (2.5, (1.0, 2.0, 5.0)), (np.inf
 
 _CONNECTOR: dict[str, Any] = {"arrowstyle": "-", "linewidth": 0.5, "shrinkA": 1.0, "shrinkB": 0.0, "relpos": (0.0, 0.5)}
 
-_HALO = withStroke(linewidth=2.5, foreground="white")
+HALO = withStroke(linewidth=2.5, foreground="white")
 
 
 class Heading(NamedTuple):
@@ -98,7 +98,7 @@ def _annotated(axes: Axes, labels: Sequence[EndLabel]) -> list[Annotation]:
     axes.autoscale_view()  # otherwise limits are adapted to the lines only when the figure is drawn
     for label in labels:
         x, y = axes.transAxes.inverted().transform(axes.transData.transform((label.x, label.y)))
-        place: dict[str, Any] = {"xytext": (6.0, 7.0), "textcoords": "offset points", "path_effects": [_HALO]}
+        place: dict[str, Any] = {"xytext": (6.0, 7.0), "textcoords": "offset points", "path_effects": [HALO]}
         if x > RIGHT_EDGE:
             connector = _CONNECTOR | {"color": label.colour}
             place = {"xytext": (1.025, y), "textcoords": "axes fraction", "arrowprops": connector}

@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from mpmcol.experiments import Experiment
-from mpmcol.plotting.figures import MOST_ENTRIES, save_figure, use_plain_ticks
+from mpmcol.plotting.figures import HALO, MOST_ENTRIES, save_figure, use_plain_ticks
 from mpmcol.plotting.styles import experiment_style
 from mpmcol.studies.pareto.reference import ConvergedReference
 from mpmcol.studies.pareto.score import ScoredConfiguration
@@ -123,5 +123,4 @@ def _draw_floors(axes: Axes, quantity: str, reference: ConvergedReference, exper
         axes.axhline(law.scatter, color=colour, linestyle="--", linewidth=1.2)
         text = f"scatter of {experiment.label(law.quantity)}"
         place: dict[str, Any] = {"xycoords": ("axes fraction", "data"), "ha": "right", "va": "bottom"}
-        box = {"facecolor": "white", "alpha": 0.7, "linewidth": 0.0, "pad": 0.5}
-        axes.annotate(text, (0.98, law.scatter), bbox=box, **place, **NOTE | {"color": colour})
+        axes.annotate(text, (0.98, law.scatter), path_effects=[HALO], **place, **NOTE | {"color": colour})
