@@ -20,6 +20,7 @@ from mpmcol.io.names import GIVEN_CASE_FILE
 from mpmcol.provenance import code_version
 from mpmcol.setup.cost import durations, relative_pace
 from mpmcol.setup.discretization import Discretization, discretize, require_thick_outline
+from mpmcol.setup.durations import time_step
 from mpmcol.setup.memory import require_memory_for
 from mpmcol.setup.unfit_settings import kind_of, require_stiff_column
 from mpmcol.sweep.axes import MOST_VALUES, Axis
@@ -50,8 +51,7 @@ class PlannedRun:
     @property
     def steps(self) -> int:
         """Estimated number of time steps."""
-        fastest = max(material.wave_speed for material in self.case.materials)
-        dt = self.case.time.cfl * self.discretization.h / fastest
+        dt = time_step(self.case, self.discretization.h)
         return max(round(sum(durations(self.case, self.discretization)[0]) / dt), 1)
 
     @property
