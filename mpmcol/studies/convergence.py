@@ -11,6 +11,7 @@ ORDERS = np.linspace(0.5, 2.0, 31)  # candidate orders of convergence
 MIN_SPACINGS = 3
 MIN_RUNS = 4  # for the order of convergence: two degrees of freedom more than a line has
 NORMAL_90 = 1.645  # standard deviations to either side of the mean that hold 90 % of normally distributed values
+SMALLEST_ERROR = 1e-9  # relative standard error, at least: equal results of all runs give zero
 MAX_RATIO = 3.05  # of a spacing to the finest one: coarser grids are not yet in the asymptotic range
 
 
@@ -73,7 +74,7 @@ def converged_value(spacings: Sequence[float], values: Sequence[float]) -> Conve
 def combine(refinements: Sequence[ConvergedValue]) -> ConvergedValue:
     """Average independent refinements by inverse variance; the error is at least half of the range of their values."""
     values, errors, orders = (np.array(column) for column in zip(*map(astuple, refinements), strict=True))
-    weights = errors**-2.0
+    weights = np.maximum(errors, SMALLEST_ERROR * np.abs(values)) ** -2.0
     share = weights / weights.sum()
     error = max(weights.sum() ** -0.5, np.ptp(values) / 2.0)
     return ConvergedValue(float(share @ values), float(error), float(share @ orders))

@@ -170,7 +170,8 @@ def limits_table(study: StudyDefinition, references: References, scored: Scored)
 
 def _limit(own: ConvergedValue, converged: ConvergedValue) -> tuple[str, str]:
     difference, error = own.value - converged.value, hypot(own.error, converged.error)
-    return f"{own.value:.4g} +- {own.error:.2g}", f"{difference / converged.value:+.1%} ({difference / error:+.1f})"
+    over_error = f" ({difference / error:+.1f})" if error > 0.0 else ""  # all runs are equal
+    return f"{own.value:.4g} +- {own.error:.2g}", f"{difference / converged.value:+.1%}{over_error}"
 
 
 def _compared(value: float, experiment: Experiment, quantity: str, a: float) -> tuple[str, str, str]:

@@ -103,3 +103,8 @@ def test_several_values_that_disagree_have_an_error_of_half_their_range() -> Non
     values = (1.0, 1.2, 1.1, 1.4)
     several = combine([ConvergedValue(value, 0.01, 1.0) for value in values])
     assert several.value == pytest.approx(np.mean(values)) and several.error == pytest.approx(0.2)
+
+
+def test_values_without_error_are_averaged() -> None:
+    exact = combine([ConvergedValue(1.0, 0.0, 1.0), ConvergedValue(1.0, 0.0, 2.0)])
+    assert exact.value == pytest.approx(1.0) and exact.error < 1e-8 and exact.order == pytest.approx(1.5)

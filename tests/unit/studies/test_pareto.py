@@ -107,6 +107,9 @@ def test_the_limit_of_another_variant_is_compared_with_the_reference(tmp_path: P
     *_, line = limits_table(study, {"low": reference}, [plain, fast])
     assert re.fullmatch(r"\| low \| fast \| 10 \| 2\.08 .* \| \+4\.0% \(\+1\.3\) \| 2\.08 .* \| [+-]0\.0% .*", line)
     assert len(list(limits_table(study, {"low": reference}, [plain]))) == 2
+    values[BETA] = ConvergedValue(1.0, 0.0, 1.0)
+    constant = completed_at(dict.fromkeys(on_line, 1.0), scored("fast", 10, 1.0, 0.0))
+    assert list(limits_table(study, {"low": reference}, [constant]))[-1].endswith("| 1 +- 0 | +0.0% |")
 
 
 def completed_at(values: Mapping[float, float], one: ScoredConfiguration) -> ScoredConfiguration:
