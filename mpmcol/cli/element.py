@@ -13,6 +13,7 @@ from mpmcol.cli.options import Positive, out_option, overrides_option
 if TYPE_CHECKING:
     from mpmcol.studies.element.run import Columns
 
+STILL_ELASTIC = 0.9  # slope of the shear stress at the end over that at the start, of a material that did not yield
 TESTS = ("plane-strain", "triaxial", "shear", "extension")
 
 
@@ -64,7 +65,7 @@ def element(
     weight = loaded.material.density * loaded.geometry.gravity * loaded.geometry.h_i
     columns = element_test(loaded, path, weight if pressure is None else pressure, strain, steps, rate)
     click.echo(f"{loaded.material.law}: {path.description}, initial pressure {columns['pressure'][0]:.4g} Pa")
-    for line in _strength_lines(path.measures, columns):
+    for line in _strength_lines(path.measures, columns, getattr(loaded.material, "cohesion", 0.0) > 0.0):
         click.echo(line)
     click.echo(f"volumetric strain at the end {columns['volumetric_strain'][-1]:.4g}")
     click.echo(write_table(folder, columns))
@@ -72,13 +73,18 @@ def element(
         click.echo(chart)
 
 
-def _strength_lines(measures: str, columns: Columns) -> Iterator[str]:
-    """The strength that a test gives."""
+def _strength_lines(measures: str, columns: Columns, is_cohesive: bool) -> Iterator[str]:
+    """The strength that a test gives, or that the material has not yielded."""
     shear, angle, tension = columns["shear"], columns["mobilised_deg"], -columns["pressure"]
     if measures == "tension":
         largest, last = max(tension.max(), 0.0), max(tension[-1], 0.0)
         yield f"tensile strength (largest mean tension) {largest:.4g} Pa, tension at the end {last:.4g} Pa"
         yield f"opening strain at the end {columns['opening_strain'][-1]:.4g}"
     else:
-        yield f"largest shear stress {shear.max():.4g} Pa, at the end {shear[-1]:.4g} Pa"
-        yield f"largest mobilised friction angle {angle.max():.4g} deg, at the end {angle[-1]:.4g} deg"
+        largest = columns["max_shear"]
+        yield f"largest shear stress (s1 - s3) / 2 {largest.max():.4g} Pa, at the end {largest[-1]:.4g} Pa"
+        yield f"largest sqrt(J2) {shear.max():.4g} Pa, at the end {shear[-1]:.4g} Pa"
+        part = ", of stresses to which cohesion contributes" if is_cohesive else ""
+        yield f"largest mobilised friction angle {angle.max():.4g} deg, at the end {angle[-1]:.4g} deg{part}"
+        if shear[-1] - shear[-2] > STILL_ELASTIC * (shear[1] - shear[0]):
+            yield "note: the stress rises at the end as it did at the start: no strength yet; set a larger --strain"

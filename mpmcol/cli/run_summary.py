@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from mpmcol.case import compared_experiment
@@ -112,16 +112,22 @@ def _cost(summary: dict[str, Any]) -> Iterator[str]:
 def _quality(summary: dict[str, Any]) -> Iterator[str]:
     """Where the energy went, and how quiet the stresses are."""
     if shares := summary.get("dissipation"):
-        names = ["friction", "damping", "walls", "transfer", "filter"]
-        if shares.get("wall_friction"):
-            names.insert(1, "wall_friction")
-        released = f"{shares['released']:.3g} {summary.get('energy_unit', 'J')}"
-        parts = (f"{name.replace('_', ' ')} {100.0 * shares[name]:.1f} %" for name in names)
-        yield f"energy released, {released}: " + ", ".join(parts)
-        if (lost := walls_and_transfer(shares)) is not None:
-            yield f"walls and transfer together {100.0 * lost:.1f} %: one gives what the other takes"
+        yield energy_line(shares, summary.get("energy_unit", "J"))
     if stress := summary.get("stress"):
         yield (
             f"pressure over the weight at the foot: 99 % below {stress['pressure_p99']:.2f}, at most "
             f"{stress['pressure_max']:.2f}; stress-free inside: {100.0 * stress['stress_free']:.0f} % of the points"
         )
+
+
+def energy_line(shares: Mapping[str, float], unit: str) -> str:
+    """Where the released potential energy went; of walls and transfer the sum where one gives what the other takes."""
+    together = walls_and_transfer(shares)
+    named = {name: shares[name] for name in ("friction", "wall_friction", "damping") if shares.get(name)}
+    if together is None:
+        named |= {name: shares[name] for name in ("walls", "transfer")}
+    else:
+        named["walls and transfer together"] = together
+    named["filter"] = shares["filter"]
+    parts = ", ".join(f"{name.replace('_', ' ')} {100.0 * share:.1f} %" for name, share in named.items())
+    return f"energy released, {shares['released']:.3g} {unit}: {parts}"

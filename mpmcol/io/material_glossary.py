@@ -33,6 +33,7 @@ ELEMENT_NAMES = {
     **{f"stress.{name}": ("Pa", "Cauchy stress by component, tension > 0") for name in ("xx", "yy", "zz", "xy")},
     "pressure": ("Pa", "mean pressure"),
     "shear": ("Pa", "shear stress sqrt(J2)"),
+    "max_shear": ("Pa", "largest shear stress (s1 - s3) / 2"),
     "volumetric_strain": ("", "change of volume with gaps, over the initial volume"),
     "opening_strain": ("", "volume of gaps over that of the material"),
     "mobilised_deg": ("deg", "friction angle that the stress mobilises: sin(phi) = (s1 - s3) / -(s1 + s3)"),

@@ -16,6 +16,7 @@ from mpmcol.units import length_scale
 
 FRONT = "front_height"
 NAMES = {"zeta": "runout", "beta": "height"}
+OTHER_GRID = "compare with a run at half the grid.spacing"
 STILL_MOVING = "the column still moved at the end: not compared with experiments"
 
 
@@ -43,11 +44,13 @@ def _quantity_line(
     unit, factor = length_scale(max(case.geometry.r_i, case.geometry.h_i))  # as in the table of a run
     text = f"{NAMES[quantity]} {factor * length:.4g} {unit}, {quantity} = {value:.3f}"
     expected = experiment.expected(quantity, case.geometry.a) if experiment else None
+    if quantity == "zeta" and length < 0.0:
+        text += ": the front has not advanced by a cell"
     if experiment is None or expected is None:
         return text
     law = experiment.law(quantity)
     difference, scatter = value / expected[0] - 1.0, expected[1] / expected[0]
-    grid = error.errors[IN_STUDY[quantity]] if error else 0.0
+    grid = error.errors[IN_STUDY[quantity]] if error else None
     source = f"{experiment.citation}{mark(law.verified) if law else ''}"
     return (
         f"{text}: {difference:+.1%} against {source} ({expected[0]:.3f}, scatter {scatter:.0%}), "
@@ -55,14 +58,19 @@ def _quantity_line(
     )
 
 
-def verdict(difference: float, scatter: float, grid: float) -> str:
-    """Whether a relative difference is within the scatter of an experiment and the error of the grid, in words."""
+def verdict(difference: float, scatter: float, grid: float | None) -> str:
+    """Whether a relative difference is within the scatter of an experiment and the error of the grid, in words.
+
+    grid: relative error; None if it is not known.
+    """
     difference = abs(difference)
     if difference <= scatter:
         return "agrees within the scatter"
+    if grid is None:
+        return "undecided: beyond the scatter, but the error of the grid is not known"
     if difference <= hypot(scatter, grid):
         return "undecided within the error of the grid"
-    return "differs by more than the scatter" + (" and the error of the grid" if grid else "")
+    return "differs by more than the scatter and the error of the grid"
 
 
 def measured_value(summary: Mapping[str, Any], quantity: str, r_i: float) -> tuple[float, float]:
@@ -76,13 +84,13 @@ def measured_value(summary: Mapping[str, Any], quantity: str, r_i: float) -> tup
 
 def _grid_lines(case: Case, error: StudiedError | None) -> Iterator[str]:
     if not case.geometry.is_rectangle:
-        yield "error of the grid: not studied for outlines; compare with a run at half the grid.spacing"
+        yield f"error of the grid: not studied for outlines; {OTHER_GRID}"
     elif error is None:
-        advice = "" if unstudied(case) else "; --accuracy 5% chooses studied ones"
-        yield f"error of the grid: not studied for these settings{advice}"
+        advice = OTHER_GRID if unstudied(case) else "--accuracy 5% chooses studied ones"
+        yield f"error of the grid: not studied for these settings; {advice}"
     else:
-        less = 50.0 * max(error.errors.values())
-        yield f"error of the grid: {error}; for less: --accuracy {less:.2g}%"
+        half = 50.0 * max(error.errors.values())
+        yield f"error of the grid: {error}; for half of it: --accuracy {half:.2g}%"
 
 
 def _model_lines(experiment: Experiment | None, error: StudiedError | None) -> Iterator[str]:
@@ -92,4 +100,5 @@ def _model_lines(experiment: Experiment | None, error: StudiedError | None) -> I
     found = {NAMES[name]: difference_in_study(name, experiment, error.cases) for name in NAMES}
     texts = [f"{difference:+.1%} in {name}" for name, difference in found.items() if difference is not None]
     if texts:
-        yield f"error of the model: {' and '.join(texts)} against {experiment.citation}, from fine grids of the study"
+        left = f"{' and '.join(texts)} against {experiment.citation}"
+        yield f"error of the model, which is left on fine grids: {left}"

@@ -51,7 +51,9 @@ def statement_lines(record: Mapping[str, Any]) -> list[str]:
 def _source(record: Mapping[str, Any]) -> str:
     if record["source"] == "study":
         variant = f'"{record["variant"]}" at r_i/h = {record["cells"]:g}'
-        return f"grid: error bound of {variant} in the study; scatter: between neighbouring spacings"
+        bounds = " and ".join(f"{record[name]['grid'] / (1.0 + record[name]['grid']):.1%}" for name in NAMES)
+        bound = f"error bound of {variant} in the study, {bounds} of the grid-converged values"
+        return f"grid: {bound}; scatter: between neighbouring spacings"
     return f"grid: error bar of runs up to r_i/h = {record['cells']:g}, values extrapolated to zero spacing"
 
 

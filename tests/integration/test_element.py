@@ -134,6 +134,17 @@ def test_the_command_writes_chart_and_table(tmp_path: Path) -> None:
     assert len(rows) == 52 and rows[0][:2] == ["strain", "stress.xx [Pa]"]
 
 
+def test_clay_has_its_cohesion_as_strength_and_sand_may_not_have_yielded(tmp_path: Path) -> None:
+    clay = ("--set", "material.friction_deg=0", "--set", "material.cohesion=3000", "--out", tmp_path / "clay")
+    done = invoke("element", "coarse-channel", "--test", "triaxial", *clay)
+    assert "largest shear stress (s1 - s3) / 2 3000 Pa" in done.output and "largest sqrt(J2) 3464 Pa" in done.output
+    assert "of stresses to which cohesion contributes" in done.output and "note:" not in done.output
+    elastic = ("--pressure", "100 kPa", "--strain", "0.001", "--out", tmp_path / "sand")
+    done = invoke("element", "coarse-channel", "--test", "triaxial", *elastic)
+    assert "note: the stress rises at the end as it did at the start: no strength yet" in done.output
+    assert "contributes" not in done.output
+
+
 def test_extension_prints_the_tensile_strength(tmp_path: Path) -> None:
     keys = ("--set", "material.tension=1.5 kPa", "--test", "extension", "--out", tmp_path / "new")
     result = invoke("element", "cohesive-column", *keys)

@@ -79,7 +79,12 @@ def _columns(case: Case, states: list[State], strain: np.ndarray) -> Columns:
     sums, differences = principal[0] + principal[2], principal[0] - principal[2]
     ratio = np.divide(differences, -sums, out=np.zeros_like(sums), where=sums < 0.0)
     columns = {"strain": strain, **{f"stress.{name}": stress[:, k] for k, name in enumerate(COMPONENTS)}}
-    columns |= {"pressure": -mean, "shear": shear, "volumetric_strain": J * (1.0 + opening) - 1.0}
+    columns |= {
+        "pressure": -mean,
+        "shear": shear,
+        "max_shear": differences / 2.0,
+        "volumetric_strain": J * (1.0 + opening) - 1.0,
+    }
     columns |= {"opening_strain": opening, "mobilised_deg": np.degrees(np.arcsin(np.clip(ratio, 0.0, 1.0)))}
     history = np.array([state[3] for state in states])
     columns |= {name: history[:, k] for k, name in enumerate(law.STATE)}

@@ -53,13 +53,7 @@ def parameters_of(case: Case) -> ColumnParameters:
     Raises UsageError for a material without friction, and for what no case of the study has.
     """
     geometry, friction = case.geometry, conditions_of(case).friction_deg
-    if friction is None:
-        angle = leaf_values(case).get("material.friction_deg")
-        subject = f'material.law = "{case.material.law}"' if angle is None else f"material.friction_deg = {angle:g}"
-        raise UsageError(
-            f"{subject}: the errors were studied for materials with friction only; set grid.spacing, not an accuracy"
-        )
-    if reason := unstudied(case):
+    if (reason := unstudied(case)) or friction is None:
         raise UsageError(f"{reason} only; set grid.spacing instead of an accuracy")
     return ColumnParameters(column_kind(geometry.model, geometry.column_section), geometry.a, friction)
 
@@ -67,6 +61,10 @@ def parameters_of(case: Case) -> ColumnParameters:
 def unstudied(case: Case) -> str:
     """For what else the errors were studied, if a case has something that no case of the study has; else ""."""
     geometry = case.geometry
+    if conditions_of(case).friction_deg is None:
+        angle = leaf_values(case).get("material.friction_deg")
+        subject = f'material.law = "{case.material.law}"' if angle is None else f"material.friction_deg = {angle:g}"
+        return f"{subject}: the errors were studied for materials with friction"
     if geometry.slope_deg:
         return f"geometry.slope_deg = {geometry.slope_deg:g}: the errors were studied on a horizontal base"
     if geometry.base == "granular":

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import mpmcol
-from mpmcol.cli.run_summary import summary_table
+from mpmcol.cli.run_summary import energy_line, summary_table
 from mpmcol.measure.dissipation import Dissipation
 from mpmcol.measure.stress import StressQuality
 from mpmcol.simulation.quality import _dissipation_notes, _stress_notes
@@ -35,6 +35,18 @@ def test_the_filter_quiets_the_stresses_of_a_run(tmp_path: Path) -> None:
     for shares in (noisy["dissipation"], quiet["dissipation"]):
         parts = ("friction", "damping", "walls", "transfer", "filter", "remaining")
         assert sum(shares[part] for part in parts) == pytest.approx(1.0, abs=1e-6)
+
+
+def test_walls_and_transfer_that_cancel_are_one_share() -> None:
+    shares = {"released": 2.0, "friction": 0.9, "damping": 0.03, "walls": 0.29, "transfer": -0.24, "filter": 0.02}
+    line = energy_line(shares, "J")
+    assert (
+        line == "energy released, 2 J: friction 90.0 %, damping 3.0 %, walls and transfer together 5.0 %, filter 2.0 %"
+    )
+    line = energy_line(shares | {"walls": 0.002, "transfer": 0.008, "wall_friction": 0.1}, "J")
+    assert line.endswith(
+        "friction 90.0 %, wall friction 10.0 %, damping 3.0 %, walls 0.2 %, transfer 0.8 %, filter 2.0 %"
+    )
 
 
 def test_good_numbers_give_no_note() -> None:

@@ -9,7 +9,9 @@ from typing import Any
 import pytest
 
 from mpmcol.case import load_case
+from mpmcol.errors import UsageError
 from mpmcol.studies import judgement
+from mpmcol.studies.pareto.recommend import recommend
 from mpmcol.studies.pareto.score import BETA, ZETA
 from mpmcol.studies.pareto.shipped import converged_values
 from mpmcol.studies.pareto.studied import StudiedError, studied_error
@@ -44,12 +46,42 @@ def test_a_result_agrees_within_scatter_and_the_error_of_the_grid() -> None:
         "runout 157.5 mm, zeta = 1.750: +9.4% against Lube et al. 2007 (1.600, scatter 10%), agrees within the scatter"
     )
     assert runout == expected
-    assert height.endswith("Lube et al. 2007 (unverified) (1.000, scatter 5%), differs by more than the scatter")
+    assert height.endswith(
+        "Lube et al. 2007 (unverified) (1.000, scatter 5%), differs by more than the scatter and the error of the grid"
+    )
     assert "0.0% in runout" in grid
     assert lines("coarse-channel", 1.84, 0.9, error=0.12)[0].endswith("undecided within the error of the grid")
     assert lines("coarse-channel", 1.84, 0.9, error=0.10)[0].endswith(
         "differs by more than the scatter and the error of the grid"
     )
+
+
+def test_without_an_error_of_the_grid_no_difference_is_certain() -> None:
+    runout, *_, grid = lines("coarse-channel", 1.0, 1.0)
+    assert runout.endswith("scatter 10%), undecided: beyond the scatter, but the error of the grid is not known")
+    assert grid == "error of the grid: not studied for these settings; --accuracy 5% chooses studied ones"
+    assert lines("coarse-channel", 1.6, 1.0)[0].endswith("agrees within the scatter")
+
+
+@pytest.mark.parametrize(
+    "overrides",
+    [
+        ("material.friction_deg=0", "material.cohesion=3000"),
+        ("geometry.slope_deg=5",),
+        ("friction.floor=0.1", "geometry.base=rigid", "method.wall_impulse=true"),
+    ],
+)
+def test_advice_for_less_error_is_accepted(overrides: tuple[str, ...]) -> None:
+    """`--accuracy` refuses these cases, so that it is not proposed."""
+    *_, grid = lines("coarse-channel", 1.0, 0.9, *overrides)
+    assert grid.endswith("not studied for these settings; compare with a run at half the grid.spacing")
+    with pytest.raises(UsageError, match="the errors were studied"):
+        recommend("coarse-channel", overrides, 0.2)
+
+
+def test_a_front_that_has_not_advanced_is_no_negative_runout() -> None:
+    runout, *_ = lines("heap", -0.02, 1.0)
+    assert runout.endswith("zeta = -0.020: the front has not advanced by a cell")
 
 
 @pytest.mark.parametrize(
@@ -81,8 +113,8 @@ def test_the_error_of_the_model_is_that_of_grid_converged_values() -> None:
     runout, height = converged[ZETA] / 1.6 - 1.0, converged[BETA] - 1.0
     *_, line = lines("coarse-channel", 1.6, 0.95, error=0.1, cases=["channel, a = 1"])
     assert line == (
-        f"error of the model: {runout:+.1%} in runout and {height:+.1%} in height against Lube et al. 2007, from fine "
-        "grids of the study"
+        f"error of the model, which is left on fine grids: {runout:+.1%} in runout and {height:+.1%} in height against "
+        "Lube et al. 2007"
     )
     *_, grid = lines("coarse-channel", 1.6, 0.95, error=0.1, cases=["channel, a = 1, 42 degrees"])
     assert grid.startswith("error of the grid: up to 10.0%")

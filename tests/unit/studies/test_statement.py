@@ -158,7 +158,10 @@ def test_the_statement_in_words() -> None:
         "scatter 10%)"
     )
     assert "Lube et al. 2007 (unverified), scatter 5%" in lines[3]
-    assert lines[4].startswith('confidence 90%; grid: error bound of "light" at r_i/h = 28 in the study; scatter')
+    assert lines[4].startswith(
+        'confidence 90%; grid: error bound of "light" at r_i/h = 28 in the study, 5.0% and 2.0% of the grid-converged '
+        "values; scatter"
+    )
 
 
 def test_the_stored_statement_is_the_same_and_is_written_once(tmp_path: Path) -> None:
