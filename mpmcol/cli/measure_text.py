@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from itertools import groupby
+from textwrap import fill
 from typing import TYPE_CHECKING
 
 from mpmcol.cli.bed_text import bed_lines
-from mpmcol.experiments import EXPERIMENTS, find_experiment
+from mpmcol.experiments import EXPERIMENTS, find_experiment, mark
 from mpmcol.measure import friction_bias
 from mpmcol.units import length_scale, length_text
 
@@ -108,7 +110,7 @@ def _score_lines(measured: Measured) -> list[str]:
     return [
         *(_law_line(law) for law in laws if law[0].expected is not None),
         *(_profile_line(profile) for profile in measured.profiles),
-        *(_reason_line(law[0]) for law in laws if law[0].expected is None),
+        *_reason_lines([law[0] for law in laws if law[0].expected is None]),
     ]
 
 
@@ -121,8 +123,16 @@ def _law_line(scores: list[Score]) -> str:
     )
 
 
-def _reason_line(score: Score) -> str:
-    return f"{_citation(score.experiment):<{WIDTH}} {score.quantity:<10} {score.comment}"
+def _reason_lines(scores: Sequence[Score]) -> Iterator[str]:
+    """Why laws are not compared: each reason once, with the experiments and quantities to which it applies."""
+    quantities: dict[str, dict[str, list[str]]] = {}  # by reason and experiment
+    for score in scores:
+        reason = score.comment.removesuffix(mark(verified=False))
+        quantities.setdefault(reason, {}).setdefault(_citation(score.experiment), []).append(score.quantity)
+    for reason, experiments in quantities.items():
+        named = "; ".join(f"{experiment} ({', '.join(names)})" for experiment, names in experiments.items())
+        yield f"not compared, {reason}:"
+        yield fill(named, 110, initial_indent="  ", subsequent_indent="  ", break_on_hyphens=False)
 
 
 def _citation(experiment: str) -> str:

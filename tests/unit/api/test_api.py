@@ -93,6 +93,17 @@ def test_the_angle_of_repose_is_mapped_to_a_friction_angle(finished: Path, cells
     assert steep.friction_from_repose is None
 
 
+def test_reasons_for_laws_that_are_not_compared_stand_once(finished: Path) -> None:
+    found = mpmcol.measure(finished)
+    reason = "for a flow without obstacles; here walls stand in its way"
+    scores = [
+        replace(score, expected=None, error=None, comment=reason + " (unverified)" * (not score.verified))
+        for score in found.scores
+    ]
+    text = text_of(replace(found, scores=scores))
+    assert text.count("obstacles") == 1 and f"\nnot compared, {reason}:\n  Lube et al. 2007 (zeta" in text
+
+
 def test_measure_and_plot_take_results_or_a_folder(finished: Path, tmp_path: Path) -> None:
     by_folder, by_results = mpmcol.measure(str(finished)), mpmcol.measure(mpmcol.Results(finished), -1)
     assert by_folder.measurement.zeta == by_results.measurement.zeta and by_folder.scores
