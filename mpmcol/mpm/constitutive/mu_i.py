@@ -157,7 +157,8 @@ def return_map(mean, shear, history, params, dt):
     # B^2 - 4 H without cancellation
     difference = shear - fast + alpha
     discriminant = difference * difference + 4.0 * (alpha * excess)
-    flowing = 2.0 * (fast * shear + slow * alpha) / (fast + shear + alpha + root(discriminant))
+    sums = fast + shear + alpha + root(discriminant)  # 0 without stress and strength, as is then the product
+    flowing = 2.0 * (fast * shear + slow * alpha) / where_positive(sums, sums, 1.0)
     limit = apex(history, params)
     new_mean, new_shear, released, opens = return_from_tension(mean, flowing, limit, params.bulk_modulus)
     new_history = after_expansion(history, released, params)

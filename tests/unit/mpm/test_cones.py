@@ -57,6 +57,15 @@ def test_mu_i_is_elastic_below_its_strength_at_vanishing_rate():
     assert mu_i.may_yield(-1000.0, 470.0, UNUSED, beads()) < 0.0 < mu_i.may_yield(-1000.0, 481.0, UNUSED, beads())
 
 
+@pytest.mark.parametrize("keys", [{}, {"cohesion": 50.0, "failure_strain": 0.0}])
+@pytest.mark.parametrize("mean", [0.0, 10.0])
+def test_a_point_without_strength_under_tension_has_no_stress(keys, mean):
+    """Also one without any stress: numerator and denominator of the return are zero there."""
+    broken = (1.0, 0.0)
+    found = mu_i.return_map(mean, 0.0, broken, beads(**keys), DT)
+    assert (found[0], found[1], found[-1]) == (0.0, 0.0, mean)
+
+
 @pytest.mark.parametrize("cohesion", [0.0, 200.0])
 def test_mu_i_solves_the_equation_of_the_rate(cohesion):
     """Against the positive root of the equation for the rate, also under tension, and beyond the apex."""
