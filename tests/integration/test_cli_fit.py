@@ -96,7 +96,7 @@ def test_the_chart_of_the_profile_names_the_run_that_it_shows(fitted: Path, monk
         text for text in captions if text.startswith(f"answer: friction_deg {fitted_values(fit)[0].value:.4g} ")
     )
     assert " +- " in answer and answer.endswith(" deg")
-    title = "Fit: Channel, a = 1"
+    title = "Fit: Channel on a coarse grid, a = 1"
     assert axes.get_title() == title
     chart.response_chart(fit, fitted / "fit.png")
     assert drawn[1].get_suptitle() == title

@@ -101,7 +101,7 @@ def test_a_report_has_a_table_of_forces(runs: Runs) -> None:
 def test_runs_are_compared_by_their_largest_forces(runs: Runs) -> None:
     page = comparison_page([runs.plain, runs.forces])
     (table,) = [one for section in page.sections for one in section.tables if one.caption.startswith("Forces on walls")]
-    assert table.caption.endswith("(not recorded: wall_forces = False)")
+    assert table.caption.endswith("(not recorded: plain)")
     rows = {row[0]: row[1:] for row in table.rows}
     peak = runs.forces.summary["wall_forces"]["back_wall"]["peak"]
     assert rows["Force on back wall, peak"] == ["none", f"{peak:.3g} N/m"]
