@@ -174,6 +174,11 @@ def length_text(metres: float) -> str:
     return f"{1e3 * metres:.4g} mm" if abs(metres) < 1.0 else f"{metres:.4g} m"
 
 
+def pressure_text(pascals: float) -> str:
+    """A stress with four digits, in Pa below one kPa and in kPa above."""
+    return f"{pascals:.4g} Pa" if abs(pascals) < 1e3 else f"{1e-3 * pascals:.4g} kPa"
+
+
 def length_scale(metres: float) -> tuple[str, float]:
     """Unit for the axis of a chart that shows lengths up to `metres`, "mm" or "m", and the factor from m to it."""
     return ("mm", 1e3) if abs(metres) < 1.0 else ("m", 1.0)

@@ -30,6 +30,7 @@ class Measured:
     stop_time: float | None  # sqrt(h_i / g); None unless it is the final deposit
     energy_released: float | None  # in `energy_unit`; None unless it is the last snapshot of a run with a result
     energy_unit: str  # in words
+    wall_forces: dict[str, dict[str, Any]] | None  # by wall, as in result.json; None as above, or if not recorded
     scores: list[Score]
     profiles: list[ProfileScore]
     erosion: Erosion | None  # of a granular bed; None without one
@@ -81,8 +82,9 @@ def measure(run: Results | Path | str, snapshot: int = -1, *, notify: Notify = w
         measurement=measurement,
         shape=shape,
         stop_time=stop,
-        energy_released=_energy_released(results) if is_last else None,
+        energy_released=(_of_result(results, "dissipation") or {}).get("released") if is_last else None,
         energy_unit=ENERGY_UNITS[shape.model][1],
+        wall_forces=_of_result(results, "wall_forces") if is_last else None,
         scores=score(values, shape.a, shape.model, shape.section, conditions),
         profiles=profile_scores(
             measurement.profile_x,
@@ -98,10 +100,9 @@ def measure(run: Results | Path | str, snapshot: int = -1, *, notify: Notify = w
     )
 
 
-def _energy_released(results: Results) -> float | None:
-    """Potential energy released since the opening of the gate."""
-    shares = results.summary.get("dissipation") if results.status != "unfinished" else None
-    return shares["released"] if shares else None
+def _of_result(results: Results, name: str) -> Any:
+    """An entry of result.json; None without one, or before the end of the run."""
+    return results.summary.get(name) if results.status != "unfinished" else None
 
 
 def _stop_time(results: Results, notify: Notify) -> float | None:

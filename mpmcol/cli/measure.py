@@ -54,6 +54,7 @@ def _json(measured: Measured) -> str:
         "stop_time": measured.stop_time,
         "energy_released": measured.energy_released,
         "energy_unit": measured.energy_unit,
+        "wall_forces": measured.wall_forces,
         "profile": _points(measurement.profile),
         "erosion": _erosion(measured),
         "surface_over_bed": _points(measured.surface_over_bed),

@@ -8,6 +8,7 @@ from textwrap import fill
 from typing import TYPE_CHECKING
 
 from mpmcol.cli.bed_text import bed_lines
+from mpmcol.cli.wall_text import wall_lines
 from mpmcol.experiments import EXPERIMENTS, find_experiment, mark
 from mpmcol.measure import friction_bias
 from mpmcol.units import length_scale, length_text
@@ -39,7 +40,7 @@ def _deposit_lines(measured: Measured) -> list[str]:
     return [
         f"{shape.model}, {kind}, {shape.proportions}, r_i = {length_text(shape.r_i)}{shape.slope_text}",
         *(_front_line(name, measured) for name in measurement.front),
-        f"{'spread of zeta':<20} {measurement.spread:9.3f}",
+        f"{'spread of zeta':<20} {measurement.spread:9.3f} (between the definitions of the front)",
         f"{'height':<20} {_length(measurement.height, shape)}   beta {measurement.beta:7.3f}",
         f"{'area factor':<20} {measurement.area_factor:9.3f}",
         *_repose_line(angle, measurement, shape),
@@ -47,6 +48,7 @@ def _deposit_lines(measured: Measured) -> list[str]:
         f"{'undisturbed radius':<20} " + ("none" if undisturbed is None else _length(undisturbed, shape)),
         *([] if stop is None else [f"{'front stops at':<20} {stop:9.2f} sqrt(h_i/g)"]),
         *bed_lines(measured.erosion, shape, measured.energy_unit),
+        *wall_lines(measured.wall_forces, shape.model),
         *([] if energy is None else [f"{'energy released':<20} {energy:9.3g} {measured.energy_unit}"]),
     ]
 

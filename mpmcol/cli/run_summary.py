@@ -7,13 +7,14 @@ from typing import Any
 
 from mpmcol.case import compared_experiment
 from mpmcol.cli.bed_text import bed_lines
+from mpmcol.cli.wall_text import wall_lines
 from mpmcol.experiments import mark, without_laws
-from mpmcol.io.glossary import FORCE_UNITS, MOMENT_UNITS
 from mpmcol.io.results import Results
 from mpmcol.measure.dissipation import walls_and_transfer
 from mpmcol.studies.judgement import STILL_MOVING, judge
 from mpmcol.units import length_scale
 
+LABEL = 54  # width of the column with the names of quantities
 FRONT_TEXT = {
     "front_max": "farthest point",
     "front_connected": "farthest without a gap",
@@ -38,22 +39,22 @@ def _measured(results: Results) -> Iterator[str]:
     }
     unit, factor = length_scale(max(shape.r_i, shape.h_i))
     heading = f"relative to {experiment.citation}" if experiment.laws else ""
-    yield f"{'':48s}{unit:>8s}{'':>8s}   {heading}".rstrip()
+    yield f"{'':{LABEL}s}{unit:>8s}{'':>8s}   {heading}".rstrip()
     for name, front in summary["front"].items():
         comparison = _comparison(errors.get(("zeta", name))) or nothing
         zeta, label = summary["zeta"][name], f"zeta, {name} ({FRONT_TEXT[name]})"
         if isinstance(zeta, dict):
             yield _line(label, f"{factor * front['mean']:.4g}", zeta["mean"], comparison)
-            yield f"{'':64s}   {zeta['min']:.3f} to {zeta['max']:.3f} {shape.range_label}"
+            yield f"{'':{LABEL + 16}s}   {zeta['min']:.3f} to {zeta['max']:.3f} {shape.range_label}"
         else:
             yield _line(label, f"{factor * front:.4g}", zeta, comparison)
-    yield _line("spread of zeta (uncertainty of the front)", "", summary["spread"], "")
+    yield _line("spread of zeta (between the definitions of the front)", "", summary["spread"], "")
     comparison = _comparison(errors.get(("beta", ""))) or nothing
     place = "at the wall or axis" if shape.outline is None else "of the deposit"
     yield _line(f"beta, height {place}", f"{factor * summary['height']:.4g}", summary["beta"], comparison)
     yield from bed_lines(results.erosion, shape, summary["energy_unit"])
     yield from _flows(summary)
-    yield from _impacts(summary, shape.model)
+    yield from wall_lines(summary.get("wall_forces"), shape.model)
 
 
 def _flows(summary: dict[str, Any]) -> Iterator[str]:
@@ -66,21 +67,8 @@ def _flows(summary: dict[str, Any]) -> Iterator[str]:
             yield f"flow of the {name}: {numbers}; {friction} (percentiles 5 to 95 of its mass and time with I > 1e-3)"
 
 
-def _impacts(summary: dict[str, Any], model: str) -> Iterator[str]:
-    """Peak and final forces on walls, in runs that record them."""
-    force_unit, moment_unit = FORCE_UNITS[model], MOMENT_UNITS[model]
-    for wall, force in (summary.get("wall_forces") or {}).items():
-        if force["peak"] > 0.0:
-            sustained = "" if force["sustained"] is None else f", {force['sustained']:.3g} over 0.2 sqrt(h_i/g)"
-            moment = f", moment at most {force['moment']:.3g} {moment_unit}" if "moment" in force else ""
-            yield (
-                f"force on {wall}: at most {force['peak']:.3g} {force_unit} at {force['time']:.3g} s (mean over "
-                f"{1e3 * force['window']:.2g} ms){sustained}, {force['at_end']:.3g} at the end{moment}"
-            )
-
-
 def _line(label: str, length: str, value: float, comparison: str) -> str:
-    return f"{label:48s}{length:>8s}{value:8.3f}   {comparison}".rstrip()
+    return f"{label:{LABEL}s}{length:>8s}{value:8.3f}   {comparison}".rstrip()
 
 
 def _comparison(score: dict[str, Any] | None) -> str:
@@ -116,7 +104,7 @@ def _quality(summary: dict[str, Any]) -> Iterator[str]:
     if stress := summary.get("stress"):
         yield (
             f"pressure over the weight at the foot: 99 % below {stress['pressure_p99']:.2f}, at most "
-            f"{stress['pressure_max']:.2f}; stress-free inside: {100.0 * stress['stress_free']:.0f} % of the points"
+            f"{stress['pressure_max']:.2f}; stress-free inside: {100.0 * stress['stress_free']:.1f} % of the points"
         )
 
 

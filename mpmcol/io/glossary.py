@@ -38,7 +38,7 @@ Names = dict[str, tuple[str, str]]  # name -> unit ("" without one; ENERGY depen
 _DEPOSIT: Names = {
     "front": ("m", "distance of the front from the wall or axis, by each of its definitions"),
     "zeta": ("", "runout (r_f - r_i) / r_i, by each definition of the front (Eq. 37-39)"),
-    "spread": ("", "largest minus smallest zeta of the three definitions: the uncertainty of the front"),
+    "spread": ("", "largest minus smallest zeta of the three definitions of the front"),
     "height": ("m", "top h_f of the contiguous pile at the wall or axis, above the base; of an outline, anywhere"),
     "beta": ("", "final height h_f / h_i (Eq. 40)"),
     "area_factor": ("", "V / (r_f h_f) of a plane column or a box, V / (pi r_f^2 h_f) of a cylinder"),
@@ -230,6 +230,11 @@ def _nested(table: str, names: Names) -> Names:
     return {f"{table}.{name}": entry for name, entry in names.items()}
 
 
+_FORCES: Names = {
+    "wall_forces": ("", "largest forces on floor, walls and gate; null without output.wall_forces"),
+    "wall_forces.WALL": ("", "those on one of them, by its name"),
+    **_nested("wall_forces.WALL", _WALL_FORCES),
+}
 NAMES: dict[str, Names] = {  # file or command -> its names
     RESULT: {
         **_RUN,
@@ -243,8 +248,7 @@ NAMES: dict[str, Names] = {  # file or command -> its names
         **_nested("ledger", _ENERGIES),
         "dissipation": ("", "where the released energy went; null before the release"),
         **_nested("dissipation", _DISSIPATION),
-        "wall_forces": ("", "largest forces on floor, walls and gate; null without output.wall_forces"),
-        **_nested("wall_forces.WALL", _WALL_FORCES),
+        **_FORCES,
         "flow": ("", "rates of the column's material where it flows (I > 1e-3), in mass times time; law mu-i only"),
         **_nested("flow", FLOW_NAMES),
         "flow_by_material": ("", "the same of the other materials: base, layer-1, ...; null without any of law mu-i"),
@@ -267,6 +271,7 @@ NAMES: dict[str, Names] = {  # file or command -> its names
     },
     MEASURE: {
         **_MEASURE,
+        **_FORCES,
         **{name: _RUN[name] for name in ("status", "time", "energy_unit", "profile_scores")},
         **_DEPOSIT,
         **_FRONTS,

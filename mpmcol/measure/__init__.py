@@ -1,6 +1,7 @@
 """Runout, height and shape of a deposit, measured on its material points.
 
-The front has three definitions, all of which are always measured; their spread is the uncertainty of the front:
+The front has three definitions, all of which are always measured. Each locates it to about a cell at best, also where
+all three agree:
 
 * `front_max`: the farthest material point, including points in flight;
 * `front_connected`: the farthest point that is connected with the pile without a gap wider than one cell;

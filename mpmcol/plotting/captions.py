@@ -19,7 +19,7 @@ from mpmcol.io.snapshot import Meta
 from mpmcol.measure import ColumnShape
 from mpmcol.measure.shape import AZIMUTHS
 from mpmcol.plotting.figures import Heading
-from mpmcol.units import length_text
+from mpmcol.units import length_text, pressure_text
 
 LENGTHS = {"r_i": "r_i", "h_i": "h_i", "h": "spacing"}  # symbols
 NAMES = {  # of the laws
@@ -28,7 +28,9 @@ NAMES = {  # of the laws
     "drucker-prager": "Drucker-Prager",
     "mu-i": r"$\mu(I)$",
 }
+SYMBOLS = {r"\varphi": "φ", r"\degree": "°", r"\mu": "μ", "$": ""}  # outside of charts
 FRICTION = ("friction_deg", "friction_peak_deg", "friction_residual_deg")
+COHESION = ("cohesion", "cohesion_residual")
 MOST_KEYS = 2  # in the name of a run
 OUTLINE_KEY = "geometry.outline"  # too long for a name
 DERIVED = "stages.k0"  # by default from the friction angle, with which it differs
@@ -37,7 +39,7 @@ DERIVED = "stages.k0"  # by default from the friction angle, with which it diffe
 def heading_of(case: Case, shape: ColumnShape) -> Heading:
     """The title of the case with the aspect ratio as resolved, and model, size, grid and material below it."""
     title = run_title(case.title, shape.model, shape.rectangle_a)
-    return Heading(title, ", ".join(_parameters(vars(shape), _material(case))))
+    return Heading(title, ", ".join(_parameters(vars(shape), _tables(case))))
 
 
 def heading_of_snapshot(meta: Meta) -> Heading:
@@ -45,7 +47,7 @@ def heading_of_snapshot(meta: Meta) -> Heading:
     case = tables_of_snapshot(meta)
     a = None if meta.get("section") == OUTLINE else float(meta["h_i"]) / float(meta["r_i"])
     title = run_title(str(meta["title"]), str(meta["model"]), a)
-    return Heading(title, ", ".join(_parameters(meta, case.get("material", {}))))
+    return Heading(title, ", ".join(_parameters(meta, case)))
 
 
 def tables_of_snapshot(meta: Meta) -> dict[str, Any]:
@@ -62,7 +64,7 @@ def geometry_of_snapshot(meta: Meta) -> GeometryTable:
 
 def common_heading(title: str, runs: Sequence[tuple[Case, ColumnShape]]) -> Heading:
     """A title without an aspect ratio, and the parameters that all runs have in common."""
-    parameters = [_parameters(vars(shape), _material(case)) for case, shape in runs]
+    parameters = [_parameters(vars(shape), _tables(case)) for case, shape in runs]
     return Heading(
         title_without_aspect(title), ", ".join(p for p in parameters[0] if all(p in own for own in parameters))
     )
@@ -73,27 +75,41 @@ def noted(heading: Heading, experiment: Experiment) -> Heading:
     return heading if experiment.laws else heading._replace(note=experiment.title)
 
 
-def _parameters(shape: Mapping[str, Any], material: Mapping[str, Any]) -> list[str]:
-    """Texts for the model, the slope, the column, the grid and the material."""
+def _parameters(shape: Mapping[str, Any], case: Mapping[str, Any]) -> list[str]:
+    """Texts for the model, the slope, the column, the grid, the material and the floor; case: its tables."""
     dimension = 3 if shape["model"] in AZIMUTHS else 2
     per_cell = round((float(shape["spacing"]) / float(shape["point_size"])) ** dimension)
     lengths = [f"${name}$ = {length_text(float(shape[key]))}" for name, key in LENGTHS.items()]
     slope = float(shape.get("slope_deg", 0.0))
     inclined = [rf"base inclined by {slope:g}$\degree${' along x' if dimension == 3 else ''}"] if slope else []
-    return [MODELS[shape["model"]], *inclined, *lengths, f"{per_cell} points per cell", *_material_text(material)]
+    return [MODELS[shape["model"]], *inclined, *lengths, f"{per_cell} points per cell", *_material_text(case)]
 
 
-def _material(case: Case) -> dict[str, Any]:
-    return case.material.model_dump()
+def material_text(case: Case) -> str:
+    """Law, friction angle and cohesion of the column and friction of the floor, without mathematical markup."""
+    text = ", ".join(_material_text(_tables(case)))
+    for symbol, letter in SYMBOLS.items():
+        text = text.replace(symbol, letter)
+    return text
 
 
-def _material_text(material: Mapping[str, Any]) -> list[str]:
-    """Constitutive law and friction angle; of a softening law from peak to residual."""
+def _tables(case: Case) -> dict[str, Any]:
+    return {"material": case.material.model_dump(), "friction": case.friction.model_dump()}
+
+
+def _material_text(case: Mapping[str, Any]) -> list[str]:
+    """Law, friction angle and cohesion (of a softening law from peak to residual), and friction of the floor if set."""
+    material, floor = case.get("material", {}), case.get("friction", {}).get("floor")
     if "law" not in material:
         return []
     name = NAMES.get(law := str(material["law"]), law)
     angles = [f"{material[key]:g}" for key in FRICTION if material.get(key) is not None]
-    return [rf"{name}, $\varphi$ = {' to '.join(angles)}$\degree$" if angles else name]
+    cohesion = [material[key] for key in COHESION if material.get(key) is not None]
+    return [
+        rf"{name}, $\varphi$ = {' to '.join(angles)}$\degree$" if angles else name,
+        *([f"$c$ = {' to '.join(map(pressure_text, cohesion))}"] if any(cohesion) else []),
+        *([] if floor is None else [rf"floor $\mu$ = {floor:.3g}"]),
+    ]
 
 
 def run_names(runs: Sequence[Results]) -> list[str]:

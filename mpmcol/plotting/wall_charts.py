@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from itertools import cycle
 from math import radians, sin
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -16,21 +17,41 @@ from mpmcol.io.glossary import FORCE_UNITS
 from mpmcol.measure import Array, ColumnShape
 from mpmcol.measure.wall_forces import AXES, column
 from mpmcol.plotting.figures import LABEL_SIZE, Heading, add_heading, save_figure
-from mpmcol.plotting.styles import RUN_COLOURS, RUN_LINES
+from mpmcol.plotting.styles import POINT_MARKERS, RUN_COLOURS
 from mpmcol.units import length_scale
 
 TOP = "top"
-SIDES = {"low_x": "", "high_x": ", far side", "low_z": ", low z", "high_z": ", high z"}  # faces of a wall in the domain
+SIDES: dict[str, tuple[str, Any]] = {  # faces of a wall in the domain -> text, filled part of the markers
+    "low_x": ("", "full"),
+    "high_x": (", far side", "none"),
+    "low_z": (", low z", "left"),
+    "high_z": (", high z", "right"),
+}
+ONLY_SIDE = "", "full"
+MARKERS = 12  # along a line over time
+STATE_LINES = {"release": "-.", "end": "-"}
 LEAST_PRESSURE = 0.01  # of the largest: smaller ones are not counted to the height of the material
 HEADROOM = 1.3  # of the axes, over the largest pressure and the active lines
 
 
 class WallProfile(NamedTuple):
-    """Normal pressure on a vertical face of a wall, at release or at the end."""
+    """Normal pressure on a vertical face of a wall; state: "release" or "end"."""
 
-    label: str
+    wall: str
+    face: str
+    state: str
     y: Array  # height of the rows of nodes, m
     pressure: Array  # Pa
+
+    @property
+    def label(self) -> str:
+        """Wall, side and state."""
+        return f"{_text(self.wall)}{self.side[0]}, {self.state}"
+
+    @property
+    def side(self) -> tuple[str, Any]:
+        """Text for the face, and the filled part of the markers."""
+        return ONLY_SIDE if self.wall in (BACK_WALL, GATE_WALL) else SIDES[self.face]
 
     @property
     def height(self) -> float:
@@ -54,7 +75,8 @@ def wall_chart(
 
     history, pressures: columns of history.csv since the release, and of wall_pressure.csv. Profiles are drawn beside
     the active and passive pressures K_a and K_p = (1 -+ sin phi) / (1 +- sin phi) times rho g (h_w - y), with the
-    height h_w of the material that presses; without `friction_deg` they are omitted.
+    height h_w of the material that presses; without `friction_deg` they are omitted. A wall has one colour and
+    marker in both panels.
     """
     walls = dict.fromkeys(name.split(".")[1] for name in history if name.startswith("force."))
     walls.pop(FLOOR, None)
@@ -63,17 +85,21 @@ def wall_chart(
     figure = Figure(figsize=(10.0, 4.6), layout="constrained")
     left, right = figure.subplots(1, 2, width_ratios=[3, 2])
     tau = history["time"] / shape.fall_time(gravity)
-    for wall, colour, line in zip(walls, RUN_COLOURS, RUN_LINES, strict=False):
+    styles = {
+        wall: {"color": colour, "marker": marker, "markersize": 4.5}
+        for wall, colour, marker in zip(walls, cycle(RUN_COLOURS), cycle(POINT_MARKERS), strict=False)
+    }
+    for wall, style in styles.items():
         parts = [history[column(wall, axis)] for axis in AXES if column(wall, axis) in history]
-        left.plot(tau, np.linalg.norm(parts, axis=0), color=colour, linestyle=line, label=_text(wall))
+        left.plot(tau, np.linalg.norm(parts, axis=0), markevery=max(len(tau) // MARKERS, 1), label=_text(wall), **style)
     unit = FORCE_UNITS[shape.model]
     left.set(
         xlabel=r"time since release $t\,/\,\sqrt{h_i/g}$ (-)", ylabel=f"force on the wall ({unit})", ylim=(0.0, None)
     )
-    _draw_profiles(right, shape, list(wall_profiles(pressures)), friction_deg, gravity)
+    _draw_profiles(right, shape, list(wall_profiles(pressures)), styles, friction_deg, gravity)
     for axes in (left, right):
         axes.grid(color="0.9")
-        axes.legend(frameon=False, fontsize=LABEL_SIZE)
+        axes.legend(edgecolor="none", fontsize=LABEL_SIZE)
     add_heading(left, heading)
     return save_figure(figure, path, svg)
 
@@ -84,13 +110,10 @@ def wall_profiles(pressures: Mapping[str, Array]) -> Iterator[WallProfile]:
         return
     keys = list(zip(pressures["wall"], pressures["face"], pressures["state"], strict=True))
     for key in dict.fromkeys(keys):
-        wall, face, state = key
         rows = np.array([other == key for other in keys])
-        if face == TOP:
+        if key[1] == TOP:
             continue
-        side = "" if wall in (BACK_WALL, GATE_WALL) else SIDES[face]
-        label = f"{_text(wall)}{side}, {state}"
-        profile = WallProfile(label, pressures["position"][rows], pressures["pressure"][rows])
+        profile = WallProfile(*key, pressures["position"][rows], pressures["pressure"][rows])
         if profile.pressure.max() > 0.0:
             yield profile
 
@@ -100,12 +123,19 @@ def _text(wall: str) -> str:
 
 
 def _draw_profiles(
-    axes: Axes, shape: ColumnShape, profiles: list[WallProfile], friction_deg: float | None, gravity: float
+    axes: Axes,
+    shape: ColumnShape,
+    profiles: list[WallProfile],
+    styles: Mapping[str, Mapping[str, Any]],
+    friction_deg: float | None,
+    gravity: float,
 ) -> None:
     unit, factor = length_scale(shape.h_i)
     weight, largest = shape.density * gravity, 0.0
-    for profile, colour in zip(profiles, RUN_COLOURS, strict=False):
-        axes.plot(profile.pressure, factor * profile.y, marker=".", color=colour, label=profile.label)
+    for profile in profiles:
+        style, colour = styles[profile.wall], styles[profile.wall]["color"]
+        line, fill = STATE_LINES[profile.state], profile.side[1]
+        axes.plot(profile.pressure, factor * profile.y, linestyle=line, fillstyle=fill, label=profile.label, **style)
         largest = max(largest, float(profile.pressure.max()))
         if friction_deg is not None:
             active = (1.0 - sin(radians(friction_deg))) / (1.0 + sin(radians(friction_deg)))

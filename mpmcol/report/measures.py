@@ -10,7 +10,6 @@ from mpmcol.experiments import EXPERIMENTS, mark
 from mpmcol.io.results import Results
 from mpmcol.io.run_status import run_seconds
 from mpmcol.measure import Erosion
-from mpmcol.measure.dissipation import walls_and_transfer
 from mpmcol.report.model import Figure, Table
 from mpmcol.units import length_text
 
@@ -51,7 +50,7 @@ def measures(results: Results) -> list[Measure]:
     to_base = " to the base" if shape.slope_deg else ""
     return [
         *(_runout(name, summary, shape.r_i, shape.range_label) for name in FRONT_NAMES),
-        Measure("Spread of the three runouts", "", f"{summary['spread']:.3f}"),
+        Measure("Spread of zeta (between the definitions of the front)", "", f"{summary['spread']:.3f}"),
         _length(HEIGHT, summary["height"], f"beta = {summary['beta']:.3f}"),
         Measure(ANGLE, "" if angle is None else f"{angle:.1f}°{to_base}{_flanks(summary)}", "", angle),
         Measure("Undisturbed radius") if undisturbed is None else _length("Undisturbed radius", undisturbed, ""),
@@ -96,7 +95,7 @@ def energy_measures(results: Results) -> list[Measure]:
     foot = stress.get("weight_at_foot")
     return [
         *(Measure(f"Dissipated by {name.replace('_', ' ')}", _percent(shares.get(name))) for name in SHARES),
-        Measure("Walls and transfer together", _percent(walls_and_transfer(shares))),
+        Measure("Walls and transfer together", _percent(shares["walls"] + shares["transfer"] if shares else None)),
         Measure("Weight of the deposit at its foot", "" if foot is None else f"{1e-3 * foot:.3g} kPa"),
         Measure(
             "Pressure that 99 % of the points do not exceed, over this weight", _percent(stress.get("pressure_p99"))
@@ -127,7 +126,9 @@ def value_table(rows: Sequence[Measure], caption: str) -> Table:
 def comparison_table(names: Sequence[str], runs: Sequence[Sequence[Measure]], caption: str) -> Table:
     """The quantities of several runs, with their relative differences from the first."""
     by_name = [{one.name: one for one in run} for run in runs]
-    quantities = max(by_name, key=len)  # a run has others than the first if it has a bed
+    # a run may have quantities of its own: of a bed, of walls
+    longest_first = sorted(by_name, key=len, reverse=True)
+    quantities = dict.fromkeys(name for run in longest_first for name in run)
     rows = []
     for name in quantities:
         same = [run.get(name, Measure(name)) for run in by_name]

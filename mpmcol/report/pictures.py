@@ -14,6 +14,7 @@ from PIL import Image
 from mpmcol.errors import OutputError
 from mpmcol.integrity.readable import read_error
 from mpmcol.io.results import Results
+from mpmcol.io.snapshot import read_meta
 from mpmcol.plotting.comparison import chart_comparison
 from mpmcol.plotting.render import VIEWS
 from mpmcol.plotting.run_charts import chart_run
@@ -39,6 +40,17 @@ CHARTS = {  # file of `mpmcol plot` -> what it shows, caption
         "Forces on walls over time; pressures beside the active and passive ones of the material",
     ),
 }
+COMPARISON_CHARTS = {
+    "profile.png": ("Chart of the height of the last state of each run over the distance", "Last state of each run"),
+    "front.png": (
+        "Chart of the runout and the height of each run over time",
+        "Runout by front_height, and height, of each run over time",
+    ),
+    "energy.png": (
+        "Chart of three energies of each run over time, in per cent of the potential energy at release",
+        "Potential energy released, kinetic energy and plastic work, in per cent of the potential energy at release",
+    ),
+}
 MOST_FRAMES = 24
 OBLIQUE_FLATNESS = 0.55  # of the image of a 3D model
 
@@ -54,22 +66,31 @@ def comparison_pictures(runs: Sequence[Results]) -> list[Picture]:
     """The charts of several runs in common axes that `mpmcol plot` draws."""
     with tempfile.TemporaryDirectory() as folder:
         paths = chart_comparison(runs, out=Path(folder))
-        return [file_picture(path, *CHARTS[path.name]) for path in paths]
+        return [file_picture(path, *COMPARISON_CHARTS[path.name]) for path in paths]
 
 
 def animation(results: Results) -> Picture:
     """The collapse with the points coloured by their speed."""
-    paths = results.snapshots
-    chosen = np.unique(np.linspace(0, len(paths) - 1, min(len(paths), MOST_FRAMES)).round().astype(int))
-    images = _point_images(results, [paths[i] for i in chosen], "velocity").images()
-    middle = images[len(images) // 3]
+    paths, fastest = results.snapshots, _fastest(results)
+    chosen = np.linspace(0, len(paths) - 1, min(len(paths), MOST_FRAMES)).round().astype(int)
+    frames = sorted({*chosen.tolist(), fastest})
+    images = _point_images(results, [paths[i] for i in frames], "velocity").images()
+    still = images[frames.index(fastest)]
     return Picture(
         _data_uri(encode_animation(images), TYPES[".gif"]),
         "Animation of the collapse: material points, coloured by speed",
         "Collapse, material points coloured by speed",
-        middle.size,
-        _data_uri(encode_image(middle), TYPES[".png"]),
+        still.size,
+        _data_uri(encode_image(still), TYPES[".png"]),
     )
+
+
+def _fastest(results: Results) -> int:
+    """Index of the snapshot nearest to the time of the largest kinetic energy since the release."""
+    history = results.released_history
+    time = history["time"][history["kinetic"].argmax()]
+    moments = np.array([float(read_meta(path)["time"]) for path in results.snapshots])
+    return int(np.abs(moments - time).argmin())
 
 
 def deposit_picture(results: Results) -> Picture:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from mpmcol.case.title import MODELS, title_of
 from mpmcol.io.results import Results
-from mpmcol.plotting.captions import run_names
+from mpmcol.plotting.captions import material_text, run_names
 from mpmcol.report.measures import (
     comparison_table,
     cost_measures,
@@ -20,6 +20,7 @@ from mpmcol.report.measures import (
 from mpmcol.report.model import Page, Section
 from mpmcol.report.pictures import animation, chart_pictures, comparison_pictures, deposit_picture
 from mpmcol.report.provenance import case_differences, case_files, version_table
+from mpmcol.report.walls import compared_forces, force_tables
 from mpmcol.studies.judgement import judge
 from mpmcol.studies.statement_text import stored_lines
 from mpmcol.units import length_text
@@ -42,7 +43,7 @@ def run_page(results: Results) -> Page:
             Section("Judgement", lines=[line[:1].upper() + line[1:] for line in _judgement(results)]),
             *_warnings([results], [""]),
             Section("Collapse and deposit", pictures=[animation(results), deposit_picture(results)]),
-            Section("Measurements", tables=[deposit, *([laws] if laws.rows else [])]),
+            Section("Measurements", tables=[deposit, *force_tables(results), *([laws] if laws.rows else [])]),
             Section("Profiles", pictures=[profile], is_wide=True),
             Section("Front, height and energy in time", pictures=charts, is_wide=True),
             Section("Energy, stresses and cost", tables=others),
@@ -58,6 +59,7 @@ def comparison_page(runs: Sequence[Results]) -> Page:
     labelled = list(zip(names, runs, strict=True))
     parts = ((measures, MEASURES), (energy_measures, ENERGY), (cost_measures, COST))
     tables = [comparison_table(names, [make(one) for one in runs], caption) for make, caption in parts]
+    tables[1:1] = compared_forces(names, runs)
     return Page(
         title=f"{len(runs)} runs: {', '.join(names)}",
         kind="mpmcol: comparison of runs",
@@ -87,10 +89,10 @@ def _title(results: Results) -> str:
 
 def _facts(results: Results) -> list[str]:
     """The column, its material and its grid."""
-    shape, case = results.shape, results.case
+    shape = results.shape
     return [
         f"{MODELS[shape.model]}, {shape.proportions}, r_i = {length_text(shape.r_i)}, h_i = {length_text(shape.h_i)}"
-        f"{shape.slope_text}, {case.material.law}, h = {length_text(shape.spacing)}, "
+        f"{shape.slope_text}, {material_text(results.case)}, h = {length_text(shape.spacing)}, "
         f"{results.summary['points']:,} material points",
     ]
 

@@ -149,12 +149,17 @@ def combine(axes: Sequence[Axis], zipped: bool) -> list[Combination]:
 
 
 def notes(runs: Sequence[PlannedRun]) -> list[str]:
-    """Warnings about the runs with the number of runs that they apply to; of those of one kind, the first."""
-    kinds: dict[str, list[str]] = {}
-    for run in runs:
-        for warning in run.discretization.warnings:
-            kinds.setdefault(kind_of(warning), []).append(warning)
-    return [_counted(alike, len(runs)) for alike in kinds.values()]
+    """Warnings about planned runs, as `counted_warnings`."""
+    return counted_warnings([run.discretization.warnings for run in runs])
+
+
+def counted_warnings(by_run: Sequence[Sequence[str]]) -> list[str]:
+    """The warnings of several runs with the number of runs that they apply to; of those of one kind, the first."""
+    kinds: dict[str, dict[int, str]] = {}
+    for run, warnings in enumerate(by_run):
+        for warning in warnings:
+            kinds.setdefault(kind_of(warning), {}).setdefault(run, warning)
+    return [_counted(list(alike.values()), len(by_run)) for alike in kinds.values()]
 
 
 def _counted(alike: Sequence[str], count: int) -> str:

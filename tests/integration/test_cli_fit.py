@@ -88,10 +88,19 @@ def test_the_chart_of_the_profile_names_the_run_that_it_shows(fitted: Path, monk
     chart.profile_chart(fit, fitted / "profile.png")
     (axes,) = drawn[0].axes
     labels = [str(line.get_label()) for line in axes.lines]
+    captions = [text.get_text() for text in axes.texts]
     shares = [float(one.shares[0]) for one in fit.solution.evaluations]
     share = min(shares, key=lambda one: abs(one - float(fit.solution.shares[0])))
-    assert f"run nearest to the answer: friction_deg {unknowns[0].at(share):.4g}" in labels
-    assert axes.get_title().startswith(f"answer: friction_deg {fitted_values(fit)[0].value:.4g} +- ")
+    assert f"run nearest to the answer: friction_deg {unknowns[0].at(share):.4g} deg" in labels
+    (answer,) = (
+        text for text in captions if text.startswith(f"answer: friction_deg {fitted_values(fit)[0].value:.4g} ")
+    )
+    assert " +- " in answer and answer.endswith(" deg")
+    title = "Fit: Channel on a coarse grid, a = 1"
+    assert axes.get_title() == title
+    chart.response_chart(fit, fitted / "fit.png")
+    assert drawn[1].get_suptitle() == title
+    assert [panel.get_xlabel() for panel in drawn[1].axes][-1] == f"{FRICTION} (deg)"
 
 
 def test_the_help_states_the_assumed_error() -> None:

@@ -126,6 +126,7 @@ def test_runs_are_compared_with_the_first(comparison: Path) -> None:
     assert row.endswith("<td class=\"number\">33</td><td class=\"number\">30</td></tr>")  # fmt: skip
     assert re.search(rf"<li>.*: {re.escape(HOSTILE)}</li>", page)
     assert page.count('src="data:image/gif') == 2
+    assert "Runout by front_height, and height" in page and "each definition" not in page
 
 
 def test_equal_cases_have_no_differences(finished: Path, run: Path) -> None:
@@ -155,6 +156,8 @@ def test_a_sweep_with_its_runs_and_charts(sweep: Path) -> None:
     page = html.unescape((sweep / "report.html").read_text())
     assert "2 runs: 2 done" in page and "grid.spacing = 0.015 m" in page
     assert page.count('src="data:image/png') == 2
+    warnings = Results(next(sweep.glob("friction*/result.json")).parent).summary["warnings"]
+    assert warnings and all(page.count(warning) == 1 for warning in warnings)  # both runs have them
     assert len(re.findall(r'<th scope="row">friction\w*</th><td>done, still moving</td>', page)) == 2
 
 

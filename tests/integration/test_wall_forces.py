@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
 from math import cos, radians, sin, sqrt
 from pathlib import Path
@@ -13,6 +14,10 @@ import mpmcol
 from mpmcol.cli.run_summary import summary_table
 from mpmcol.io.results import Results
 from mpmcol.measure.wall_forces import peak_forces, wall_force_summary
+from mpmcol.report.measures import energy_measures
+from mpmcol.report.runs import comparison_page, run_page
+from mpmcol.report.walls import compared_forces, force_tables
+from tests.support.cli import invoke
 
 G, RHO, H_I, PHI = 9.81, 2650.0, 0.09, radians(33.0)
 K_ACTIVE = (1.0 - sin(PHI)) / (1.0 + sin(PHI))
@@ -67,6 +72,46 @@ def test_the_moment_on_the_floor_is_that_of_the_weight_and_of_the_back_wall(runs
     assert 0.06 < centre < 0.09  # it has moved
     text = summary_table(runs.forces)
     assert "force on floor: at most" in text and "force on back_wall: at most" in text
+
+
+def test_measure_gives_the_same_forces_as_the_run(runs: Runs) -> None:
+    lines = [line for line in summary_table(runs.forces).splitlines() if line.startswith("force on ")]
+    assert len(lines) == 2
+    assert [line for line in invoke("measure", runs.forces.folder).stdout.splitlines() if line in lines] == lines
+    record = json.loads(invoke("measure", runs.forces.folder, "--json").stdout)
+    assert record["wall_forces"] == runs.forces.summary["wall_forces"]
+    assert "force on" not in invoke("measure", runs.forces.folder, "--snapshot", "0").stdout  # of the whole collapse
+    assert "force on" not in invoke("measure", runs.plain.folder).stdout
+    assert json.loads(invoke("measure", runs.plain.folder, "--json").stdout)["wall_forces"] is None
+
+
+def test_a_report_has_a_table_of_forces(runs: Runs) -> None:
+    (table,) = force_tables(runs.forces)
+    rows = {row[0]: dict(zip(table.columns, row, strict=True)) for row in table.rows}
+    floor = runs.forces.summary["wall_forces"]["floor"]
+    assert list(rows) == ["floor", "back wall", "gate"]
+    for column, name in {"peak (N/m)": "peak", "end of the peak (s)": "time", "at release (N/m)": "at_release"}.items():
+        assert rows["floor"][column] == f"{floor[name]:.3g}"
+    assert rows["floor"][table.columns[-1]] == f"{floor['moment']:.3g}" and "(N m/m)" in table.columns[-1]
+    assert force_tables(runs.plain) == []
+    (section,) = [one for one in run_page(runs.forces).sections if one.title == "Measurements"]
+    assert table in section.tables
+
+
+def test_runs_are_compared_by_their_largest_forces(runs: Runs) -> None:
+    page = comparison_page([runs.plain, runs.forces])
+    (table,) = [one for section in page.sections for one in section.tables if one.caption.startswith("Forces on walls")]
+    assert table.caption.endswith("(not recorded: plain)")
+    rows = {row[0]: row[1:] for row in table.rows}
+    peak = runs.forces.summary["wall_forces"]["back_wall"]["peak"]
+    assert rows["Force on back wall, peak"] == ["none", f"{peak:.3g} N/m"]
+    assert len(rows) == 6 and not any("gate" in name for name in rows)  # nothing presses on a gate that is gone
+    assert compared_forces(["a", "b"], [runs.plain, runs.plain]) == []
+
+
+def test_shares_of_points_without_stress_have_one_precision(runs: Runs) -> None:
+    (share,) = [one.text for one in energy_measures(runs.forces) if one.name.endswith("without stress")]
+    assert f"stress-free inside: {share} of the points" in summary_table(runs.forces)
 
 
 def test_the_moment_on_the_floor_below_a_cylinder_is_at_two_thirds_of_its_radius(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ import math
 import pytest
 from pydantic import ValidationError
 
-from mpmcol.units import FACTORS, Table, option, quantity, to_unit
+from mpmcol.units import FACTORS, Table, option, pressure_text, quantity, to_unit
 
 
 class Sample(Table):
@@ -125,6 +125,12 @@ def test_unknown_keys_and_assignment_are_errors() -> None:
         Sample.model_validate({"length": 1, "lenght": 1})
     with pytest.raises(ValidationError, match="frozen"):
         Sample(length=1).length = 2.0
+
+
+def test_stresses_are_in_kpa_from_one_kpa_on() -> None:
+    assert [pressure_text(value) for value in (0.0, 50.0, 999.0, 1e3, 12345.6)] == [
+        "0 Pa", "50 Pa", "999 Pa", "1 kPa", "12.35 kPa",
+    ]  # fmt: skip
 
 
 def test_a_number_is_not_a_boolean() -> None:

@@ -9,9 +9,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from mpmcol.case import load_case
+from mpmcol.case.title import title_of
 from mpmcol.io.results import Results
 from mpmcol.measure import Measurement
-from mpmcol.plotting.figures import LABEL_SIZE, legend_below, save_figure
+from mpmcol.plotting.figures import Heading, add_heading, legend_below, save_figure
 from mpmcol.plotting.profiles import LengthAxes, set_up_axes
 from mpmcol.studies.fit import Fit
 from mpmcol.studies.fit.forward import Evaluation
@@ -38,8 +40,8 @@ def response_chart(fit: Fit, path: Path) -> list[Path]:
     for k, axes in enumerate(panels[-1]):
         _misfit(axes, fit, k)
         unknown = fit.unknowns[k]
-        named = not unknown.unit or unknown.key.endswith(f"_{unknown.unit}")
-        axes.set_xlabel(unknown.key if named else f"{unknown.key} ({unknown.unit})")
+        axes.set_xlabel(unknown.key + (f" ({unknown.unit})" if unknown.unit else ""))
+    figure.suptitle(_title(fit), parse_math=False)
     handles, labels = panels[0][0].get_legend_handles_labels()
     legend_below(figure, handles, labels, columns=3)
     return save_figure(figure, path, svg=False)
@@ -59,7 +61,7 @@ def profile_chart(fit: Fit, path: Path) -> list[Path]:
     for one, label, style in ((before, "middle of the ranges", "--"), (after, "run nearest to the answer", "-")):
         deposit: Measurement = one.deposits[0]
         values = ", ".join(
-            f"{unknown.name} {unknown.at(float(share)):.4g}"
+            f"{unknown.name} {unknown.at(float(share)):.4g} {unknown.unit}".rstrip()
             for unknown, share in zip(fit.unknowns, one.shares, strict=True)
         )
         target.axes.plot(
@@ -71,7 +73,7 @@ def profile_chart(fit: Fit, path: Path) -> list[Path]:
             factor * measured.x, factor * measured.values, factor * measured.errors, fmt="o", color="black", ms=4,
             capsize=2, label="measured",
         )  # fmt: skip
-    target.axes.set_title("answer: " + ", ".join(map(_answer, fitted_values(fit))), fontsize=LABEL_SIZE)
+    add_heading(target.axes, Heading(_title(fit), "answer: " + ", ".join(map(_answer, fitted_values(fit)))))
     legend_below(figure, *target.axes.get_legend_handles_labels(), columns=2)
     return save_figure(figure, path, svg=False)
 
@@ -128,10 +130,15 @@ def _draw_solution(axes: Axes, fit: Fit, k: int) -> None:
         axes.axvspan(low, high, color="C3", alpha=0.15, linewidth=0)
 
 
+def _title(fit: Fit) -> str:
+    return f"Fit: {title_of(load_case(fit.source, fit.overrides))}"
+
+
 def _answer(found: FittedValue) -> str:
-    """A fitted value in a few words."""
-    error = " (no standard error)" if found.error is None else f" +- {found.error:.2g}"
-    return f"{found.key.rpartition('.')[2]} {found.value:.4g}{error}"
+    """A fitted value with its unit, in a few words."""
+    error = "" if found.error is None else f" +- {found.error:.2g}"
+    value = f"{found.key.rpartition('.')[2]} {found.value:.4g}{error} {found.unit}".rstrip()
+    return value if error else f"{value} (no standard error)"
 
 
 def _middle(fit: Fit) -> Evaluation:

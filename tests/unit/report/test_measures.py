@@ -10,7 +10,7 @@ import pytest
 
 from mpmcol.cli.measure_text import text_of
 from mpmcol.measure import Erosion
-from mpmcol.report.measures import ANGLE, comparison_table, measures
+from mpmcol.report.measures import ANGLE, comparison_table, energy_measures, measures
 from tests.support.synthetic_run import SHAPE, deposit
 
 EROSION = Erosion(eroded_mass=3.2, eroded_depth=0.006, surface_drop=0.002, deposit_front=2.5 * SHAPE.r_i)
@@ -28,7 +28,7 @@ def printed(shape: Any = SHAPE, erosion: Erosion | None = None, **changed: Any) 
     measured: Any = SimpleNamespace(
         status="done", at_rest=True, time=1.0, is_deposit=True, shape=shape, stop_time=None, energy_released=None,
         friction_from_repose=None, measurement=replace(deposit(1.5), **changed), scores=[], profiles=[],
-        erosion=erosion, energy_unit="J per metre of width",
+        erosion=erosion, energy_unit="J per metre of width", wall_forces=None,
     )  # fmt: skip
     return text_of(measured)
 
@@ -60,6 +60,19 @@ def test_a_bed_adds_its_erosion_and_the_runout_over_its_old_surface() -> None:
     assert "its whole thickness" not in text and "nowhere lower" not in text
     (runout,) = [one for one in measures(results(EROSION)) if one.name.startswith("Runout over the old surface")]
     assert runout.normalised == "zeta = 1.500"
+
+
+def test_the_spread_is_no_uncertainty_of_the_front() -> None:
+    (found,) = [one.text for one in measures(results()) if "between the definitions of the front" in one.name]
+    (line,) = [line for line in printed().splitlines() if line.startswith("spread of zeta")]
+    assert line.split()[3] == found and line.endswith("(between the definitions of the front)")
+
+
+@pytest.mark.parametrize(("walls", "transfer"), [(0.002, 0.009), (-0.08, 0.1)])
+def test_walls_and_transfer_have_their_sum(walls: float, transfer: float) -> None:
+    run: Any = SimpleNamespace(summary={"dissipation": {"walls": walls, "transfer": transfer}})
+    found = {one.name: one.text for one in energy_measures(run)}
+    assert found["Walls and transfer together"] == f"{100.0 * (walls + transfer):.1f} %"
 
 
 def test_runs_with_and_without_a_bed_have_one_table() -> None:

@@ -18,7 +18,7 @@ from mpmcol.sweep.axes import parse_axes
 from mpmcol.sweep.compile_cache import kernel_variant
 from mpmcol.sweep.names import run_name, safe_name, short_names, sweep_name
 from mpmcol.sweep.plan import PLAN_FILE, PLAN_SCHEMA, read_plan
-from mpmcol.sweep.runs import PlannedRun, notes, plan_runs, write_case
+from mpmcol.sweep.runs import PlannedRun, counted_warnings, notes, plan_runs, write_case
 from mpmcol.sweep.scheduling import Allocation, allocate
 from mpmcol.sweep.series import choose_axis, group_rows
 
@@ -292,3 +292,14 @@ def test_a_damaged_plan_is_refused_in_words(change: dict[str, Any], tmp_path: Pa
     (tmp_path / PLAN_FILE).write_text(json.dumps(content))
     with pytest.raises(OutputError, match="cannot be read"):
         read_plan(tmp_path)
+
+
+def test_each_kind_of_warning_has_the_number_of_its_runs() -> None:
+    """Also of a kind that a run has twice, as of two layers."""
+    by_run = [["5 cells only", "layer 1 is thin", "layer 2 is thin"], ["5 cells only"], [], ["5 cells only", "soft"]]
+    assert counted_warnings(by_run) == [
+        "5 cells only (3 of 4 runs)",
+        "layer 1 is thin (1 of 4 runs)",
+        "soft (1 of 4 runs)",
+    ]
+    assert counted_warnings([["2 cells"], ["3 cells"]]) == ["2 cells (2 of 2 runs, with the numbers of the first)"]

@@ -1,0 +1,39 @@
+"""The chart of forces on walls: one colour and marker per wall, the line of a profile shows the time."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mpmcol.plotting import wall_charts
+from mpmcol.plotting.figures import Heading
+from tests.support.figures import recorded_figures
+from tests.support.synthetic_run import SHAPE
+
+TIME = np.linspace(0.0, 0.3, 31)
+FACES = (  # wall, face, state
+    ("back_wall", "high_x", "release"), ("gate", "low_x", "release"), ("back_wall", "high_x", "end"),
+    ("dam", "low_x", "end"), ("dam", "high_x", "end"),
+)  # fmt: skip
+
+
+def test_a_wall_has_one_colour_in_both_panels(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    figures = recorded_figures(monkeypatch, wall_charts, saved=True)
+    history = {"time": TIME, **{f"force.{wall}.x": 1.0 + TIME for wall in ("floor", "back_wall", "gate", "dam")}}
+    keys = [key for key in FACES for _ in range(2)]
+    pressures = {name: np.array([key[i] for key in keys]) for i, name in enumerate(("wall", "face", "state"))}
+    pressures |= {"position": np.tile([0.0, 0.03], len(FACES)), "pressure": np.tile([300.0, 100.0], len(FACES))}
+    wall_charts.wall_chart(
+        tmp_path / "walls.png", SHAPE, history, pressures, friction_deg=33.0, heading=Heading("walls")
+    )
+    forces, profiles = ([line for line in axes.lines if len(line.get_xdata())] for axes in figures[0].axes)
+    looks = {line.get_label(): (line.get_color(), line.get_marker()) for line in forces}
+    assert list(looks) == ["back wall", "gate", "dam"] and len({colour for colour, _ in looks.values()}) == 3
+    named = {str(line.get_label()): line for line in profiles if ", " in str(line.get_label())}
+    assert list(named) == ["back wall, release", "gate, release", "back wall, end", "dam, end", "dam, far side, end"]
+    for label, line in named.items():
+        assert (line.get_color(), line.get_marker()) == looks[label.partition(",")[0]]
+        assert line.get_linestyle() == ("-" if label.endswith("end") else "-.")
+    assert named["dam, end"].get_fillstyle() != named["dam, far side, end"].get_fillstyle()
