@@ -103,8 +103,8 @@ def _quality(summary: dict[str, Any]) -> Iterator[str]:
         yield energy_line(shares, summary.get("energy_unit", "J"))
     if stress := summary.get("stress"):
         yield (
-            f"pressure over the weight at the foot: 99 % below {stress['pressure_p99']:.2f}, at most "
-            f"{stress['pressure_max']:.2f}; stress-free inside: {100.0 * stress['stress_free']:.1f} % of the points"
+            f"pressures, relative to the weight of the deposit at its foot: 99 % below {stress['pressure_p99']:.2f}, "
+            f"at most {stress['pressure_max']:.2f}; stress-free inside: {100.0 * stress['stress_free']:.1f} % of the points"
         )
 
 
