@@ -104,7 +104,7 @@ def _quality(summary: dict[str, Any]) -> Iterator[str]:
     if stress := summary.get("stress"):
         yield (
             f"pressures, relative to the weight of the deposit at its foot: 99 % below {stress['pressure_p99']:.2f}, "
-            f"at most {stress['pressure_max']:.2f}; stress-free inside: {100.0 * stress['stress_free']:.1f} % of the points"
+            f"at most {stress['pressure_max']:.2f}; points inside without stress: {100.0 * stress['stress_free']:.1f} %"
         )
 
 
