@@ -29,6 +29,7 @@ from mpmcol.plotting.render.frame import (
     canvas_size,
     read_for_rendering,
 )
+from mpmcol.plotting.render.walls import walls_on_grid
 from mpmcol.plotting.styles import GATE_STYLE
 from mpmcol.units import length_scale
 
@@ -83,9 +84,9 @@ class SideView(View):
         self._add_ticks(axes)
 
     def _walls(self) -> Iterator[tuple[float, float, float]]:
-        """Faces and heights of the walls, as given in the case, m; those without an end reach that of the view."""
+        """Faces and heights of the walls, as they are in the grid, m; those without an end reach that of the view."""
         _, right, _, top = self.extent
-        for wall in self._case.get("walls", []):
+        for wall in walls_on_grid(self.meta):
             yield wall["from"], wall.get("to", right), wall.get("height", top)
 
     def _released_surface(self) -> np.ndarray:
@@ -144,8 +145,7 @@ def fit_view(paths: Iterable[Path], size: tuple[int, int], coloring: Coloring) -
         limit = max(limit, coloring.limit(snapshot, meta))
         boxes.append([float(meta["r_i"]), float(meta["h_i"]), 0.0])
     right, top, depth = np.max(boxes, axis=0).astype(float)
-    walls = tables_of_snapshot(meta).get("walls", [])
-    right = with_walls(right, [(wall["from"], wall.get("to", np.inf)) for wall in walls])
+    right = with_walls(right, [(wall["from"], wall.get("to", np.inf)) for wall in walls_on_grid(meta)])
     return SideView(_fit(right, top, depth, canvas_size(size)), coloring, limit, size, meta, depth)
 
 
