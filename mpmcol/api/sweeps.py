@@ -93,8 +93,8 @@ def sweep(
         fresh: run again what is finished.
         jobs, threads: concurrent runs and threads per run (default: chosen from cores, memory and sizes).
         observer: receives the events of the sweep.
-        notify: receives notes on rounded values, on runs that the study does not cover, and on runs that leave the table
-            (default: warnings).
+        notify: receives notes on rounded values, on runs that the study does not cover, and on those that leave the
+            table (default: warnings).
 
     Returns:
         The table with the status of each run; a run that failed does not stop the others.
