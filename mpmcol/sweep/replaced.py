@@ -17,8 +17,8 @@ def runs_that_leave(folder: Path, runs: Sequence[PlannedRun]) -> Iterator[str]:
     """A note if the table in a folder has runs that are not among those of the sweep that will replace it."""
     try:
         rows = read_table(folder / CSV_FILE, ("folder",))
-    except OutputError:
-        return  # no table, or none that can be read
+    except (OutputError, OSError):
+        return  # no table, or none that can be read; a path that cannot be used is refused elsewhere
     planned = {run.folder.name for run in runs}
     if others := [row["folder"] for row in rows if row["folder"] not in planned]:
         names = ", ".join(others[:MOST_NAMED]) + (", ..." if len(others) > MOST_NAMED else "")
