@@ -101,7 +101,7 @@ def result_problem(content: Any) -> str:
 
 
 class Moment(NamedTuple):
-    """A row of the history of a run; time: s since release, negative before it."""
+    """A row of the history of a run; time: s since release, or since the start of a run that was not released."""
 
     stage: str
     step: int
