@@ -141,12 +141,18 @@ def to_unit(text: str, unit: str) -> float:
         raise ValueError("not a number with a unit")
     number, written = float(match[1]), match[2] or unit
     if written not in FACTORS:
-        raise ValueError(f'unknown unit "{written[:20]}"')
+        raise ValueError(f'unknown unit "{written[:20]}"{_known(unit)}')
     (base, factor), (target, divisor) = FACTORS[written], FACTORS[unit]
     if base != target:
-        raise ValueError(f'"{written}" cannot be converted to {unit or "a number without unit"}')
+        raise ValueError(f'"{written}" cannot be converted to {unit or "a number without unit"}{_known(unit)}')
     # rounded to 15 digits, so that "2 mm" is exactly 0.002
     return number if written == unit else float(f"{number * factor / divisor:.15g}")
+
+
+def _known(unit: str) -> str:
+    """The units that can be converted to `unit`, as an addition to a message."""
+    names = [name for name, (base, _) in FACTORS.items() if name and base == FACTORS[unit][0]]
+    return f" (known: {', '.join(names)})"
 
 
 def tangent(text: str) -> float:

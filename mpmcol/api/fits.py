@@ -11,6 +11,7 @@ from typing import Any
 from mpmcol.api.arguments import NOTE, Notify, warn
 from mpmcol.api.sweeps import name_of, source_of
 from mpmcol.case import Case
+from mpmcol.case.overrides import split_setting
 from mpmcol.errors import UsageError
 from mpmcol.io.html import html_table
 from mpmcol.studies.fit import REPEATS, Fit, carry_out_fit
@@ -19,7 +20,8 @@ from mpmcol.studies.fit.quantities import Target, parse_targets, read_profile, t
 from mpmcol.studies.fit.report import lines, record, write_report
 from mpmcol.studies.fit.unknowns import Unknown, unknowns_of
 from mpmcol.studies.fit.values import FittedValue, fitted_values
-from mpmcol.sweep.names import safe_name
+from mpmcol.sweep.axes import Axis
+from mpmcol.sweep.names import safe_name, sweep_name
 from mpmcol.sweep.runner import SweepObserver
 
 FOLDER = Path("fits")
@@ -77,7 +79,7 @@ def fit(
         accuracy: relative error of runout and height, for which the answer gets a configuration of the shipped study
             and the search a coarser one (default: the grid of the case).
         repeats: runs for each set of values, at least 2.
-        out: folder of the fit (default: in "fits", named by case and keys).
+        out: folder of the fit (default: in "fits", named by case, fixed values and keys).
         fresh: run again what is finished.
         jobs, threads: concurrent runs and threads per run (default: chosen from cores, memory and sizes).
         observer: receives the events of the runs.
@@ -93,7 +95,7 @@ def fit(
         source = source_of(case, Path(temporary))
         targets = [*targets_of(to), *([] if profile is None else [read_profile(Path(profile))])]
         unknowns = unknowns_of(vary, source, overrides)
-        folder = Path(out) if out is not None else default_folder(name_of(case), unknowns)
+        folder = Path(out) if out is not None else default_folder(name_of(case), unknowns, overrides, accuracy)
         found = carry_out_fit(
             source, overrides, unknowns, targets, folder,
             accuracy=accuracy, repeats=repeats, jobs=jobs, threads=threads, fresh=fresh, observer=observer,
@@ -112,9 +114,12 @@ def parse_measured(text: str, profile: Path | None) -> list[Target]:
     return targets
 
 
-def default_folder(case: str, unknowns: Sequence[Unknown]) -> Path:
-    """Folder of a fit, named by the case and the keys that vary."""
-    return FOLDER / safe_name("-".join([Path(case).stem, *(unknown.name for unknown in unknowns)]))
+def default_folder(
+    case: str, unknowns: Sequence[Unknown], overrides: Sequence[str] = (), accuracy: float | None = None
+) -> Path:
+    """Folder of a fit, named by the case, fixed values, the accuracy, and the keys that vary."""
+    fixed = [Axis(key, (value,)) for key, value in map(split_setting, overrides)]
+    return FOLDER / safe_name("-".join([sweep_name(case, fixed, accuracy), *(unknown.name for unknown in unknowns)]))
 
 
 def _results(found: Fit) -> FitResults:

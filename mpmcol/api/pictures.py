@@ -43,7 +43,7 @@ def render(
     view: str | None = None,
     color: str = "displacement",
     snapshot: int = -1,
-    size: tuple[int, int] = (1280, 720),
+    size: tuple[int, int] | None = None,
     out: Path | str | None = None,
     notify: Notify = warn,
 ) -> list[Path]:
@@ -55,7 +55,7 @@ def render(
         view: "side", "3d" or "top", if the model of the run has it (default: "side" in 2D, "3d" in 3D).
         color: "displacement", "velocity", "pressure", "shear", or "inertial" with the law mu-i.
         snapshot: index of the snapshot; -1 is the last.
-        size: width and height, pixels.
+        size: width and height, pixels (default: 1280 wide; in the side view as high as needed, else 720).
         out: the PNG (default: in the results folder).
         notify: receives a message if pyvista cannot draw here and matplotlib did (default: a warning).
 

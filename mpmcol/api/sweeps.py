@@ -18,6 +18,7 @@ from mpmcol.io.results import Results
 from mpmcol.sweep.axes import ASPECT, Axis, parse_values
 from mpmcol.sweep.fits import Slope
 from mpmcol.sweep.names import UNSAFE, sweep_name
+from mpmcol.sweep.replaced import runs_that_leave
 from mpmcol.sweep.report import write_report
 from mpmcol.sweep.runner import SweepObserver, run_sweep
 from mpmcol.sweep.runs import PlannedRun, no_configuration, notes, plan_runs
@@ -92,7 +93,8 @@ def sweep(
         fresh: run again what is finished.
         jobs, threads: concurrent runs and threads per run (default: chosen from cores, memory and sizes).
         observer: receives the events of the sweep.
-        notify: receives notes on rounded values and on runs that the study does not cover (default: warnings).
+        notify: receives notes on rounded values, on runs that the study does not cover, and on those that leave the
+            table (default: warnings).
 
     Returns:
         The table with the status of each run; a run that failed does not stop the others.
@@ -113,6 +115,8 @@ def sweep(
         source = source_of(case, Path(temporary))
         folder = Path(out) if out is not None else Path("sweeps") / sweep_name(name_of(case), axes, accuracy)
         runs = planned_runs(source, axes, folder, zipped=zipped, accuracy=accuracy, notify=notify)
+    for note in runs_that_leave(folder, runs):
+        notify(f"note: {note}")
     outcomes = run_sweep(runs, folder, jobs=jobs, threads=threads, fresh=fresh, observer=observer)
     report = write_report(outcomes, folder)
     return SweepResults(folder, report.rows, report.slopes, report.files)

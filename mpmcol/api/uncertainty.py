@@ -20,6 +20,7 @@ from mpmcol.studies.uncertainty.plan import plan_study, study_name
 from mpmcol.studies.uncertainty.report import write_report
 from mpmcol.studies.uncertainty.statistics import QUANTILES
 from mpmcol.sweep.axes import Axis
+from mpmcol.sweep.replaced import runs_that_leave
 from mpmcol.sweep.report import write_report as write_sweep_report
 from mpmcol.sweep.runner import SweepObserver, run_sweep
 
@@ -95,7 +96,8 @@ def propagate(
         fresh: run again what is finished.
         jobs, threads: concurrent runs and threads per run (default: chosen from cores, memory and sizes).
         observer: receives the events of the sweep.
-        notify: receives notes on rounded values and on differences from the study (default: warnings).
+        notify: receives notes on rounded values, on differences from the study, and on runs that leave the table
+            (default: warnings).
 
     Returns:
         Statistics of the runs that are done; a run that failed does not stop the others.
@@ -119,7 +121,7 @@ def propagate(
             source_of(case, Path(temporary)), fixed, uncertain, folder,
             samples=samples, seed=seed, accuracy=accuracy, problems=problems,
         )  # fmt: skip
-    for line in plan.lines():
+    for line in [*plan.lines(), *(f"note: {note}" for note in runs_that_leave(folder, plan.runs))]:
         notify(line)
     outcomes = run_sweep(plan.runs, folder, jobs=jobs, threads=threads, fresh=fresh, observer=observer)
     sweep, analysis = write_sweep_report(outcomes, folder), analyse(plan, outcomes, passes)

@@ -22,6 +22,7 @@ from mpmcol.mpm.constitutive import LAWS
 
 _WITH_LAW = {table[-1] for table in MATERIALS}
 # errors that follow from others, or that are reported as violations with their locations
+LEAST_LENGTH, MOST_RATIO = 1.0, 10.0  # from which a length is likely to be in mm: m, and over one it is compared with
 _DERIVED_ERRORS = ("constraints", "derived")
 
 
@@ -179,7 +180,7 @@ def _bad_value(given: CaseInput, key: KeyPath, error: ErrorDetails, law: str) ->
     expected = fields.expected(field)
     if error["type"] in ("missing", "union_tag_not_found"):
         message = f"{_qualified(key, field)} is missing: expected {expected}"
-        return _problem(given, key, message, str(field.description), key)
+        return _problem(given, key, message, f"{field.description}{_replaced_array(given, key)}", key)
     value, last = value_at(given.tables, key), error["loc"][-1]
     item = f", item {last + 1}: {fields.shown(error['input'])}" if isinstance(last, int) else ""
     reason = error["msg"] if error["type"] in ("quantity", "value_error") else f"expected {expected}"
@@ -187,6 +188,21 @@ def _bad_value(given: CaseInput, key: KeyPath, error: ErrorDetails, law: str) ->
     stated = "" if key[-1].isdecimal() else f" = {value if is_float else fields.shown(value)}"
     message = f"{_qualified(key)}{stated}{item}: {reason}"
     return _problem(given, key, message, _value_hint(key, field, value), key)
+
+
+def _replaced_array(given: CaseInput, key: KeyPath) -> str:
+    """That an array of tables replaces the one of the extended case, if it does, and how to change an item of that."""
+    array, *inside = key
+    replaced = [link.name for link in given.chain if array in link.tables][1:]
+    if not (inside and fields.item_table(field_at((array,), "")) and replaced):
+        return ""
+    item = value_at(given.tables, key[:2])
+    name, value = next(iter(item.items()), (key[-1], "..."))
+    change = f"--set {array}.{inside[0]}.{name}={value if value == '...' else fields.shown(value)}"
+    return (
+        f"; [[{array}]] replaces all of {replaced[0]}: give every key, or change one of them by {change} without "
+        f"[[{array}]]"
+    )
 
 
 def _value_hint(key: KeyPath, field: FieldInfo, value: Any) -> str:
@@ -222,11 +238,25 @@ def _valid_values(
 def _violated(given: CaseInput, violation: ViolatedConstraint) -> Problem:
     keys: list[KeyPath] = [tuple(key.split(".")) for key in violation.constraint.keys]
     value = violation.values[0]
-    stated = f" {violation.message}" if value is None else f" = {fields.shown(value)}: {violation.message}"
+    expected = violation.message + _unit_hint(violation)
+    stated = f" {expected}" if value is None else f" = {fields.shown(value)}: {expected}"
     at = next((key for key in keys if given.has(key)), keys[0])
     present = [key for key, value in zip(keys, violation.values, strict=True) if value is not None]
     others = [_location(given, key) for key in present if key != at]
     return _problem(given, at, _qualified(keys[0]) + stated, "; ".join(others), keys[0])
+
+
+def _unit_hint(violation: ViolatedConstraint) -> str:
+    """That the larger of two lengths is likely to be in mm; "" if it is not much larger, or they are no lengths."""
+    lengths = {
+        value: key
+        for key, value in zip(violation.constraint.keys[:2], violation.values, strict=False)
+        if isinstance(value, float) and (number := fields.number_of(field_at(tuple(key.split(".")), "")))
+        if number.unit == "m"
+    }
+    if len(lengths) < 2 or max(lengths) < max(LEAST_LENGTH, MOST_RATIO * min(lengths)):
+        return ""
+    return f'; if {lengths[max(lengths)]} is in mm, write "{max(lengths):g} mm"'
 
 
 def _location(given: CaseInput, key: KeyPath) -> str:

@@ -112,7 +112,7 @@ GEOMETRY = (
     Constraint(("grid.spacing", "geometry.height"), less, SMALLER),
     Constraint(
         ("grid.spacing", "geometry.aspect", "geometry.radius"),
-        lambda h, a, r: a is None or r is None or h < a * r,
+        lambda h, a, r: a is None or r is None or h < a * r or h >= r,  # the latter is reported above
         "must be smaller than the column's height, with {1} and {2}",
     ),
     Constraint(
@@ -121,8 +121,8 @@ GEOMETRY = (
         "must be smaller than the largest x and y of {1}",
     ),
     Constraint(
-        ("geometry.base_thickness", "grid.spacing", "geometry.base"),
-        lambda thickness, h, base: base == "rigid" or thickness >= h,
+        ("geometry.base_thickness", "grid.spacing", "geometry.base", "geometry.radius"),
+        lambda thickness, h, base, r: base == "rigid" or thickness >= h or not less(h, r),  # the latter: as above
         "must be at least one cell high, {1}",
     ),
     Constraint(("geometry.domain_length", "geometry.radius"), lambda length, r: less(r, length), LARGER),

@@ -27,6 +27,7 @@ def check(case: str, aspect: str | None, overrides: tuple[str, ...], resolved: b
     from mpmcol.setup.memory import require_memory_for
     from mpmcol.setup.unfit_settings import require_stiff_column
     from mpmcol.sweep.runs import PlannedRun
+    from mpmcol.units import counted
 
     loaded = load_case(case, with_aspect(overrides, aspect))
     discretization = discretize(loaded)
@@ -38,9 +39,10 @@ def check(case: str, aspect: str | None, overrides: tuple[str, ...], resolved: b
     kind += f", outline of {len(column.outline)} points" if column.outline else ""
     slope = f"slope {column.slope_deg:g} deg, " if column.slope_deg else ""
     slope += "vertical sides, " if column.lean else ""
+    found = f", {counted(len(discretization.warnings), 'note')}" if discretization.warnings else ""
     title, aspect_text = title_of(loaded), f"a = {column.a:g}, "
     click.echo(
-        f"{case}: no problems. {title}: {kind}, {loaded.material.law}, r_i = {column.r_i:g} m, "
+        f"{case}: no problems{found}. {title}: {kind}, {loaded.material.law}, r_i = {column.r_i:g} m, "
         f"h_i = {column.h_i:g} m, {'' if aspect_text[:-2] in title else aspect_text}{slope}h = {discretization.h:g} m, "
         f"case_hash {case_hash(loaded)}",
         err=resolved,

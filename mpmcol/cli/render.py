@@ -15,8 +15,10 @@ LEAST_PIXELS, MOST_PIXELS = 200, 8000
 COLORS = ("displacement", "velocity", "pressure", "shear", "inertial")
 
 
-def parse_size(context: click.Context, parameter: click.Parameter, text: str) -> tuple[int, int]:
-    """WIDTHxHEIGHT in pixels."""
+def parse_size(context: click.Context, parameter: click.Parameter, text: str | None) -> tuple[int, int] | None:
+    """WIDTHxHEIGHT in pixels; None if it is not given."""
+    if text is None:
+        return None
     width, _, height = text.partition("x")
     sizes = [positive_integer(part) for part in (width, height)]
     if not all(LEAST_PIXELS <= pixels <= MOST_PIXELS for pixels in sizes):
@@ -34,8 +36,8 @@ def parse_size(context: click.Context, parameter: click.Parameter, text: str) ->
 @click.option("--snapshot", metavar="N", default=-1, show_default=True, help="Snapshot index (-1: last).")
 @click.option("--out", metavar="FILE", type=PATH, help="PNG file to write  [default: in DIR]")
 @click.option(
-    "--size", metavar="WIDTHxHEIGHT", default="1280x720", show_default=True, callback=parse_size,
-    help=f"Size in pixels, each {LEAST_PIXELS} to {MOST_PIXELS}.",
+    "--size", metavar="WIDTHxHEIGHT", callback=parse_size,
+    help=f"Size in pixels, each {LEAST_PIXELS} to {MOST_PIXELS}  [default: 1280 wide, as high as the flow requires]",
 )  # fmt: skip
 def render(
     folder: Path,
@@ -45,7 +47,7 @@ def render(
     color: str,
     snapshot: int,
     out: Path | None,
-    size: tuple[int, int],
+    size: tuple[int, int] | None,
 ) -> None:
     """Draw the material points of a run.
 

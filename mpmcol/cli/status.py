@@ -124,4 +124,12 @@ def _status_text(run: TrackedRun) -> str:
         return f"done      {duration_text(run.seconds)}"
     if run.status.name == "damaged":
         return f"damaged   result.json: {run.status.problem}"
-    return STATUS_TEXTS.get(run.status.name, run.status.name)
+    return STATUS_TEXTS.get(run.status.name, run.status.name) + _reached_text(run)
+
+
+def _reached_text(run: TrackedRun) -> str:
+    """The end of the history of a run that stopped; "" if it has none."""
+    if run.reached is None:
+        return ""
+    stage, step, time = run.reached
+    return f", after step {step:,} at t = {time:.3g} s ({stage})"

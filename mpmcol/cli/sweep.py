@@ -94,6 +94,8 @@ def sweep(
     Each run has its own results folder. Repeating the command completes missing runs. Ctrl-C and SIGTERM stop the runs
     with a checkpoint (exit code 75).
     """
+    from mpmcol.sweep.replaced import outdated_report, runs_that_leave
+
     _check_engine(engine, scheduler, jobs, to_json, report)
     if dry_run and engine != "local":
         raise click.UsageError(f"--dry-run estimates runs on this machine; remove --engine {engine}")
@@ -104,6 +106,7 @@ def sweep(
         runs, notes, end = plan.runs, uncertain.notes(plan), partial(uncertain.ending, plan)
     else:
         runs, folder, notes = _planned(case, aspect, overrides, slope, zipped=zipped, out=out, accuracy=accuracy)
+    notes += [f"note: {note}" for note in runs_that_leave(folder, runs)]
     if not quiet:
         click.echo("".join(f"{note}\n" for note in notes), err=True, nl=False)
     if dry_run:
@@ -118,6 +121,8 @@ def sweep(
         )  # fmt: skip
         if report:
             report_at_end(folder, overwrite=fresh, quiet=quiet)
+        elif not quiet:
+            click.echo("".join(f"note: {note}\n" for note in outdated_report(folder)), err=True, nl=False)
         click.get_current_context().exit(code)
 
 

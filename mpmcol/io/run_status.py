@@ -8,7 +8,7 @@ import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 from mpmcol.io.columns import without_unit
 from mpmcol.io.lock import is_locked
@@ -100,14 +100,28 @@ def result_problem(content: Any) -> str:
     return ""
 
 
-def time_reached(folder: Path) -> float | None:
-    """Time since release in the last row of a run's history, s; None before the release."""
+class Moment(NamedTuple):
+    """A row of the history of a run; time: s since release, or since the start of a run that was not released."""
+
+    stage: str
+    step: int
+    time: float
+
+
+def last_moment(folder: Path) -> Moment | None:
+    """The last row of a run's history; None if there is none."""
     try:
         rows = (folder / HISTORY_FILE).read_text("utf-8").splitlines()
-        names, last = [*map(without_unit, rows[0].split(","))], rows[-1].split(",")
-        return float(last[names.index("time")]) if last[names.index("stage")] != BEFORE_RELEASE else None
-    except (OSError, ValueError, IndexError):
+        last = dict(zip(map(without_unit, rows[0].split(",")), rows[-1].split(","), strict=True))
+        return Moment(last["stage"], int(last["step"]), float(last["time"]))
+    except (OSError, ValueError, IndexError, KeyError):
         return None
+
+
+def time_reached(folder: Path) -> float | None:
+    """Time since release in the last row of a run's history, s; None before the release."""
+    last = last_moment(folder)
+    return None if last is None or last.stage == BEFORE_RELEASE else last.time
 
 
 def resumed_at(folder: Path) -> float:

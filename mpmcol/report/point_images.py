@@ -24,7 +24,7 @@ from PIL import Image, ImageDraw, ImageFont
 from mpmcol.io.snapshot import Snapshot, read_snapshot
 from mpmcol.plotting.render import FIT_VIEW
 from mpmcol.plotting.render.coloring import COLORINGS
-from mpmcol.plotting.render.frame import COLORMAP, FOOT, HEAD, SIDE, View, as_image
+from mpmcol.plotting.render.frame import COLORMAP, View, as_image, page_around
 
 WIDTH = 800  # pixels
 LEFT, RIGHT, TOP, BOTTOM = 90, 24, 48, 160  # margins around the material, pixels
@@ -44,9 +44,8 @@ class PointImages:
     def __init__(self, paths: Sequence[Path], view: str, color: str, flatness: float) -> None:
         width = WIDTH - LEFT - RIGHT
         height = width * min(max(flatness, LOWEST), HIGHEST)
-        page = round(width / (1.0 - 1.3 * SIDE)), round(height / (1.0 - HEAD - FOOT))  # whose canvas has this size
         self._paths = paths
-        self._view: View = FIT_VIEW[view](paths, page, COLORINGS[color])
+        self._view: View = FIT_VIEW[view](paths, page_around((width, height)), COLORINGS[color], 0.0)
 
     def image(self, index: int) -> Image.Image:
         """One snapshot."""

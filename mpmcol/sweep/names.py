@@ -72,11 +72,18 @@ def run_name(source: str, case: Case, overrides: Sequence[str], accuracy: float 
 
 
 def sweep_name(source: str, axes: Sequence[Axis], accuracy: float | None = None) -> str:
-    """Name of the default folder of a sweep: its case, the keys that vary except the aspect ratio, and fixed values."""
-    others = [axis for axis in axes if axis.key != ASPECT]
-    names = short_names(axis.key for axis in others)
-    labels = [f"{names[axis.key]}{'' if len(axis.values) > 1 else f'-{axis.values[0]}'}" for axis in others]
+    """Name of the default folder of a sweep: its case, fixed values, and the keys that vary except the aspect ratio."""
+    shown = [axis for axis in axes if axis.key != ASPECT or len(axis.values) == 1]
+    names = short_names(axis.key for axis in shown)
+    labels = [f"{names[axis.key]}{_fixed_value(axis)}" for axis in shown]
     return safe_name("-".join([Path(source).stem, *labels, *_accuracy_label(accuracy)]))
+
+
+def _fixed_value(axis: Axis) -> str:
+    """The only value of an axis, as it is given; "" if it has several."""
+    if len(axis.values) > 1:
+        return ""
+    return f"{'' if axis.key == ASPECT else '-'}{axis.values[0]}"
 
 
 def member_name(source: str | Path, inputs: Mapping[str, Any], names: Mapping[str, str]) -> str:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from mpmcol.errors import OutputError
 from mpmcol.io.names import CASE_FILE, GIVEN_CASE_FILE
-from mpmcol.io.run_status import RunStatus, read_status, resumed_at, running_for, time_reached
+from mpmcol.io.run_status import Moment, RunStatus, last_moment, read_status, resumed_at, running_for, time_reached
 from mpmcol.sweep.plan import PLAN_FILE, Plan, PlanEntry, read_plan
 
 MOST_PROGRESS = 0.95  # of a run that has not ended, also if it takes longer than estimated
@@ -23,6 +23,7 @@ class TrackedRun:
     progress: float  # share of its work that is done, 0 to 1
     seconds: float  # wall-clock time of it; of a run that is executed since it was started or resumed
     resumed: float = 0.0  # share of its work that was done before these seconds
+    reached: Moment | None = None  # of a run that stopped before its end: the last row of its history
 
     @property
     def cost_left(self) -> float:
@@ -49,7 +50,7 @@ class ProgressTracker:
             self._ended[entry.folder] = TrackedRun(entry, status, 1.0, status.seconds)
             return self._ended[entry.folder]
         if status.name != "running":
-            return TrackedRun(entry, status, 0.0, 0.0)
+            return TrackedRun(entry, status, 0.0, 0.0, reached=last_moment(folder))
         resumed = _share(resumed_at(folder), entry)
         progress = max(_share(time_reached(folder) or 0.0, entry), resumed)
         return TrackedRun(entry, status, progress, running_for(folder), resumed)

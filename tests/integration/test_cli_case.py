@@ -33,6 +33,8 @@ def test_check_of_a_valid_case() -> None:
 def test_check_notes_values_rounded_to_the_grid() -> None:
     result = invoke("check", "coarse-channel", "--set", "grid.spacing=0.0031")
     assert result.exit_code == 0
+    count = result.stdout.count("\nnote: ")
+    assert count > 1 and result.stdout.startswith(f"coarse-channel: no problems, {count} notes. ")
     assert "h = 0.00310345 m" in result.stdout
     assert "note: grid.spacing became 0.00310345 m" in result.stdout
     resolved = invoke("check", "coarse-channel", "--set", "grid.spacing=0.0031", "--resolved")

@@ -73,6 +73,22 @@ def test_files_of_a_sweep_and_its_repetition() -> None:
     assert state.exit_code == 0 and "3 done" in state.stdout and "left" not in state.stdout
 
 
+def test_runs_that_leave_the_table_are_named() -> None:
+    def sweep(aspect: str, *options: str) -> str:
+        done = invoke("sweep", "--aspect", aspect, *TINY, "--out", "out", *options)
+        assert done.exit_code == 0, done.output
+        return done.stderr
+
+    assert "table" not in sweep("1,2", "--report")
+    left = next(row["folder"] for row in measured_table(Path("out")) if row["a"] == "2.0")
+    assert "table" not in sweep("1,2")
+    changed = sweep("1,1.5")
+    assert "note: 1 of the 2 runs in out/table.csv is not part of this sweep, which replaces" in changed
+    assert f"runs: {left}; use --out" in changed and Path("out", left, "result.json").exists()
+    assert "note: out/report.html is older than the table" in changed
+    assert "table" not in sweep("1,1.5", "--report") and "table" not in sweep("1,1.5")
+
+
 @pytest.mark.skipif(not Path("/proc").is_dir(), reason="finds the runs through /proc")
 def test_a_killed_sweep_completes_with_equal_results() -> None:
     arguments = ("sweep", "--aspect", "2,3", *TINY[:-1], "output.snapshots=40")

@@ -35,13 +35,14 @@ from mpmcol.sweep.axes import parse_axes
 from mpmcol.sweep.commands import write_commands
 from mpmcol.sweep.compile_cache import smallest_per_variant
 from mpmcol.sweep.engine import Outcome, execute_runs, exit_code, local_pool
-from mpmcol.sweep.plan import Plan, PlanEntry, read_plan
+from mpmcol.sweep.plan import Plan, PlanEntry, read_plan, write_plan
 from mpmcol.sweep.progress import ProgressTracker, count_by_status, find_plan, time_left, total_progress
 from mpmcol.sweep.runner import overview, run_sweep
 from mpmcol.sweep.runs import PlannedRun, plan_runs, write_case
 from mpmcol.sweep.scheduling import Allocation
 from mpmcol.sweep.task import Task, TaskResult, execute_task, execute_with, run_command
 from mpmcol.sweep.worker import COMPILE, CONTINUE, Worker
+from tests.support.cli import invoke
 from tests.support.processes import wait_until
 
 # A worker whose runs behave as its argument states, by the name of their folder.
@@ -481,6 +482,18 @@ def test_schemes_have_different_kernels(axis: str, sets: int, tmp_path: Path) ->
 def test_time_before_the_release_does_not_count(stage: str, time: float, share: float | None, tmp_path: Path) -> None:
     (tmp_path / "history.csv").write_text(f"stage,step,time\nequilibrate,1,0.1\n{stage},9,{time}\n")
     assert time_reached(tmp_path) == share
+
+
+def test_the_status_of_a_stopped_run_has_the_end_of_its_history(tmp_path: Path) -> None:
+    entries = tuple(PlanEntry(name, {}, 1.0, 1.0) for name in ("stopped", "killed", "empty"))
+    write_plan(tmp_path, Plan("", code_version(), 1, 1, entries))
+    write_run(tmp_path / "stopped", 0.25, '{"schema": 1, "status": "stopped"}')
+    write_run(tmp_path / "killed", 0.5)
+    write_run(tmp_path / "empty", None)
+    stopped, killed, empty = invoke("status", tmp_path).stdout.splitlines()[1:4]
+    assert stopped.endswith("by a signal or the wall-clock limit, after step 10 at t = 0.25 s (collapse)")
+    assert killed.endswith("the process was killed, after step 10 at t = 0.5 s (collapse)")
+    assert empty.endswith("the process was killed")
 
 
 def test_fresh_discards_finished_runs(tmp_path: Path, acts: Acts) -> None:

@@ -62,7 +62,7 @@ def test_a_unit_converts_to_itself_exactly(unit: str) -> None:
     ("text", "unit", "reason"),
     [
         ("2 deg", "m", '"deg" cannot be converted'),
-        ("2 furlong", "m", 'unknown unit "furlong"'),
+        ("2 furlong", "m", r'unknown unit "furlong" \(known: m, mm, cm\)'),
         ("2 m m", "m", "not a number"),
         ("two", "m", "not a number"),
         ("", "m", "not a number"),
@@ -106,7 +106,7 @@ def test_an_angle_stands_for_its_tangent_where_a_coefficient_is_expected() -> No
         assert Sample.model_validate({"length": 1, "friction": text}).friction == pytest.approx(value, rel=1e-13)
     expected = 'expected a number >= 0 and <= 10, or an angle such as "22 deg"'
     assert message(friction="89 deg") == message(friction=-1) == expected
-    assert message(friction="2 mm") == f'"mm" cannot be converted to rad; {expected}'
+    assert message(friction="2 mm") == f'"mm" cannot be converted to rad (known: deg, °, rad); {expected}'
 
 
 def test_infinity_is_accepted_only_where_allowed() -> None:

@@ -8,22 +8,25 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
 from PIL import Image
 
 from mpmcol.errors import OutputError, UsageError
 from mpmcol.io.atomic import atomic_write
-from mpmcol.io.results import Results, measure_snapshot
+from mpmcol.io.names import HISTORY_FILE
+from mpmcol.io.results import Results, measure_snapshot, read_history
 from mpmcol.io.run_snapshots import find_snapshot, run_snapshots
 from mpmcol.plotting.render import animation, cutaway, side
 from mpmcol.plotting.render.backends import draw_frames
 from mpmcol.plotting.render.coloring import COLORINGS, Coloring
-from mpmcol.plotting.render.frame import View, read_for_rendering
+from mpmcol.plotting.render.frame import PAGE, View, read_for_rendering
 from mpmcol.plotting.render.top import draw_top_view
 
-FitView = Callable[[Sequence[Path], tuple[int, int], Coloring], View]
+FitView = Callable[[Sequence[Path], tuple[int, int] | None, Coloring, float], View]
 
 FIT_VIEW: dict[str, FitView] = {"side": side.fit_view, "3d": cutaway.fit_view}
 # The default of each model comes first.
@@ -46,7 +49,7 @@ def render(
     view: str | None = None,
     color: str = "displacement",
     snapshot: int = -1,
-    size: tuple[int, int] = (1280, 720),
+    size: tuple[int, int] | None = None,
     out: Path | None = None,
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Rendered:
@@ -59,14 +62,14 @@ def render(
         color: quantity by which the points are coloured: "displacement", "velocity", "pressure", "shear", or
             "inertial" with the law mu-i.
         snapshot: index of the snapshot; negative indices count from the end.
-        size: width and height, pixels.
+        size: width and height, pixels (default: 1280 wide; in the side view as high as needed, else 720).
         out: the PNG (default: `snapshot-<number>.png`, or `topview.png`, in the results folder). The animation takes
             the same name with the suffix .gif or .mp4 (default: `collapse.gif`, `collapse.mp4`).
         progress: receives the number of finished images and their total number.
 
     Raises:
-        UsageError: the model has no such view, the view no colours, the run no such snapshot, or `out` is not a PNG,
-            or an MP4 is wanted without ffmpeg.
+        UsageError: the model has no such view, the view no colours, the law no such quantity, the run no such snapshot,
+            or `out` is not a PNG, or an MP4 is wanted without ffmpeg.
         OutputError: a file cannot be read or written.
     """
     chosen = find_snapshot(results_folder, snapshot)
@@ -75,13 +78,18 @@ def render(
     if view == "top":
         if color != "displacement":
             raise UsageError("the top view shows which points have moved; omit --color or choose another view")
-        atomic_write(target, _encode(_top_view_of(results_folder, chosen, size)))
+        atomic_write(target, _encode(_top_view_of(results_folder, chosen, size or PAGE)))
         return Rendered([target], "matplotlib", "")
     encoders = {".gif": animation.gif} if gif else {}
     if mp4:
         animation.require_mp4()
         encoders[".mp4"] = animation.mp4
-    frames = _frames(chosen, run_snapshots(results_folder) if encoders else [], FIT_VIEW[view], size, COLORINGS[color])
+    reach, fit_view = _largest_front(results_folder), FIT_VIEW[view]
+    frames = _frames(
+        chosen,
+        run_snapshots(results_folder) if encoders else [],
+        lambda paths: fit_view(paths, size, COLORINGS[color], reach),
+    )
     images, note = draw_frames(frames, lambda done: progress(done, len(frames)))
     atomic_write(target, _encode(images[0]))
     written = [target]
@@ -91,15 +99,20 @@ def render(
     return Rendered(written, "matplotlib" if note else "pyvista", note)
 
 
-def _frames(
-    chosen: Path, paths: Sequence[Path], fit_view: FitView, size: tuple[int, int], coloring: Coloring
-) -> list[tuple[Path, View]]:
-    """The chosen snapshot in a view that fits it, then those of the animation in a view that fits all."""
-    frames = [(chosen, fit_view([chosen], size, coloring))]
+def _frames(chosen: Path, paths: Sequence[Path], fit_view: Callable[[Sequence[Path]], View]) -> list[tuple[Path, View]]:
+    """The chosen snapshot with a scale of colours of its own, then those of the animation in a view that fits all."""
+    frames = [(chosen, fit_view([chosen]))]
     if paths:
-        common = fit_view(paths, size, coloring)
+        common = fit_view(paths)
         frames += [(path, common) for path in paths]
     return frames
+
+
+def _largest_front(folder: Path) -> float:
+    """The largest front_max of the run, m, so that images of all its snapshots have the same range; 0 if unknown."""
+    with suppress(OutputError, ValueError):
+        return float(np.nanmax(read_history(folder / HISTORY_FILE)["front_max"]))
+    return 0.0
 
 
 def _choose_view(requested: str | None, animated: bool, path: Path) -> str:

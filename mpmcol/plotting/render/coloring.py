@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mpmcol.errors import OutputError
+from mpmcol.errors import MpmcolError, OutputError, UsageError
 from mpmcol.io.snapshot import Meta, Snapshot
+from mpmcol.mpm.constitutive import LAWS
 from mpmcol.units import FACTORS
 
 
@@ -42,13 +43,20 @@ class Coloring:
 def _stored(name: str) -> Callable[[Snapshot], np.ndarray]:
     def values(snapshot: Snapshot) -> np.ndarray:
         if name not in snapshot.arrays:
-            raise OutputError(
-                f"the snapshot has no array {name}: an earlier version of mpmcol wrote it, or its law does not give "
-                "it; choose another --color, or run the case again with --fresh"
-            )
+            raise _missing(name)
         return snapshot.arrays[name]
 
     return values
+
+
+def _missing(name: str) -> MpmcolError:
+    """What to report on a snapshot without an array, which every law has or only some."""
+    if laws := [law for law, module in LAWS.items() if name in module.DERIVED]:
+        return UsageError(f"only runs with law {' or '.join(laws)} have the {name}; choose another --color")
+    return OutputError(
+        f"the snapshot has no array {name}: an earlier version of mpmcol wrote it; choose another --color, or run the "
+        "case again with --fresh"
+    )
 
 
 def _speed(snapshot: Snapshot) -> np.ndarray:

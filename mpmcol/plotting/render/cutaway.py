@@ -21,6 +21,7 @@ from mpmcol.io.snapshot import Snapshot
 from mpmcol.plotting.render.coloring import Coloring
 from mpmcol.plotting.render.frame import (
     BASE_COLOR,
+    PAGE,
     RELEASED,
     SMALL_SIZE,
     View,
@@ -90,9 +91,16 @@ class CutawayView(View):
             _draw_axis(axes, name, direction, self.base_radius, self.base)
 
 
-def fit_view(paths: Sequence[Path], size: tuple[int, int], coloring: Coloring) -> CutawayView:
-    """The view that contains the column at release and in all snapshots, on a circular part of the base."""
-    limit = radius = depth = 0.0
+def fit_view(
+    paths: Sequence[Path], size: tuple[int, int] | None, coloring: Coloring, reach: float = 0.0
+) -> CutawayView:
+    """The view that contains the column at release and in all snapshots, on a circular part of the base.
+
+    size: of the page, pixels; None for that of PAGE. reach: distance (m) from the axis that is shown at least.
+    """
+    size = size or PAGE
+    limit = depth = 0.0
+    radius = BASE_MARGIN * reach
     corners = []
     for path in paths:
         snapshot, meta = read_for_rendering(path)

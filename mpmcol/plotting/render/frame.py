@@ -28,21 +28,45 @@ COLORMAP = "viridis"
 BASE_COLOR = "#b5b5b5"
 EDGE: dict[str, Any] = {"color": "0.15", "linewidth": 1.2}
 RELEASED: dict[str, Any] = {"color": "0.35", "linewidth": 1, "linestyle": (0, (5, 4))}
-HEAD, FOOT, SIDE = 0.12, 0.22, 0.08  # shares of the page for heading, scales below and the axis on the left
+PAGE = (1280, 720)  # pixels, the default; texts are larger and smaller in proportion to it
+DPI = 100  # of a page of this size
+HEAD, FOOT = 0.864, 1.584  # inches of the page for heading and for scales below
+SIDE = 0.08  # share of its width for the axis on the left
+LOWEST, HIGHEST = 600, 1280  # height of a page of the default width, pixels
+BAR = (0.65, 0.16)  # inches: lower edge and thickness of the colour bar
 TITLE_SIZE, TEXT_SIZE, SMALL_SIZE = 16, 14, 12  # points
 
 Extent = tuple[float, float, float, float]  # left, right, bottom, top, m
 
 
+def dots_per_inch(size: tuple[int, int]) -> float:
+    """Resolution of a page of `size` pixels, with which its texts fit into both directions."""
+    return DPI * min(size[0] / PAGE[0], size[1] / PAGE[1])
+
+
 def canvas_box(size: tuple[int, int]) -> tuple[int, int, int, int]:
     """Left and upper edge, width and height of the part of a page that shows the material, pixels."""
-    left, top = int(SIDE * size[0]), int(HEAD * size[1])
-    return left, top, size[0] - left - int(0.3 * SIDE * size[0]), size[1] - top - int(FOOT * size[1])
+    dpi = dots_per_inch(size)
+    left, top = int(SIDE * size[0]), int(HEAD * dpi)
+    return left, top, size[0] - left - int(0.3 * SIDE * size[0]), size[1] - top - int(FOOT * dpi)
 
 
 def canvas_size(size: tuple[int, int]) -> tuple[int, int]:
     """Width and height of the part of a page that shows the material, pixels."""
     return canvas_box(size)[2:]
+
+
+def page_around(canvas: tuple[float, float]) -> tuple[int, int]:
+    """Width and height of the page whose canvas has this width and height, pixels; inverse of `canvas_size`."""
+    width, height = canvas[0] / (1.0 - 1.3 * SIDE), canvas[1]
+    around = DPI * (HEAD + FOOT)  # heading and scales, of a page that is as wide or as high as the default one
+    return round(width), round(min(height + around * width / PAGE[0], height / (1.0 - around / PAGE[1])))
+
+
+def fitting_page(flatness: float) -> tuple[int, int]:
+    """Width and height of a page of the default width for material of this height over its width, pixels."""
+    width = canvas_size(PAGE)[0]
+    return PAGE[0], min(max(page_around((width, flatness * width))[1], LOWEST), HIGHEST)
 
 
 @dataclass(frozen=True)
@@ -170,9 +194,9 @@ def fit(extent: Extent, canvas: tuple[int, int]) -> Extent:
 
 
 def new_figure(size: tuple[int, int]) -> Figure:
-    """An empty figure of `size` pixels, always 7.2 inches high, so that text and lines scale with the image."""
-    width, height = size
-    return Figure(figsize=(7.2 * width / height, 7.2), dpi=height / 7.2)
+    """An empty figure of `size` pixels, whose text and lines scale with the image."""
+    dpi = dots_per_inch(size)
+    return Figure(figsize=(size[0] / dpi, size[1] / dpi), dpi=dpi)
 
 
 def as_image(figure: Figure, size: tuple[int, int], mode: str = "RGB") -> Image.Image:
@@ -184,24 +208,25 @@ def as_image(figure: Figure, size: tuple[int, int], mode: str = "RGB") -> Image.
 
 def add_title(figure: Figure, meta: Meta, note: str) -> None:
     """Add the title at the upper left, and the parameters of the run below it."""
-    heading = heading_of_snapshot(meta)
-    figure.text(0.03, 1 - 0.35 * HEAD, f"{heading.title}{note}", size=TITLE_SIZE, va="center", parse_math=False)
-    figure.text(0.03, 1 - 0.75 * HEAD, heading.caption, size=SMALL_SIZE, va="center", color="0.3")
+    heading, head = heading_of_snapshot(meta), HEAD / figure.get_figheight()
+    figure.text(0.03, 1 - 0.35 * head, f"{heading.title}{note}", size=TITLE_SIZE, va="center", parse_math=False)
+    figure.text(0.03, 1 - 0.75 * head, heading.caption, size=SMALL_SIZE, va="center", color="0.3")
 
 
 def add_time(page: Image.Image, snapshot: Snapshot) -> None:
     """Write the time at the upper right, and the stage, unless it is the collapse."""
-    width, height = page.size
+    dpi = dots_per_inch(page.size)
     stage = "" if snapshot.stage == "collapse" else f"{snapshot.stage}, "
-    font = ImageFont.truetype(findfont("DejaVu Sans"), TITLE_SIZE / 72 * height / 7.2)
-    place = (0.97 * width, 0.35 * HEAD * height)
+    font = ImageFont.truetype(findfont("DejaVu Sans"), TITLE_SIZE / 72 * dpi)
+    place = (0.97 * page.size[0], 0.35 * HEAD * dpi)
     ImageDraw.Draw(page).text(place, f"{stage}t = {snapshot.time:.3f} s", fill="black", font=font, anchor="rm")
 
 
 def _add_color_bar(figure: Figure, view: View) -> None:
     label, factor = view.coloring.scale(view.limit)
     scale = ScalarMappable(Normalize(0, factor * view.limit), colormaps[COLORMAP])
-    axes = figure.add_axes((0.28, 0.09, 0.5, 0.022))
+    low, thickness = (inches / figure.get_figheight() for inches in BAR)
+    axes = figure.add_axes((0.28, low, 0.5, thickness))
     extend = "max" if view.coloring.percentile < 100.0 else "neither"  # larger values have the last colour
     bar = figure.colorbar(scale, cax=axes, orientation="horizontal", ticks=MaxNLocator(6), extend=extend)
     bar.ax.tick_params(labelsize=SMALL_SIZE)

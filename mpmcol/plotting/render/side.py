@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -27,14 +27,18 @@ from mpmcol.plotting.render.frame import (
     Extent,
     View,
     canvas_size,
+    fitting_page,
     read_for_rendering,
 )
+from mpmcol.plotting.render.walls import walls_on_grid
 from mpmcol.plotting.styles import GATE_STYLE
 from mpmcol.units import length_scale
 
 MARGIN = 0.02  # of width and height, left of the wall, below the base, and beyond the front
 PALE = 0.55  # share of white in the colours of a granular bed
 ABOVE = 0.08  # of the height, above the column
+LONGEST = 1.5  # distance to the end of a wall that is shown as a whole, over the reach of the flow
+_RIGHT, _UP = 1.0 - 2.0 * MARGIN, 1.0 - MARGIN - ABOVE  # shares of width and height for the material
 
 
 @dataclass(frozen=True)
@@ -83,9 +87,9 @@ class SideView(View):
         self._add_ticks(axes)
 
     def _walls(self) -> Iterator[tuple[float, float, float]]:
-        """Faces and heights of the walls, as given in the case, m; those without an end reach that of the view."""
+        """Faces and heights of the walls, as they are in the grid, m; those without an end reach that of the view."""
         _, right, _, top = self.extent
-        for wall in self._case.get("walls", []):
+        for wall in walls_on_grid(self.meta):
             yield wall["from"], wall.get("to", right), wall.get("height", top)
 
     def _released_surface(self) -> np.ndarray:
@@ -133,8 +137,12 @@ class SideView(View):
         return self.meta.get("release") == "two-sided"
 
 
-def fit_view(paths: Iterable[Path], size: tuple[int, int], coloring: Coloring) -> SideView:
-    """The view that contains the column at release and in all snapshots, and the full depth of the base."""
+def fit_view(paths: Iterable[Path], size: tuple[int, int] | None, coloring: Coloring, reach: float = 0.0) -> SideView:
+    """The view that contains the column at release and in all snapshots, and the full depth of the base.
+
+    size: of the page, pixels; None for one whose height suits the material. reach: distance (m) from the wall or axis
+    that is shown at least.
+    """
     boxes, limit = [], 0.0
     for path in paths:
         snapshot, meta = read_for_rendering(path)
@@ -142,15 +150,21 @@ def fit_view(paths: Iterable[Path], size: tuple[int, int], coloring: Coloring) -
         base = -snapshot.x[~snapshot.column, 1].min(initial=0.0) + 0.5 * float(meta["point_size"])
         boxes.append([*column.max(axis=0), 0.0 if snapshot.column.all() else base])
         limit = max(limit, coloring.limit(snapshot, meta))
-        boxes.append([float(meta["r_i"]), float(meta["h_i"]), 0.0])
+        boxes.append([max(float(meta["r_i"]), reach), float(meta["h_i"]), 0.0])
     right, top, depth = np.max(boxes, axis=0).astype(float)
-    walls = tables_of_snapshot(meta).get("walls", [])
-    right = with_walls(right, [(wall["from"], wall.get("to", np.inf)) for wall in walls])
+    right = _with_walls(right, [(wall["from"], wall.get("to", np.inf)) for wall in walls_on_grid(meta)])
+    size = size or fitting_page((top + depth) / right * _RIGHT / _UP)
     return SideView(_fit(right, top, depth, canvas_size(size)), coloring, limit, size, meta, depth)
+
+
+def _with_walls(reach: float, walls: Sequence[tuple[float, float]]) -> float:
+    """Distance (m) up to which walls are shown: all of those that the flow reaches, if they are not too long."""
+    shown = with_walls(reach, walls)
+    return max([shown] + [high for low, high in walls if low < shown and high <= LONGEST * reach])
 
 
 def _fit(right: float, top: float, depth: float, canvas: tuple[int, int]) -> Extent:
     """Extent with equal scales that begins left of the wall and below the base, and contains the material."""
-    scale = max(right / (1.0 - 2.0 * MARGIN) / canvas[0], (top + depth) / (1.0 - MARGIN - ABOVE) / canvas[1])
+    scale = max(right / _RIGHT / canvas[0], (top + depth) / _UP / canvas[1])
     left, bottom = -MARGIN * scale * canvas[0], -depth - MARGIN * scale * canvas[1]
     return left, left + scale * canvas[0], bottom, bottom + scale * canvas[1]

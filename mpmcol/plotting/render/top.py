@@ -14,6 +14,7 @@ from mpmcol.io.snapshot import Meta, Snapshot
 from mpmcol.measure import UNDISTURBED
 from mpmcol.plotting.render.frame import (
     BASE_COLOR,
+    PAGE,
     SMALL_SIZE,
     TEXT_SIZE,
     add_time,
@@ -26,7 +27,6 @@ from mpmcol.plotting.render.projection import TOP, circle, complete_by_symmetry,
 from mpmcol.plotting.render.walls import wall_boxes
 from mpmcol.units import length_scale, length_text
 
-PAGE = (1280, 720)  # pixels; the layout has this aspect ratio, other sizes get a white border
 MOVED_COLOR, UNDISTURBED_COLOR = "#c23b2e", "#ead7a0"
 LINE: dict[str, Any] = {"color": "black", "linewidth": 1.6}
 PLACE = (0.1375, 0.1, 0.5, 0.75)  # of the axes: whole pixels, so that the picture is symmetric
@@ -42,6 +42,7 @@ def draw_top_view(snapshot: Snapshot, meta: Meta, size: tuple[int, int], undistu
     meta: of the snapshot; any model except "plane". size: pixels. undisturbed: radius (m) within which the surface did
     not move, drawn as a circle unless it is None or 0.
     """
+    # the layout has the aspect ratio of PAGE, other sizes get a white border
     scale = min(size[0] / PAGE[0], size[1] / PAGE[1])
     page_size = round(scale * PAGE[0]), round(scale * PAGE[1])
     figure = new_figure(page_size)

@@ -6,6 +6,7 @@ As points the surfaces are hidden by material before them, and hide material beh
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
@@ -17,11 +18,20 @@ COLOR = 0.55  # grey level
 VERTICAL = 1  # axis
 SHADES = (0.8, 1.0, 0.65)  # brightness of faces with the normal x, y or z
 
+EDGES = ("from", "to", "height", "half_width", "side_from", "side_to")
+
 Box = tuple[tuple[float, float, float], tuple[float, float, float]]  # lowest and highest corner, m
 
 
+def walls_on_grid(meta: Meta) -> list[dict[str, Any]]:
+    """Tables of the walls of a case, with their edges on the nodes to which the run moved them; 0 is on a node."""
+    h = float(meta["spacing"])
+    walls = tables_of_snapshot(meta).get("walls", [])
+    return [{key: h * round(value / h) if key in EDGES else value for key, value in wall.items()} for wall in walls]
+
+
 def wall_boxes(meta: Meta, reach: float) -> list[Box]:
-    """The walls of a 3D model, as given in its case, those of a quarter with their mirror images.
+    """The walls of a 3D model, as they are in the grid, those of a quarter with their mirror images.
 
     reach: distance (m) from the axis at which walls without an end along x or z are cut. Those without a height are as
     high as the column.
@@ -29,7 +39,7 @@ def wall_boxes(meta: Meta, reach: float) -> list[Box]:
     if meta["model"] not in ("quarter", "full"):
         return []
     boxes: dict[Box, None] = {}
-    for wall in tables_of_snapshot(meta).get("walls", []):
+    for wall in walls_on_grid(meta):
         half, height = wall.get("half_width", reach), wall.get("height", float(meta["h_i"]))
         x = wall["from"], wall.get("to", max(reach, wall["from"]))
         z = wall.get("side_from", -half), wall.get("side_to", half)

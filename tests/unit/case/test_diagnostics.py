@@ -48,8 +48,13 @@ def test_the_complete_message(write: Write) -> None:
         ("0.002", "0", "grid.spacing", "spacing = 0: expected a number > 0, in m"),
         ("0.002", "true", "grid.spacing", "spacing = true: expected a number > 0, in m"),
         ("0.002", "[1]", "grid.spacing", "spacing = [1]: expected a number > 0, in m"),
-        ("0.002", '"2 deg"', "grid.spacing", '"deg" cannot be converted to m; expected a number > 0, in m'),
-        ("0.002", '"2 furlongs"', "grid.spacing", 'unknown unit "furlongs"'),
+        (
+            "0.002",
+            '"2 deg"',
+            "grid.spacing",
+            '"deg" cannot be converted to m (known: m, mm, cm); expected a number',
+        ),
+        ("0.002", '"2 furlongs"', "grid.spacing", 'unknown unit "furlongs" (known: m, mm, cm); expected'),
         ("0.002", "2020-01-01", "grid.spacing", "spacing = 2020-01-01: expected a number > 0, in m"),
         ("0.2", "0.5", "material.poissons_ratio", "expected a number >= 0 and < 0.5"),
         ("0.2", "-0.1", "material.poissons_ratio", "expected a number >= 0 and < 0.5"),
@@ -152,6 +157,38 @@ def test_a_misplaced_key_is_reported_with_its_table_or_law(write: Write) -> None
 def test_the_hint_names_the_way_to_give_a_value(write: Write, addition: str, message: str, hint: str) -> None:
     problem = only_problem(write(f"{GOOD}\n{addition}\n"))
     assert message in problem.message and hint in problem.hint
+
+
+@pytest.mark.parametrize(
+    ("case", "array", "given", "missing"),
+    [("dam", "walls", "height = 0.05", "from"), ("layered-column", "layers", "from = 0.01", "to")],
+)
+def test_an_array_that_replaces_that_of_the_extended_case_is_named(
+    write: Write, case: str, array: str, given: str, missing: str
+) -> None:
+    write(f'extends = "{case}"\n', "between.toml")
+    problem = only_problem(write(f'extends = "between.toml"\n\n[[{array}]]\n{given}\n'))
+    assert f"{missing} is missing" in problem.message
+    change = f"--set {array}.0.{given.replace(' ', '')}"
+    assert f"[[{array}]] replaces all of {case}.toml: give every key, or change one of them by {change}" in problem.hint
+    alone = only_problem(write(GOOD + "[[walls]]\nto = 0.3\n"))
+    assert "from is missing" in alone.message and "replaces" not in alone.hint
+
+
+@pytest.mark.parametrize(
+    ("changed", "key", "hint"),
+    [
+        (("0.002", "10"), "grid.spacing", 'if grid.spacing is in mm, write "10 mm"'),
+        (("0.09", "0.0009"), "grid.spacing", ""),
+        (("radius = 0.09", "radius = 90\nbase_thickness = 0.02", "0.002", "2"), "geometry.base_thickness", '"2 mm"'),
+    ],
+)
+def test_a_length_in_mm_is_one_problem_with_a_hint(write: Write, changed: tuple[str, ...], key: str, hint: str) -> None:
+    text = GOOD
+    for old, new in zip(changed[::2], changed[1::2], strict=True):
+        text = text.replace(old, new, 1)
+    problem = only_problem(write(text))
+    assert problem.key == key and hint in problem.message and bool(hint) == ("in mm" in problem.message)
 
 
 def test_a_number_in_quotes_is_no_misspelt_one(write: Write) -> None:

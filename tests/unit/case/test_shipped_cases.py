@@ -49,6 +49,12 @@ def test_names_of_the_shipped_cases() -> None:
 
 
 @pytest.mark.parametrize("name", SHIPPED)
+def test_comments_of_a_template_do_not_refer_to_another_file(name: str) -> None:
+    """The text has the keys of all files that the case extends, and extends none."""
+    assert "extends" not in flattened_text(name)
+
+
+@pytest.mark.parametrize("name", shipped_cases())
 def test_flattened_text_is_a_complete_case(write: Write, name: str) -> None:
     text = flattened_text(name)
     assert "\nextends" not in text

@@ -79,7 +79,7 @@ def test_a_run_is_drawn_in_every_colour(finished: Path, tmp_path: Path, monkeypa
 
 def test_a_colour_that_the_law_does_not_give_is_refused(finished: Path, tmp_path: Path) -> None:
     refused = invoke("render", finished, "--color", "inertial", "--out", tmp_path / "a.png")
-    assert refused.exit_code == 5 and "its law does not give" in refused.stderr
+    assert refused.exit_code == 2 and "only runs with law mu-i have the inertial_number" in refused.stderr
 
 
 def test_an_unknown_colour_is_refused(finished: Path) -> None:

@@ -16,11 +16,12 @@ from PIL import Image
 from PIL.ImageSequence import Iterator
 
 from mpmcol.errors import OutputError, UsageError
+from mpmcol.io.results import Results
 from mpmcol.io.snapshot import Meta, Snapshot, list_snapshots, read_snapshot, write_snapshot
-from mpmcol.plotting.render import animation, backends, render
+from mpmcol.plotting.render import FIT_VIEW, animation, backends, render
 from mpmcol.plotting.render import frame as frame_module
 from mpmcol.plotting.render.coloring import COLORINGS
-from mpmcol.plotting.render.frame import View, canvas_box
+from mpmcol.plotting.render.frame import View, canvas_box, canvas_size, page_around
 from mpmcol.plotting.render.side import fit_view
 from tests.support.cli import invoke
 
@@ -220,6 +221,43 @@ def test_the_view_contains_a_wall_that_the_flow_reaches(folder: Path, tmp_path: 
         write_snapshot(tmp_path, step, snapshot, {**META, "case": case})
         ends.append(fit_view(list_snapshots(tmp_path)[-1:], tall, DISPLACEMENT).extent[1])
     assert ends[0] > 1.05 * 1.04 * front > plain == ends[1]
+
+
+def test_walls_are_drawn_where_the_grid_has_them(folder: Path, tmp_path: Path):
+    """As in profile.png: with a spacing of 10 mm a wall from 144 to 166 mm is one from 140 to 170 mm."""
+    walls = "walls = [{ from = 0.144, to = 0.166, height = 0.024 }, { from = 0.196 }]"
+    write_snapshot(tmp_path, 0, read_snapshot(list_snapshots(folder)[-1]), {**META, "case": walls})
+    view, axes = fit_view(list_snapshots(tmp_path), SIZE, DISPLACEMENT), Figure().add_subplot()
+    view.draw_before(axes)
+    dam, end = [patch for patch in axes.patches if patch.get_x() > META["r_i"]]
+    assert (dam.get_x(), dam.get_x() + dam.get_width(), dam.get_height()) == pytest.approx((0.14, 0.17, 0.02))
+    assert end.get_x() == pytest.approx(0.2)
+
+
+def test_a_page_without_a_given_size_fits_the_largest_front_of_the_run(folder: Path):
+    """The canvas is filled along x and y, for every snapshot up to the same distance."""
+    reach, height = 0.2, META["h_i"]
+    for path in list_snapshots(folder):
+        view = fit_view([path], None, DISPLACEMENT, reach)
+        left, right, bottom, top = view.extent
+        assert view.size[0] == 1280 and reach < right < 1.03 * reach and height < top < 1.2 * height
+        assert (right - left) / (top - bottom) == pytest.approx(np.divide(*canvas_box(view.size)[2:]))
+    tall = fit_view([path], None, DISPLACEMENT, 0.01)
+    flat = fit_view([path], None, DISPLACEMENT, 2.0)
+    assert (tall.size[1], flat.size[1]) == (1280, 600)
+    assert canvas_size(page_around((640, 480))) == pytest.approx((640, 480), abs=2)
+
+
+def test_images_of_all_snapshots_have_the_range_of_the_history(
+    finished: Path, tmp_path: Path, without_egl: None, monkeypatch: pytest.MonkeyPatch
+):
+    views: list[View] = []
+    monkeypatch.setitem(FIT_VIEW, "side", lambda *given: views.append(fit_view(*given)) or views[-1])
+    for number in (0, -1):
+        render(finished, gif=False, snapshot=number, size=(240, 900), out=tmp_path / "a.png")
+    first, last = views
+    assert first.extent == pytest.approx(last.extent, abs=1e-5)
+    assert 1.0 < first.extent[1] / Results(finished).history["front_max"].max() < 1.05
 
 
 def test_a_half_model_has_an_axis_of_symmetry_and_a_note(folder: Path):

@@ -366,6 +366,16 @@ def test_walls_of_a_quarter_are_mirrored_and_those_without_ends_reach_the_edge()
     assert wall_boxes(META, 0.09) == wall_boxes({**META, "model": "plane", "case": CASE}, 0.09) == []
 
 
+def test_walls_are_where_the_grid_has_them() -> None:
+    h = float(META["spacing"])
+    given, on_grid = (
+        f"walls = [{{ from = {6.0 * h + d}, to = {8.0 * h - d}, height = {3.0 * h + d}, half_width = {5.0 * h - d} }}]"
+        for d in (0.4 * h, 0.0)
+    )
+    moved, exact = (wall_boxes({**META, "case": case}, 0.09) for case in (given, on_grid))
+    np.testing.assert_allclose(moved, exact, atol=1e-15)
+
+
 def test_surfaces_of_walls_are_cut_like_the_material_and_closed() -> None:
     """Points on faces of the box, none in the removed quarter, all around what remains of it."""
     low, high = np.array([-0.02, 0.0, -0.01]), np.array([0.03, 0.02, 0.04])

@@ -14,6 +14,7 @@ from unittest.mock import ANY
 import numpy as np
 import pytest
 
+from mpmcol.api.fits import default_folder
 from mpmcol.errors import CaseError, UsageError
 from mpmcol.measure import Measurement
 from mpmcol.studies.convergence import NORMAL_90
@@ -516,3 +517,11 @@ def test_a_case_that_is_not_at_rest_is_reported() -> None:
     forward = Synthetic([FRICTION], targets_of({"zeta": 1.2}), runout_of)
     forward.at_rest = False
     assert "still moved" in remarks_of(forward)
+
+
+def test_fits_with_different_fixed_values_have_different_default_folders() -> None:
+    unknowns = [Unknown("material.friction_deg", 20.0, 45.0)]
+    name = f"fits/quickstart-{unknowns[0].name}"
+    assert default_folder("quickstart", unknowns) == Path(name)
+    two = default_folder("quickstart", unknowns, ["geometry.aspect=2", "method.transfer=apic"], 0.05)
+    assert two == Path(f"fits/quickstart-a2-transfer-apic-accuracy0.05-{unknowns[0].name}")

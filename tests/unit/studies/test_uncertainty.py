@@ -273,7 +273,7 @@ def test_runs_are_planned_with_the_sample_and_names_that_state_it(tmp_path: Path
 def test_the_default_folder_names_case_keys_and_accuracy() -> None:
     fixed = [Axis(ASPECT, ("2",)), Axis("method.transfer", ("apic",))]
     name = study_name("coarse-channel", fixed, inputs_of(*THREE[:2]), 0.05)
-    assert name == "coarse-channel-transfer-apic-friction_deg-density-accuracy0.05-uncertain"
+    assert name == "coarse-channel-a2-transfer-apic-friction_deg-density-accuracy0.05-uncertain"
 
 
 def test_all_runs_have_the_grid_for_the_means(tmp_path: Path) -> None:

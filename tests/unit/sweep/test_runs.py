@@ -241,6 +241,7 @@ def test_the_folder_of_a_sweep_names_its_keys() -> None:
     assert name() == "lube-channel"
     assert name("material.friction_deg=30,33", "time.cfl=0.4") == "lube-channel-friction_deg-cfl-0.4"
     assert name(accuracy=0.05) == "lube-channel-accuracy0.05"
+    assert name("material.friction_deg=30,33", aspect="2") == "lube-channel-a2-friction_deg"
     assert name("grid.spacing=4 mm").startswith("lube-channel-spacing-4_mm-")
 
 
