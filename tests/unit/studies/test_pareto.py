@@ -39,7 +39,7 @@ STUDY = """
 schema = 1
 title = "tiny"
 repeats = 2
-cells = [5, 6, 7]
+cells = [6, 7, 8]
 baseline = "plain"
 reference = ["plain", "nine"]
 
@@ -145,7 +145,7 @@ OTHER_CASE = "[cases.high]\nextends = 'cylinder'\naspect = 1\n[variants.plain]\n
         ("title =", "titel =", "titel: Extra inputs are not permitted"),
         ("schema = 1", "schema = ", "tiny.toml:2: not valid TOML: Invalid value"),
         ("aspect = 0.9", "aspect = 0.9\nvariants = ['none']", "cases.low: there is no variant 'none'"),
-        ("cells = [5, 6, 7]", "cells = [5, 1e9]", "cells.1: Input should be less than or equal to 1000"),
+        ("cells = [6, 7, 8]", "cells = [6, 1e9]", "cells.1: Input should be less than or equal to 1000"),
     ],
 )
 def test_an_invalid_study_is_refused_with_its_key(old: str, new: str, message: str, tmp_path: Path) -> None:
@@ -168,8 +168,8 @@ def test_shipped_studies_have_valid_cases() -> None:
 
 
 def test_a_case_may_leave_out_the_finest_spacings(tmp_path: Path) -> None:
-    study = load_study(str(write(tmp_path, "aspect = 0.9", "aspect = 0.9\nfinest = 6")))
-    assert [one.cells for one in configurations_of(study) if one.variant == "plain"] == [5, 6]
+    study = load_study(str(write(tmp_path, "aspect = 0.9", "aspect = 0.9\nfinest = 7")))
+    assert [one.cells for one in configurations_of(study) if one.variant == "plain"] == [6, 7]
 
 
 def test_a_case_may_list_its_variants(tmp_path: Path) -> None:
@@ -203,9 +203,9 @@ def test_a_small_study_from_end_to_end(tmp_path: Path, monkeypatch: pytest.Monke
     out = tmp_path / "pareto" / "tiny"
     rows = list(csv.DictReader((out / "pareto.csv").read_text().splitlines()))
     assert [(row["variant"], row["cells"]) for row in rows[:3]] == [
-        ("plain", "5.0"),
         ("plain", "6.0"),
         ("plain", "7.0"),
+        ("plain", "8.0"),
     ]
     assert all(float(row["core_seconds"]) > 0.0 and row["zeta.front_height p90"] for row in rows[:6])
     assert rows[6]["runs"] == "0" and rows[6]["failed"] == "2" and "lower time.cfl" in rows[6]["message"]
@@ -219,7 +219,7 @@ def test_a_small_study_from_end_to_end(tmp_path: Path, monkeypatch: pytest.Monke
     assert len(json.loads(invoke("pareto", path, "--report-only", "--json").stdout)["rows"]) == len(rows)
     assert {file: file.stat().st_mtime_ns for file in (out / "runs").rglob("*") if file.is_file()} == before
     assert (out / "pareto.md").read_text() == text
-    write(tmp_path, "cells = [5, 6, 7]", "cells = [3, 4, 5]")
+    write(tmp_path, "cells = [6, 7, 8]", "cells = [3, 4, 5]")
     wrong = invoke("pareto", path)
     assert wrong.exit_code == 2 and "low, plain, r_i/h = 3:" in wrong.output and "at least one cell" in wrong.output
 

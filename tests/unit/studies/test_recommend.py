@@ -280,7 +280,7 @@ def test_a_certified_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
     arguments = ("run", "lube-cylinder", "--set", "stages.collapse.max_time_factor=1", "--accuracy", "20%", "--certify")
     done = invoke(*arguments)
     assert done.exit_code == 0, done.output
-    folder = tmp_path / "runs" / "lube-cylinder-max_time_factor1-accuracy0.2-certified"
+    folder = tmp_path / "runs" / "lube-cylinder-collapse.max_time_factor1-accuracy0.2-certified"
     assert (
         "zeta.front_height = " in done.output
         and "against Lube et al. 2004 (1.116, scatter 10%), differs" in done.output
