@@ -65,12 +65,18 @@ def draw_points(frames: Sequence[tuple[Path, View]], folder: Path, finish: Calla
     """
     if not has_egl():
         return f"drawn with Matplotlib, because this machine has no libEGL; for rendering by pyvista {INSTALL}"
-    environment = os.environ | ({"VTK_DEFAULT_OPENGL_WINDOW": "vtkEGLRenderWindow"} if IS_LINUX else {})
+    window = {"VTK_DEFAULT_OPENGL_WINDOW": "vtkEGLRenderWindow"} if IS_LINUX else {}
+    environment = os.environ | window | {"PYTHONIOENCODING": "utf-8"}  # of the paths that both exchange
     limit = 120 + 20 * len(frames)
     errors = folder / "errors.txt"
-    pipe: dict[str, Any] = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True, "env": environment}
+    pipe: dict[str, Any] = {
+        "stdin": subprocess.PIPE,
+        "stdout": subprocess.PIPE,
+        "encoding": "utf-8",
+        "env": environment,
+    }
     with (
-        errors.open("w") as stderr,
+        errors.open("w", encoding="utf-8") as stderr,
         subprocess.Popen(WORKER, stderr=stderr, **pipe) as child,
         ThreadPoolExecutor(1) as feeder,
     ):
