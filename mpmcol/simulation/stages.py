@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from math import ceil, log
+from collections.abc import Callable, Iterator
+from math import ceil, inf, log
 
 import numpy as np
 
@@ -117,19 +117,20 @@ class Stages:
         limit = options.max_time_factor * self.fall_time + lifting_time
         slow = case_slope_factor(self.case)
         usual = min(limit, USUAL_DURATION * slow * self.fall_time + lifting_time)
-        snapshots = self._snapshot_times(limit, usual)
+        times = self._snapshot_times(limit, usual)
+        due = next(times, inf)
         self.simulation.show_progress("collapse", min(solver.time / usual, 1.0))
         while solver.time < limit and not (options.end == "rest" and progress.at_rest):
             next_check = min((progress.checks + 1) * self.fall_time / CHECKS_PER_FALL_TIME, limit)
-            self._advance(min([next_check, *snapshots[:1]]))
-            if snapshots and solver.time >= snapshots[0]:
-                snapshots = [t for t in snapshots if t > solver.time]
+            self._advance(min(next_check, due))
+            if solver.time >= due:
+                due = next((t for t in times if t > solver.time), inf)
                 self.recorder.write_snapshot("collapse")
             if solver.time >= next_check:
                 progress.checks += 1
                 self._check_collapse(lifting_time)
                 self.simulation.show_progress("collapse", min(solver.time / usual, 1.0))
-        self._finish_collapse(snapshots)
+        self._finish_collapse()
 
     def _check_collapse(self, lifting_time: float) -> None:
         """Lift the gate, add a row to the history, check the state, and decide whether the column is at rest."""
@@ -140,8 +141,8 @@ class Stages:
         self.simulation.progress.at_rest = is_released and self._is_quiet()
         self._check()
 
-    def _finish_collapse(self, missed: list[float]) -> None:
-        """Report the end and its warnings; `missed` are the times of snapshots after the end."""
+    def _finish_collapse(self) -> None:
+        """Report the end and its warnings."""
         self.simulation.show_progress("collapse", 1.0)
         ending = "at rest" if self.simulation.progress.at_rest else "ended"
         self._notify_stage("collapse", f"{ending} after {self.solver.time / self.fall_time:.2f} sqrt(h_i/g)")
@@ -169,7 +170,7 @@ class Stages:
             )
         for note in quality_notes(self.simulation):
             self.simulation.warn(note)
-        if missed and self.case.output.times is not None:
+        if missed := [t for t in self.case.output.times or () if t > self.solver.time]:
             self.simulation.warn(f"output.times: {len(missed)} times are after the end at {self.solver.time:.4g} s")
 
     def _start_stage(self, name: str, setup: StageSetup) -> None:
@@ -254,13 +255,14 @@ class Stages:
         energy = max(row["grid_kinetic"] for row in rows) / (self._weight * discretization.h_i)
         return bool(energy < REST_ENERGY and max(front) - min(front) < REST_FRONT * discretization.h)
 
-    def _snapshot_times(self, limit: float, usual: float) -> list[float]:
-        """Times of the snapshots between release and rest that are still to be written, s."""
+    def _snapshot_times(self, limit: float, usual: float) -> Iterator[float]:
+        """Times of the snapshots between release and rest that are still to be written, s; millions in long runs."""
         output, now = self.case.output, self.solver.time
         if output.times is not None:
-            return [t for t in output.times if t > now]
-        count = ceil(output.snapshots * limit / usual)
-        return [t for k in range(1, count) if now < (t := usual * k / output.snapshots) < limit]
+            return (t for t in output.times if t > now)
+        reached, count = int(output.snapshots * now / usual), ceil(output.snapshots * limit / usual)
+        times = (usual * k / output.snapshots for k in range(max(reached, 1), count))
+        return (t for t in times if now < t < limit)
 
     def _notify_stage(self, stage: str, text: str) -> None:
         self.simulation.notify(f"{stage:12s} {text}, {self.solver.steps} steps, dt {self.solver.dt:.3g} s")

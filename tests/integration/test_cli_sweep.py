@@ -128,7 +128,7 @@ def test_signals_stop_the_runs_of_a_sweep(number: signal.Signals) -> None:
         sweep.send_signal(number)
         _, err = sweep.communicate(timeout=60)
     assert sweep.returncode == 75 and "Traceback" not in err
-    assert "stopping the runs" in err and "repeat the command to complete the sweep" in err
+    assert "stopping the runs" in err and "repeat the command to complete the runs" in err
     assert [read_status(path).name for path in out.glob("a*")] == ["stopped", "stopped"]
     assert Results(run).snapshot(-1).stage == "stopped"
 
