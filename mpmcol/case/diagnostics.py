@@ -21,8 +21,8 @@ from mpmcol.case.toml_lines import KeyPath, value_at
 from mpmcol.mpm.constitutive import LAWS
 
 _WITH_LAW = {table[-1] for table in MATERIALS}
-# errors that follow from others, or that are reported as violations with their locations
 LEAST_LENGTH, MOST_RATIO = 1.0, 10.0  # from which a length is likely to be in mm: m, and over one it is compared with
+# errors that follow from others, or that are reported as violations with their locations
 _DERIVED_ERRORS = ("constraints", "derived")
 
 

@@ -111,7 +111,8 @@ def _quality(summary: dict[str, Any]) -> Iterator[str]:
 def energy_line(shares: Mapping[str, float], unit: str) -> str:
     """Where the released potential energy went; of walls and transfer the sum where one gives what the other takes."""
     together = walls_and_transfer(shares)
-    named = {name: shares[name] for name in ("friction", "wall_friction", "damping") if shares.get(name)}
+    walls = ("wall_friction",) if shares.get("wall_friction") else ()
+    named = {name: shares[name] for name in ("friction", *walls, "damping")}
     if together is None:
         named |= {name: shares[name] for name in ("walls", "transfer")}
     else:

@@ -13,7 +13,10 @@ ERROR_BARS: Names = {
     "error_bars.QUANTITY.from_order": ("", "half the difference of extrapolations with the lowest and highest order"),
     "error_bars.QUANTITY.from_misfit": ("", "two standard errors of the extrapolation"),
     "error_bars.QUANTITY.from_spacing": ("", "1.5 node spacings of the finest grid, the least error"),
-    "error_bars.QUANTITY.error": ("", "half-width of the error bar: both parts, at least 1 % of the value"),
+    "error_bars.QUANTITY.error": (
+        "",
+        "half-width: order and misfit together, at least from_spacing and 1 % of the value",
+    ),
     "error_bars.QUANTITY.cause": ("", "what determines the width of the bar"),
     "error_bars.QUANTITY.law": ("", "value that the experiment of the case leads to expect; null without one"),
     "error_bars.QUANTITY.law.experiment": ("", "who made the experiment"),

@@ -75,8 +75,10 @@ def find_entries(name: str) -> list[Entry]:
 
 def unit_of(where: str, name: str, model: str = "") -> str | None:
     """Unit of a name in a file or command, "" if it has none; None if the name is not in the table."""
-    matching = (unit for full, (unit, _) in ALL_NAMES[where].items() if _pattern(full).fullmatch(name))
-    unit = next(matching, None)
+    names = ALL_NAMES[where]
+    matching = [full for full in names if _pattern(full).fullmatch(name)]
+    # that with the most parts: WALL.peak rather than WALL, which stands for any parts
+    unit = names[max(matching, key=lambda full: full.count("."))][0] if matching else None
     return UNITS_BY_MODEL[unit][model] if model and unit in UNITS_BY_MODEL else unit
 
 

@@ -232,8 +232,8 @@ def _nested(table: str, names: Names) -> Names:
 
 _FORCES: Names = {
     "wall_forces": ("", "largest forces on floor, walls and gate; null without output.wall_forces"),
+    "wall_forces.WALL": ("", "those on one of them, by its name"),
     **_nested("wall_forces.WALL", _WALL_FORCES),
-    "wall_forces.WALL": ("", "those on one of them, by its name"),  # last, since its pattern fits the names above too
 }
 NAMES: dict[str, Names] = {  # file or command -> its names
     RESULT: {

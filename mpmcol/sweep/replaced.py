@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from shlex import quote
 
 from mpmcol.errors import OutputError
 from mpmcol.io.names import REPORT_FILE
@@ -32,5 +33,5 @@ def runs_that_leave(folder: Path, runs: Sequence[PlannedRun]) -> Iterator[str]:
 def outdated_report(folder: Path) -> Iterator[str]:
     """A note if the report in the folder of a sweep is older than its table."""
     report, table = folder / REPORT_FILE, folder / CSV_FILE
-    if report.exists() and report.stat().st_mtime_ns < table.stat().st_mtime_ns:
-        yield f"{report} is older than the table; `mpmcol report {folder}` writes it again"
+    if report.exists() and table.exists() and report.stat().st_mtime_ns < table.stat().st_mtime_ns:
+        yield f"{report} is older than the table; `mpmcol report {quote(str(folder))}` writes it again"
