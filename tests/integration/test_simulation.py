@@ -242,7 +242,7 @@ def test_snapshots_beyond_the_usual_duration_follow_at_the_same_interval(
 ) -> None:
     output = SimpleNamespace(times=None, snapshots=3)
     stages: Any = SimpleNamespace(case=SimpleNamespace(output=output), solver=SimpleNamespace(time=now))
-    assert Stages._snapshot_times(stages, limit, usual) == pytest.approx(times)
+    assert list(Stages._snapshot_times(stages, limit, usual)) == pytest.approx(times)
 
 
 def test_fresh_removes_nothing_if_the_case_is_refused(finished: Path) -> None:

@@ -17,13 +17,6 @@ def times_after(now: float, snapshots: int, limit: float, usual: float, times: l
     return Stages._snapshot_times(run, limit, usual)
 
 
-@pytest.mark.parametrize("now", [0.0, 0.25, 0.3, 0.9])
-def test_snapshots_are_equally_spaced_until_the_limit(now: float) -> None:
-    """Four until the usual duration, and as dense after it; none at the limit."""
-    expected = [t for t in (0.25, 0.5, 0.75, 1.0, 1.25) if t > now]
-    assert list(times_after(now, 4, 1.5, 1.0)) == pytest.approx(expected)
-
-
 def test_given_times_that_are_reached_are_left_out() -> None:
     assert list(times_after(0.2, 4, 1.5, 1.0, [0.1, 0.2, 0.7])) == [0.7]
 
