@@ -25,7 +25,7 @@ class ModelError:
 
     @property
     def part(self) -> float | None:
-        """Part of the interval, relative to the computed value."""
+        """Part of the interval, relative to the grid-converged value."""
         if self.difference is None:
             return None
         ratio = 1.0 / (1.0 + self.difference)  # experiment over model

@@ -1,34 +1,38 @@
 """Statement of accuracy: runout and height of a run with intervals, and what these hold.
 
-Two intervals are separated: what finer grids would give, and what an experiment would give. Their half-widths are roots
-of the sums of squares of their parts. An interval that lacks a part is not given.
+Two intervals are separated: what finer grids would give, by the error of such runs in the study, and what an experiment
+would give. The second has the middle of the first, and its half-width is the root of the sum of the squares of that of
+the first and of the error of the model. An interval that lacks a part is not given.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from math import hypot, inf
+from math import hypot
 from typing import Any
 
 from mpmcol.io.results import Results
-from mpmcol.studies.convergence import NORMAL_90
 from mpmcol.studies.judgement import NAMES, STILL_MOVING, experiment_or_reason, measured_value
 from mpmcol.studies.model_error import IN_STUDY, ModelError, model_errors
 from mpmcol.studies.pareto.certify import ErrorBar
+from mpmcol.studies.pareto.error_interval import CONFIDENCE, ErrorInterval
 from mpmcol.studies.pareto.recommend import Recommendation
-
-CONFIDENCE = 0.9
 
 
 @dataclass(frozen=True)
 class StatedQuantity:
-    """A quantity with the parts of its intervals, relative to the value."""
+    """A quantity with the parts of its intervals.
+
+    value: of the run or, with error bars, extrapolated. converged: middle of what finer grids would give. grid: half
+    the width of that interval, relative to its middle. error: of the run, from the study; None with error bars.
+    """
 
     value: float
     unit_length: float  # m, that of a value of one
+    converged: float
     grid: float
-    scatter: float
+    error: ErrorInterval | None
     model: Sequence[ModelError]
     reason: str  # why there is no interval for experiments; "" if there is one
 
@@ -43,18 +47,18 @@ class StatedQuantity:
         return {
             "value": self.value,
             "length": self.value * self.unit_length,
+            "error": self.error and asdict(self.error),
             "grid": self.grid,
-            "scatter": self.scatter,
             "model": model,
-            "finer_grids": self._interval(self.grid, self.scatter),
-            "experiment": None if model is None else self._interval(self.grid, self.scatter, model),
+            "finer_grids": self._interval(self.grid),
+            "experiment": None if model is None else self._interval(hypot(self.grid, model)),
             "experiments": [asdict(one) for one in self.model],
             "reason": self.reason,
         }
 
-    def _interval(self, *parts: float) -> dict[str, float]:
-        width = hypot(*parts) * abs(self.value)
-        low, high = max(self.value - width, 0.0), self.value + width
+    def _interval(self, relative: float) -> dict[str, float]:
+        width = relative * abs(self.converged)
+        low, high = max(self.converged - width, 0.0), self.converged + width
         return {
             "low": low, "high": high, "low_length": low * self.unit_length, "high_length": high * self.unit_length,
         }  # fmt: skip
@@ -69,7 +73,7 @@ def make_statement(
         results: of the run of the recommended configuration.
         advice: the recommendation that the run was made by.
         accuracy: the accuracy that was requested.
-        bars: of runs at several spacings; they replace the error bound of the study, and their values those of the run.
+        bars: of runs at several spacings; they replace the errors of the study, and their values those of the run.
     """
     certified = {bar.quantity: bar for bar in bars}
     quantities = {name: _quantity(name, results, advice, certified.get(IN_STUDY[name])).as_dict() for name in NAMES}
@@ -86,21 +90,15 @@ def make_statement(
 
 
 def _quantity(name: str, results: Results, advice: Recommendation, bar: ErrorBar | None) -> StatedQuantity:
-    case, in_study = results.case, IN_STUDY[name]
-    geometry = case.geometry
-    if bar:
-        value, grid, scatter = bar.value, bar.relative, 0.0  # the misfit of the bar contains the scatter
-    else:
-        _, value = measured_value(results.summary, name, geometry.r_i)
-        grid, scatter = of_value(advice.errors[in_study]), NORMAL_90 * advice.scatter[in_study]
-    model = model_errors(name, case, advice.cases) if results.summary["at_rest"] else []
+    geometry = results.case.geometry
+    unit_length = geometry.r_i if name == "zeta" else geometry.h_i
+    model = model_errors(name, results.case, advice.cases) if results.summary["at_rest"] else []
     reason = _reason(name, results, model)
-    return StatedQuantity(value, geometry.r_i if name == "zeta" else geometry.h_i, grid, scatter, model, reason)
-
-
-def of_value(error: float) -> float:
-    """Error relative to the computed value, from one relative to the converged value c: |v - c| <= e c, c > 0."""
-    return error / (1.0 - error) if error < 1.0 else inf
+    if bar:
+        return StatedQuantity(bar.value, unit_length, bar.value, bar.relative, None, model, reason)
+    _, value = measured_value(results.summary, name, geometry.r_i)
+    error = advice.intervals[IN_STUDY[name]]
+    return StatedQuantity(value, unit_length, error.factor * value, error.relative, error, model, reason)
 
 
 def _reason(name: str, results: Results, model: Sequence[ModelError]) -> str:

@@ -12,6 +12,7 @@ from mpmcol.io.atomic import atomic_write, read_bytes
 from mpmcol.io.names import ACCURACY_FILE
 from mpmcol.io.values import to_json
 from mpmcol.studies.judgement import NAMES
+from mpmcol.studies.pareto.error_interval import ErrorInterval
 from mpmcol.units import length_scale, length_text
 
 
@@ -51,17 +52,16 @@ def statement_lines(record: Mapping[str, Any]) -> list[str]:
 def _source(record: Mapping[str, Any]) -> str:
     if record["source"] == "study":
         variant = f'"{record["variant"]}" at r_i/h = {record["cells"]:g}'
-        bounds = " and ".join(f"{record[name]['grid'] / (1.0 + record[name]['grid']):.1%}" for name in NAMES)
-        bound = f"error bound of {variant} in the study, {bounds} of the grid-converged values"
-        return f"grid: {bound}; scatter: between neighbouring spacings"
-    return f"grid: error bar of runs up to r_i/h = {record['cells']:g}, values extrapolated to zero spacing"
+        return f"error of the grid: that of {variant} in the study ({'; '.join(record['cases'])})"
+    return f"error bars of runs up to r_i/h = {record['cells']:g}, values extrapolated to zero spacing"
 
 
 def _quantity_lines(name: str, record: Mapping[str, Any]) -> list[str]:
-    scatter = f", scatter {record['scatter']:.1%}" if record["scatter"] else ""
-    value = f"{NAMES[name]} {length_text(record['length'])}, {name} = {record['value']:.3f}"
+    error = record["error"]
+    grid = f"error bar {record['grid']:.1%}" if error is None else f"error of this one {ErrorInterval(**error)}"
     return [
-        f"{value}; finer grids: {_interval_text(record['finer_grids'])}, from grid {record['grid']:.1%}{scatter}",
+        f"{NAMES[name]} {length_text(record['length'])}, {name} = {record['value']:.3f}; finer grids: "
+        f"{_interval_text(record['finer_grids'])}, {grid}",
         f"  experiments: {_experiments_text(record)}",
     ]
 
@@ -71,7 +71,7 @@ def _experiments_text(record: Mapping[str, Any]) -> str:
         return f"no interval; {record['reason']}"
     differences = "; ".join(map(_difference_text, record["experiments"]))
     model = f"model {record['model']:.1%} (grid-converged {differences})"
-    return f"{_interval_text(record['experiment'])}, from these and {model}"
+    return f"{_interval_text(record['experiment'])}, from finer grids and {model}"
 
 
 def _difference_text(record: Mapping[str, Any]) -> str:

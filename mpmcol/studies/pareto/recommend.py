@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from math import ceil, hypot, inf, sqrt
+from math import ceil, inf, sqrt
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -13,6 +13,7 @@ from mpmcol.case.fields import shown
 from mpmcol.case.values import leaf_values
 from mpmcol.errors import UsageError
 from mpmcol.studies.definition import Value, as_overrides
+from mpmcol.studies.pareto.error_interval import ErrorInterval, error_intervals
 from mpmcol.studies.pareto.proposed import completed
 from mpmcol.studies.pareto.shipped import (
     QUANTITIES,
@@ -58,7 +59,6 @@ class Recommendation:
     studied: float  # r_i / h up to which all of `cases` were studied; its bounds also hold for finer grids
     values: Mapping[str, Value]  # to be replaced in the case
     errors: Mapping[str, float]  # quantity -> relative error not exceeded by 90 % of runs in any of `cases`
-    scatter: Mapping[str, float]  # quantity -> relative standard deviation between neighbouring spacings
     cases: Sequence[str]  # of the study, between which the case lies
     core_seconds: float  # expected, on the machine of the study
     differences: Sequence[Difference]  # of the case from those of the study, whose errors may not apply to it
@@ -72,6 +72,11 @@ class Recommendation:
     def error(self) -> float:
         """The larger of the errors of runout and height."""
         return max(self.errors.values())
+
+    @property
+    def intervals(self) -> dict[str, ErrorInterval]:
+        """Intervals of the relative errors, with their sign, by quantity."""
+        return error_intervals(self.variant, self.cells, self.cases)
 
     def __str__(self) -> str:
         errors = ", ".join(f"{quantity} {error:.1%}" for quantity, error in self.errors.items())
@@ -143,7 +148,7 @@ def options(source: str | Path, overrides: Sequence[str], accuracy: float = inf)
         cost = pace * PlannedRun({}, configured, Path()).work
         differences = differences_from_study(configured, variant, cases)
         studied = min(one.cells for one in group)
-        yield Recommendation(variant, cells, studied, values, errors, pooled_scatter(group), cases, cost, differences)
+        yield Recommendation(variant, cells, studied, values, errors, cases, cost, differences)
 
 
 def studied_configurations(cases: Sequence[str]) -> dict[tuple[str, float], list[ShippedConfiguration]]:
@@ -182,11 +187,6 @@ def largest_errors(group: Sequence[ShippedConfiguration]) -> dict[str, float]:
     """Return the largest error of each quantity."""
     bounds = [one.bounds for one in group if one.bounds]
     return {quantity: max(bound[quantity] for bound in bounds) for quantity in QUANTITIES}
-
-
-def pooled_scatter(group: Sequence[ShippedConfiguration]) -> dict[str, float]:
-    """Return the root mean square of the scatter of each quantity; that of one configuration follows from few runs."""
-    return {quantity: hypot(*(one.scatter[quantity] for one in group)) / sqrt(len(group)) for quantity in QUANTITIES}
 
 
 def configuration_values(case: Case, variant: str, cells: float) -> dict[str, Value]:

@@ -44,6 +44,7 @@ class ShippedConfiguration:
     seconds_per_point_step: float  # of one core
     bias: Mapping[str, float]  # error of the mean of its runs, by quantity, relative to the grid-converged value
     scatter: Mapping[str, float]  # relative standard deviation between neighbouring spacings, by quantity
+    uncertainty: Mapping[str, float]  # relative standard error of the grid-converged value, by quantity
     bounds: Mapping[str, float] | None  # `ErrorBound` plus uncertainty of the reference; None: too few spacings
 
 
@@ -163,6 +164,7 @@ def _configuration(row: Mapping[str, Any]) -> ShippedConfiguration:
         seconds_per_point_step=float(row["core_seconds"]) / float(row["point_steps"]),
         bias={quantity: float(row[f"{quantity} bias"]) for quantity in QUANTITIES},
         scatter={quantity: float(row[f"{quantity} scatter"]) for quantity in QUANTITIES},
+        uncertainty={quantity: float(row[f"{quantity} reference uncertainty"]) for quantity in QUANTITIES},
         bounds={quantity: _bound(row, quantity) for quantity in QUANTITIES} if row[f"{ZETA} bound"] else None,
     )
 

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from mpmcol.case import Case
 from mpmcol.case.values import leaf_values
 from mpmcol.errors import UsageError
+from mpmcol.studies.pareto.error_interval import ErrorInterval, error_intervals, hull
 from mpmcol.studies.pareto.recommend import differences_from_study, largest_errors, studied_configurations
 from mpmcol.studies.pareto.score import BETA, ZETA
-from mpmcol.studies.pareto.shipped import neighbouring_cases, parameters_of, study_case
+from mpmcol.studies.pareto.shipped import QUANTITIES, neighbouring_cases, parameters_of, study_case
 
 SAME_SPACING = 1.02  # ratio within which spacings count as equal
 SAME_SOFTNESS = 1.25  # of rho g h_i / E: a column that is softer by more has not been studied
@@ -24,12 +25,13 @@ class StudiedError:
     variant: str
     cells: float  # r_i / h
     errors: Mapping[str, float]  # quantity -> relative error not exceeded by 90 % of runs
+    intervals: Mapping[str, ErrorInterval]  # quantity -> interval of the relative error, with its sign
     cases: Sequence[str]  # of the study, between which the case lies
 
     def __str__(self) -> str:
         return (
-            f"up to {self.errors[ZETA]:.1%} in runout and {self.errors[BETA]:.1%} in height, as in the study at "
-            f"r_i/h = {self.cells:g}"
+            f"{self.intervals[ZETA]} in runout and {self.intervals[BETA]} in height, as in the study at r_i/h = "
+            f"{self.cells:g}"
         )
 
 
@@ -40,12 +42,25 @@ def studied_error(case: Case) -> StudiedError | None:
     except UsageError:
         return None
     cells = case.geometry.r_i / case.grid.spacing
+    groups = studied_configurations(cases)
     coarser = [
-        StudiedError(variant, studied, largest_errors(group), cases)
-        for (variant, studied), group in studied_configurations(cases).items()
+        (studied, variant)
+        for variant, studied in groups
         if studied <= SAME_SPACING * cells and _is_like(case, variant, cases)
     ]
-    return max(coarser, key=lambda one: one.cells, default=None)
+    if not coarser:
+        return None
+    studied, variant = max(coarser)
+    intervals = _intervals(variant, studied, cells, cases)
+    return StudiedError(variant, studied, largest_errors(groups[variant, studied]), intervals, cases)
+
+
+def _intervals(variant: str, studied: float, cells: float, cases: list[str]) -> dict[str, ErrorInterval]:
+    """Those of the grid that was studied; of a finer one, which has smaller errors, up to zero."""
+    own = error_intervals(variant, studied, cases)
+    if cells <= SAME_SPACING * studied:
+        return own
+    return {name: hull([own[name], ErrorInterval(0.0, 0.0)]) for name in QUANTITIES}
 
 
 def _is_like(case: Case, variant: str, cases: list[str]) -> bool:

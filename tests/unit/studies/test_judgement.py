@@ -11,6 +11,7 @@ import pytest
 from mpmcol.case import load_case
 from mpmcol.errors import UsageError
 from mpmcol.studies import judgement
+from mpmcol.studies.pareto.error_interval import ErrorInterval
 from mpmcol.studies.pareto.recommend import recommend
 from mpmcol.studies.pareto.score import BETA, ZETA
 from mpmcol.studies.pareto.shipped import converged_values
@@ -34,10 +35,16 @@ def lines(
         "height": beta * geometry.h_i, "beta": beta, "at_rest": at_rest,
     }  # fmt: skip
     results: Any = SimpleNamespace(case=case, summary=summary)
-    studied = None if error is None else StudiedError("light", 20.0, {ZETA: error, BETA: error}, cases)
+    studied = None if error is None else of_grid(error, cases)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(judgement, "studied_error", lambda case: studied)
         return judgement.judge(results)
+
+
+def of_grid(error: float, cases: Sequence[str]) -> StudiedError:
+    """A grid on which runout and height are too small."""
+    intervals = dict.fromkeys((ZETA, BETA), ErrorInterval(-error, 0.0))
+    return StudiedError("light", 20.0, {ZETA: error, BETA: error}, intervals, cases)
 
 
 def test_a_result_agrees_within_scatter_and_the_error_of_the_grid() -> None:
@@ -49,7 +56,7 @@ def test_a_result_agrees_within_scatter_and_the_error_of_the_grid() -> None:
     assert height.endswith(
         "Lube et al. 2007 (unverified) (1.000, scatter 5%), differs by more than the scatter and the error of the grid"
     )
-    assert "0.0% in runout" in grid
+    assert "error of the grid: -0.0% to +0.0% in runout" in grid
     assert lines("coarse-channel", 1.84, 0.9, error=0.12)[0].endswith("undecided within the error of the grid")
     assert lines("coarse-channel", 1.84, 0.9, error=0.10)[0].endswith(
         "differs by more than the scatter and the error of the grid"
@@ -117,9 +124,9 @@ def test_the_error_of_the_model_is_that_of_grid_converged_values() -> None:
         "Lube et al. 2007"
     )
     *_, grid = lines("coarse-channel", 1.6, 0.95, error=0.1, cases=["channel, a = 1, 42 degrees"])
-    assert grid.startswith("error of the grid: up to 10.0%")
+    assert grid.startswith("error of the grid: -10.0% to +0.0% in runout")
     *_, grid = lines("coarse-channel", 1.6, 0.95, error=0.1, cases=["channel, a = 1"], at_rest=False)
-    assert grid.startswith("error of the grid: up to 10.0%")
+    assert grid.startswith("error of the grid: -10.0% to +0.0% in runout")
 
 
 def test_a_column_that_still_moves_is_not_compared() -> None:

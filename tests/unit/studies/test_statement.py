@@ -18,17 +18,24 @@ from mpmcol.case import load_case
 from mpmcol.errors import OutputError
 from mpmcol.studies.convergence import NORMAL_90
 from mpmcol.studies.model_error import ModelError
+from mpmcol.studies.pareto import recommend
 from mpmcol.studies.pareto.certify import error_bar
+from mpmcol.studies.pareto.error_interval import ErrorInterval
 from mpmcol.studies.pareto.recommend import Difference, Recommendation
 from mpmcol.studies.pareto.score import BETA, ZETA
 from mpmcol.studies.pareto.shipped import converged_values
-from mpmcol.studies.statement import make_statement, of_value
+from mpmcol.studies.statement import make_statement
 from mpmcol.studies.statement_text import statement_lines, stored_lines, write_statement
 
 ROOT = Path(__file__).parents[3]
 Z90 = 1.645
-SCATTER = {ZETA: 0.008, BETA: 0.001}
-ADVICE = Recommendation("light", 28.0, 28.0, {}, {ZETA: 0.05, BETA: 0.02}, SCATTER, ["channel, a = 1"], 1.0, [])
+INTERVALS = {ZETA: ErrorInterval(-0.1, -0.04), BETA: ErrorInterval(-0.03, 0.01)}
+ADVICE = Recommendation("light", 28.0, 28.0, {}, {ZETA: 0.1, BETA: 0.03}, ["channel, a = 1"], 1.0, [])
+
+
+@pytest.fixture(autouse=True)
+def study(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(recommend, "error_intervals", lambda *_: INTERVALS)
 
 
 def stated(
@@ -45,37 +52,38 @@ def stated(
     return make_statement(results, advice, 0.05, bars)
 
 
-def widths(interval: dict[str, float], value: float) -> tuple[float, float]:
-    return interval["low"] / value - 1.0, interval["high"] / value - 1.0
+def ends(interval: dict[str, float]) -> tuple[float, float]:
+    return interval["low"], interval["high"]
 
 
-def test_half_widths_are_roots_of_sums_of_squares_centred_on_the_value() -> None:
+def test_finer_grids_differ_by_the_error_and_experiments_by_that_of_the_model_too() -> None:
     """Two experiments fit; the interval is that of the one from which the model differs more."""
     record = stated()
-    zeta = record["zeta"]
-    grid, scatter, converged = 0.05 / 0.95, Z90 * SCATTER[ZETA], converged_values()["channel, a = 1"][ZETA]
-    numerical = hypot(grid, scatter)
-    assert widths(zeta["finer_grids"], 1.5) == pytest.approx((-numerical, numerical))
+    zeta, converged = record["zeta"], converged_values()["channel, a = 1"][ZETA]
+    low, high = 1.5 / 0.96, 1.5 / 0.9
+    assert ends(zeta["finer_grids"]) == pytest.approx((low, high))
     assert [one["difference"] for one in zeta["experiments"]] == pytest.approx(
         [converged / 1.6 - 1.0, converged / 1.2 - 1.0]
     )
     model = (1.0 - 1.2 / converged) + Z90 * 0.1 * 1.2 / converged
-    whole = hypot(numerical, model)
-    assert widths(zeta["experiment"], 1.5) == pytest.approx((-whole, whole))
+    middle = 0.5 * (low + high)
+    whole = hypot(0.5 * (high - low), model * middle)
+    assert ends(zeta["experiment"]) == pytest.approx((middle - whole, middle + whole))
     radius = load_case("channel").geometry.r_i
     assert zeta["finer_grids"]["low_length"] == pytest.approx(radius * zeta["finer_grids"]["low"])
     assert zeta["length"] == pytest.approx(1.5 * radius) and record["beta"]["length"] == pytest.approx(0.9 * radius)
-    assert record["beta"]["grid"] == pytest.approx(0.02 / 0.98)
+    assert zeta["error"] == {"low": -0.1, "high": -0.04}
+    assert zeta["grid"] == pytest.approx(0.5 * (high - low) / middle)
 
 
-@pytest.mark.parametrize("error", [0.05, 0.3])
-@pytest.mark.parametrize("sign", [-1.0, 1.0])
-def test_the_interval_reaches_the_converged_value(error: float, sign: float) -> None:
-    """The bound of the study is relative to the converged value, 1.5 here; the interval to the computed one."""
-    value = 1.5 * (1.0 + sign * error)
-    interval = stated(zeta=value, advice=replace(ADVICE, errors={ZETA: error, BETA: error}))["zeta"]["finer_grids"]
+@pytest.mark.parametrize("error", [-0.3, -0.05, 0.05, 0.3])
+def test_the_interval_reaches_the_converged_value(monkeypatch: pytest.MonkeyPatch, error: float) -> None:
+    """The errors of the study are relative to the converged value, 1.5 here."""
+    intervals = dict.fromkeys((ZETA, BETA), ErrorInterval(error - 0.01, error + 0.01))
+    monkeypatch.setattr(recommend, "error_intervals", lambda *_: intervals)
+    interval = stated(zeta=1.5 * (1.0 + error))["zeta"]["finer_grids"]
     assert interval["low"] < 1.5 < interval["high"]
-    assert of_value(1.0) == float("inf")
+    assert interval["high"] - interval["low"] == pytest.approx(1.5 * 0.02 / (1.0 + error), rel=1e-2)
 
 
 @pytest.mark.parametrize("difference", [-0.5, -0.1, 0.0, 0.05, 0.2, 1.0])
@@ -117,7 +125,7 @@ def test_without_an_experiment_the_reason_is_given(overrides: tuple[str, ...], a
     record = stated(*overrides, at_rest=at_rest)
     for name in ("zeta", "beta"):
         assert record[name]["experiment"] is None and reason in record[name]["reason"]
-        assert record[name]["finer_grids"]["low"] < record[name]["value"]
+        assert record[name]["finer_grids"]["high"] > record[name]["value"]
     assert sum(reason in line for line in statement_lines(record)) == 2
 
 
@@ -141,26 +149,26 @@ def test_error_bars_replace_the_bound_of_the_study() -> None:
     assert (record["source"], record["cells"]) == ("several spacings", 28)
     for bar, name in zip(bars, ("zeta", "beta"), strict=True):
         interval = record[name]["finer_grids"]
-        assert (record[name]["value"], record[name]["grid"]) == (bar.value, bar.relative)
+        assert (record[name]["value"], record[name]["grid"], record[name]["error"]) == (bar.value, bar.relative, None)
         assert (interval["low"], interval["high"]) == pytest.approx((bar.value - bar.error, bar.value + bar.error))
     lines = statement_lines(record)
-    assert "error bar of runs up to r_i/h = 28, values extrapolated" in lines[-1] and "scatter 0" not in "".join(lines)
+    assert "error bars of runs up to r_i/h = 28, values extrapolated" in lines[-1]
+    assert f"error bar {record['zeta']['grid']:.1%}" in lines[0]
 
 
 def test_the_statement_in_words() -> None:
     lines = statement_lines(stated())
     assert len(lines) == 5
     assert lines[0] == (
-        "runout 135 mm, zeta = 1.500; finer grids: 1.419 to 1.581 (127.7 to 142.3 mm), from grid 5.3%, scatter 1.3%"
+        "runout 135 mm, zeta = 1.500; finer grids: 1.562 to 1.667 (140.6 to 150 mm), error of this one -10.0% to -4.0%"
     )
     assert lines[1].startswith("  experiments: 0.9") and lines[1].endswith(
         "and model 38.6% (grid-converged +2.0% against Lube et al. 2007, scatter 10%; +36.0% against Lube et al. 2005, "
         "scatter 10%)"
     )
     assert "Lube et al. 2007 (unverified), scatter 5%" in lines[3]
-    assert lines[4].startswith(
-        'confidence 90%; grid: error bound of "light" at r_i/h = 28 in the study, 5.0% and 2.0% of the grid-converged '
-        "values; scatter"
+    assert lines[4] == (
+        'confidence 90%; error of the grid: that of "light" at r_i/h = 28 in the study (channel, a = 1)'
     )
 
 
@@ -172,7 +180,7 @@ def test_the_stored_statement_is_the_same_and_is_written_once(tmp_path: Path) ->
     before = path.stat().st_ino
     write_statement(tmp_path, record)
     assert path.stat().st_ino == before
-    for damaged in ("{", "[]", "{}", path.read_text().replace('"grid"', '"grit"')):
+    for damaged in ("{", "[]", "{}", path.read_text().replace('"error"', '"eror"')):
         path.write_text(damaged)
         with pytest.raises(OutputError, match=r"accuracy.json is damaged .*; repeat the command of the run"):
             stored_lines(tmp_path)
