@@ -1,8 +1,8 @@
 """How often the 90 % intervals of fits contain the friction angle of computed deposits.
 
-    python scripts/fit/interval_coverage.py OUT --count 40 --accuracy 20%
+    python -m scripts.fit.interval_coverage OUT --count 40 --accuracy 20%
 
-Columns with random model, aspect ratio and friction angle are computed on a finer grid with another time step. The
+Columns with random model, aspect ratio and friction angle are computed on a fine grid with another time step. The
 friction angle is fitted to their runout, and to runout and height, on grids of the accuracy. Writes OUT/intervals.csv
 as the fits end; the same command resumes.
 """
@@ -16,25 +16,10 @@ from pathlib import Path
 import mpmcol
 from mpmcol.cli.options import ACCURACY
 from mpmcol.sweep.table import csv_text
+from scripts.fit.fine_deposit import FRICTION, fine_deposit
 
-FRICTION = "material.friction_deg"
 RANGE = (18.0, 45.0)
-CELLS, POINTS, CFL = 40, 9, 0.43  # of the deposits: r_i/h, points per cell, Courant number
-LIGHT = (
-    "geometry.base=rigid", "method.wall_impulse=true", "stages.initial_stress=k0", "material.youngs_modulus=1.2e6",
-    f"grid.points_per_cell={POINTS}", f"time.cfl={CFL}",
-)  # fmt: skip
-NO_ERROR = 1e-3  # relative standard error of the "measurement"
 QUANTITIES = (("zeta",), ("zeta", "beta"))
-
-
-def deposit(case: str, aspect: float, angle: float, out: Path) -> dict[str, tuple[float, float]]:
-    """Runout and height of a column of known friction, with standard errors."""
-    values = [f"geometry.aspect={aspect}", f"{FRICTION}={angle}", *LIGHT]
-    r_i = mpmcol.load_case(case, values).geometry.r_i
-    measured = mpmcol.run(mpmcol.load_case(case, [*values, f"grid.spacing={r_i / CELLS}"]), out, threads=1).measure()
-    found = {"zeta": measured.zeta["front_height"], "beta": measured.beta}
-    return {name: (value, NO_ERROR * value) for name, value in found.items()}
 
 
 def main() -> None:
@@ -53,7 +38,7 @@ def main() -> None:
         case, aspect = draw.choice(("channel", "cylinder")), round(draw.uniform(1.0, 2.0), 2)
         angle = round(draw.uniform(23.0, 41.0), 1)
         folder = arguments.out / f"{number:02}-{case}-a{aspect:g}-{angle:g}deg"
-        to = deposit(case, aspect, angle, folder / "deposit")
+        to = fine_deposit(case, aspect, angle, folder / "deposit")
         for quantities in QUANTITIES:
             found = mpmcol.fit(
                 case, {one: to[one] for one in quantities}, {FRICTION: RANGE}, overrides=[f"geometry.aspect={aspect}"],

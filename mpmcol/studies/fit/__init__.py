@@ -8,10 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from mpmcol.case import load_case
 from mpmcol.errors import UsageError
 from mpmcol.studies.fit.agreement import Agreement, agreement_of
-from mpmcol.studies.fit.forward import Forward, Level, levels_for, make_level
+from mpmcol.studies.fit.forward import Forward, Level, level_at, levels_for, make_level
 from mpmcol.studies.fit.quantities import Target
 from mpmcol.studies.fit.response import design
 from mpmcol.studies.fit.search import Notify, Search, Solution
@@ -44,7 +43,7 @@ class Fit:
     @property
     def is_grid_known(self) -> bool:
         """Whether the error of the grid is known for any of the measured quantities."""
-        return self.solution.last.level.errors is not None and any(one.has_grid_error for one in self.targets)
+        return self.solution.last.level.intervals is not None and any(one.has_grid_error for one in self.targets)
 
 
 def carry_out_fit(
@@ -67,8 +66,9 @@ def carry_out_fit(
     The ends and the middle of the ranges are computed first. A quadratic response surface of the targets gives the
     values with the least misfit; they are computed, and the surface, corrected by the result, gives the next ones,
     until they change by less than half of their standard errors (a secant method for one unknown, Gauss-Newton for
-    several). With an accuracy, the search begins on coarse grids of the study; the surface is corrected on each finer
-    one, which then needs few evaluations.
+    several). Computed values are corrected for the error of the grid in the study: first for that in the middle of the
+    ranges, at the end for that at the solution. With an accuracy, the search begins on coarse grids of the study; the
+    surface is corrected on each finer one, which then needs few evaluations.
     Runs that have ended are not repeated, so that the same call resumes a fit that was stopped, with equal results.
 
     Raises:
@@ -84,7 +84,7 @@ def carry_out_fit(
             source, tuple(overrides), tuple(unknowns), tuple(targets), out / RUNS, repeats, kept,
             jobs, threads, fresh, observer,
         )  # fmt: skip
-        search = Search(forward, load_case(source, overrides).geometry.r_i, notify)
+        search = Search(forward, notify)
         shares = np.full(len(unknowns), 0.5)
         for number, one in enumerate(levels_for(accuracy), 1):
             level = make_level(source, overrides, unknowns, shares, one, number)
@@ -93,6 +93,10 @@ def carry_out_fit(
             notify(f"{level.name}: {level.text}")
             solution = search.run(level, shares if search.evaluations else search.begin(level))
             shares = solution.shares
+        corrected = level_at(source, overrides, unknowns, shares, solution.last.level)
+        if corrected != solution.last.level:
+            search.correct(corrected)
+            solution = search.run(corrected, solution.last.shares)
     return Fit(source, tuple(overrides), tuple(unknowns), tuple(targets), solution, out)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil
 from pathlib import Path
 
@@ -15,10 +15,12 @@ from mpmcol.io.results import Results
 from mpmcol.measure import Measurement
 from mpmcol.studies.convergence import NORMAL_90
 from mpmcol.studies.fit.course import course_of
-from mpmcol.studies.fit.quantities import Target, measured_deposit, scalars_of
+from mpmcol.studies.fit.quantities import AS_COMPUTED, GridFactors, Target, measured_deposit, scalars_of
 from mpmcol.studies.fit.unknowns import SPACING, Unknown, settings
+from mpmcol.studies.pareto.error_interval import ErrorInterval, error_intervals
 from mpmcol.studies.pareto.recommend import Recommendation, options, recommend
 from mpmcol.studies.pareto.score import BETA, ZETA
+from mpmcol.studies.pareto.shipped import neighbouring_cases, parameters_of
 from mpmcol.studies.pareto.studied import studied_error
 from mpmcol.studies.runs import CFL, SNAPSHOTS, repeated_cfl
 from mpmcol.sweep.engine import KeptPool, unsuccessful
@@ -28,6 +30,7 @@ from mpmcol.sweep.runs import PlannedRun, plan_run
 FINER = 0.03  # relative difference of the spacings of repeated runs, at least one cell in r_i
 ROUNDING = 1e-6  # of r_i / h
 ACCURACIES = (0.2, 0.1)  # of the search, on coarse grids
+LARGEST_CORRECTION = 2.0  # error of the grid that is corrected, over the accuracy: coarser grids differ in other ways
 LEAST_GRID_ERROR = 0.01  # relative: convergence with the spacing is not smooth enough for less
 
 
@@ -35,16 +38,32 @@ LEAST_GRID_ERROR = 0.01  # relative: convergence with the spacing is not smooth 
 class Level:
     """A configuration of the case for all runs of a part of the search.
 
-    errors: relative standard errors of "runout" and "height" by the grid, from the shipped study; None: not studied.
+    intervals: of the relative error of the grid by quantity of the shipped study; None: not studied.
     differences: of the case from those of the study, whose errors may not apply to it.
     """
 
     name: str
     overrides: tuple[str, ...]
     cells: float  # r_i / h
-    errors: Mapping[str, float] | None
+    intervals: Mapping[str, ErrorInterval] | None
     text: str
+    variant: str = ""  # of the study
     differences: tuple[str, ...] = ()
+
+    @property
+    def factors(self) -> GridFactors:
+        """Correction of runout and height for the error of the grid."""
+        if self.intervals is None:
+            return AS_COMPUTED
+        return GridFactors(self.intervals[ZETA].factor, self.intervals[BETA].factor)
+
+    @property
+    def errors(self) -> dict[str, float] | None:
+        """Relative standard errors of the corrected "runout" and "height" by the grid."""
+        if self.intervals is None:
+            return None
+        names = {"runout": ZETA, "height": BETA}
+        return {name: max(self.intervals[own].relative / NORMAL_90, LEAST_GRID_ERROR) for name, own in names.items()}
 
 
 @dataclass(frozen=True)
@@ -53,7 +72,7 @@ class Evaluation:
 
     level: Level
     shares: np.ndarray  # (n,) values of the unknowns in their ranges, 0 to 1
-    values: np.ndarray  # (runs, m) targets
+    values: np.ndarray  # (runs, m) targets, corrected for the error of the grid
     deposits: tuple[Measurement, ...]
     folders: tuple[Path, ...]
     at_rest: bool
@@ -128,12 +147,7 @@ class Forward:
         results = [Results(folder) for folder in folders]
         deposits = tuple(measured_deposit(one) for one in results)
         courses = tuple(course_of(one) for one in results)
-        values = np.array(
-            [
-                np.concatenate([target.of(deposit, course) for target in self.targets])
-                for deposit, course in zip(deposits, courses, strict=True)
-            ]
-        )
+        values = values_of(self.targets, deposits, courses, level.factors)
         if not np.isfinite(values).all():
             raise UsageError(
                 f"{folders[0]}: the deposit has no value of one of the measured quantities (a repose angle needs a "
@@ -143,6 +157,21 @@ class Forward:
             level, shares, values, deposits, tuple(folders), all(one.came_to_rest for one in results),
             sum(float(one.summary["core_seconds"]) for one in results), courses,
         )  # fmt: skip
+
+
+def values_of(
+    targets: Sequence[Target],
+    deposits: Sequence[Measurement],
+    courses: Sequence[Mapping[str, float]],
+    factors: GridFactors,
+) -> np.ndarray:
+    """Values (runs, m) of the targets in runs, corrected for the error of the grid."""
+    return np.array(
+        [
+            np.concatenate([target.of(deposit, course, factors) for target in targets])
+            for deposit, course in zip(deposits, courses, strict=True)
+        ]
+    )
 
 
 def levels_for(accuracy: float | None) -> list[float | None]:
@@ -167,34 +196,58 @@ def make_level(
     return _level(f"level{number}", _advice(source, values, accuracy), unknowns)
 
 
+def level_at(
+    source: str | Path, overrides: Sequence[str], unknowns: Sequence[Unknown], shares: np.ndarray, level: Level
+) -> Level:
+    """The same runs with the error of the grid at other values of the unknowns."""
+    if level.intervals is None:
+        return level
+    case = load_case(source, [*overrides, *level.overrides, *settings(unknowns, shares)])
+    cases = neighbouring_cases(parameters_of(case))
+    return replace(level, intervals=error_intervals(level.variant, level.cells, cases))
+
+
 def _advice(source: str | Path, overrides: Sequence[str], accuracy: float) -> Recommendation:
-    """The cheapest configuration within an accuracy, or the most accurate one, whose error the answer contains."""
+    """The cheapest configuration whose corrected values have an accuracy, or the most accurate one.
+
+    Raises UsageError if the study has none for the case.
+    """
     known = list(options(source, overrides))
-    accurate = [one for one in known if one.error <= accuracy]
-    if accurate or not known:
+    if not known:
         return recommend(source, overrides, accuracy)
-    return min(known, key=lambda one: one.error)
+    errors = [_corrected_error(one) for one in known]
+    accurate = [one for one, error in zip(known, errors, strict=True) if error <= accuracy]
+    if accurate:
+        return min(accurate, key=lambda one: one.core_seconds)
+    return known[errors.index(min(errors))]
+
+
+def _corrected_error(advice: Recommendation) -> float:
+    """The larger error of corrected runout and height, or that of which the correction is the largest one."""
+    return max(
+        max(one.relative, abs(1.0 - 1.0 / one.factor) / LARGEST_CORRECTION) for one in advice.intervals.values()
+    )
 
 
 def _level(name: str, advice: Recommendation, unknowns: Sequence[Unknown]) -> Level:
     for one in unknowns:
         if one.key in advice.values:
             raise UsageError(f"{one.key} is set by --accuracy; omit --accuracy, or set it and vary another key")
-    errors, differences = _standard_errors(advice.errors), tuple(map(str, advice.differences))
-    return Level(name, tuple(advice.overrides), advice.cells, errors, str(advice), differences)
+    differences, intervals = tuple(map(str, advice.differences)), advice.intervals
+    text = (
+        f'"{advice.variant}" at r_i/h = {advice.cells:g}, error in the study {intervals[ZETA]} in runout and '
+        f"{intervals[BETA]} in height"
+    )
+    return Level(name, tuple(advice.overrides), advice.cells, intervals, text, advice.variant, differences)
 
 
 def _own_level(source: str | Path, values: Sequence[str]) -> Level:
     case = load_case(source, values)
     studied, cells = studied_error(case), case.geometry.r_i / case.grid.spacing
-    errors = None if studied is None else _standard_errors(studied.errors)
-    return Level("level1", (), cells, errors, f"the grid of the case, r_i/h = {cells:g}")
-
-
-def _standard_errors(bounds: Mapping[str, float]) -> dict[str, float]:
-    """Relative standard errors of runout and height from the errors that 90 % of runs of the study do not exceed."""
-    names = {"runout": ZETA, "height": BETA}
-    return {name: max(bounds[own] / NORMAL_90, LEAST_GRID_ERROR) for name, own in names.items()}
+    text = f"the grid of the case, r_i/h = {cells:g}"
+    if studied is None:
+        return Level("level1", (), cells, None, text)
+    return Level("level1", (), cells, studied.intervals, text, studied.variant)
 
 
 def _named(run: PlannedRun) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -59,6 +60,16 @@ MEANINGS = {name: quantity.meaning for name, quantity in QUANTITIES.items()} | C
 NO_COURSE: Mapping[str, float] = {}
 
 
+class GridFactors(NamedTuple):
+    """Grid-converged over computed runout and height: the known error of a grid."""
+
+    runout: float = 1.0
+    height: float = 1.0
+
+
+AS_COMPUTED = GridFactors()
+
+
 @dataclass(frozen=True)
 class Target:
     """A measured quantity, or the heights of a measured profile at its stations.
@@ -79,15 +90,23 @@ class Target:
         quantity = QUANTITIES.get(self.name)
         return self.name == PROFILE or (quantity is not None and (quantity.runout, quantity.height) != (0.0, 0.0))
 
-    def of(self, measured: Measurement, course: Mapping[str, float] = NO_COURSE) -> np.ndarray:
-        """The same quantity in a computed deposit or, if it is one of COURSE, in the course of the collapse, (n,)."""
-        if self.name == PROFILE:
-            return np.interp(self.x, measured.profile_x, measured.profile_y, right=0.0)
+    def of(
+        self, measured: Measurement, course: Mapping[str, float] = NO_COURSE, factors: GridFactors = AS_COMPUTED
+    ) -> np.ndarray:
+        """The same quantity in a computed deposit or, if it is one of COURSE, in the course of the collapse, (n,).
+
+        factors: correct it for the error of the grid, as far as it is known how that acts on it.
+        """
         if self.name in COURSE:
             return np.array([course.get(self.name, np.nan)])
-        return np.array([QUANTITIES[self.name].of(measured)])
+        if self.name != PROFILE:
+            quantity = QUANTITIES[self.name]
+            factor = factors.runout**quantity.runout * factors.height**quantity.height
+            return np.array([factor * quantity.of(measured)])
+        stretch = 1.0 + (factors.runout - 1.0) * _runout_share(measured)
+        return factors.height * np.interp(self.x / stretch, measured.profile_x, measured.profile_y, right=0.0)
 
-    def grid_modes(self, measured: Measurement, r_i: float) -> np.ndarray:
+    def grid_modes(self, measured: Measurement) -> np.ndarray:
         """Its change (n, 2) per relative error of the runout and of the height."""
         if self.name in COURSE:
             return np.zeros((1, 2))
@@ -98,8 +117,7 @@ class Target:
         ahead, behind = (
             np.interp(self.x + shift, measured.profile_x, measured.profile_y, right=0.0) for shift in (step, -step)
         )
-        stretched = 1.0 - r_i / max(measured.front[FRONT], r_i)  # share of the runout in the length of the deposit
-        return np.column_stack((-stretched * self.x * (ahead - behind) / (2.0 * step), height))
+        return np.column_stack((-_runout_share(measured) * self.x * (ahead - behind) / (2.0 * step), height))
 
 
 def parse_targets(text: str) -> list[Target]:
@@ -136,12 +154,16 @@ def read_profile(path: Path) -> Target:
     return Target(PROFILE, "m", heights, np.full(STATIONS, ASSUMED_ERROR * z.max()), x, is_stated=False)
 
 
-def grid_covariance(
-    targets: Sequence[Target], measured: Measurement, r_i: float, errors: Mapping[str, float]
-) -> np.ndarray:
+def grid_covariance(targets: Sequence[Target], measured: Measurement, errors: Mapping[str, float]) -> np.ndarray:
     """Covariance (n, n) of all values from independent relative standard errors of "runout" and "height"."""
-    modes = np.vstack([target.grid_modes(measured, r_i) for target in targets])
+    modes = np.vstack([target.grid_modes(measured) for target in targets])
     return np.asarray((modes * np.array([errors["runout"], errors["height"]]) ** 2) @ modes.T)
+
+
+def _runout_share(measured: Measurement) -> float:
+    """Share of the runout in the length of a deposit."""
+    zeta = max(measured.zeta[FRONT], 0.0)
+    return float(zeta / (1.0 + zeta))
 
 
 def unit_of(name: str) -> str:

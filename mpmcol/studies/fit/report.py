@@ -14,6 +14,7 @@ from mpmcol.io.values import to_json
 from mpmcol.provenance import environment
 from mpmcol.studies.fit import RUNS, Fit
 from mpmcol.studies.fit.agreement import Comparison, signed
+from mpmcol.studies.fit.forward import Level
 from mpmcol.studies.fit.identify import remarks
 from mpmcol.studies.fit.quantities import ASSUMED_ERROR, FRONT, MEANINGS, unit_of
 from mpmcol.studies.fit.unknowns import settings
@@ -46,7 +47,14 @@ def lines(fit: Fit) -> Iterator[str]:
     yield from (remark for remark in remarks(fit.unknowns, fit.targets, solution) if remark != statement)
     seconds = sum(one.core_seconds for one in solution.evaluations)
     runs = sum(len(one.folders) for one in solution.evaluations)
-    yield f"{runs} runs, {seconds:.3g} core-seconds; grid of the answer: r_i/h = {grid.cells:g}"
+    yield f"{runs} runs, {seconds:.3g} core-seconds; grid of the answer: r_i/h = {grid.cells:g}{_corrected(grid)}"
+
+
+def _corrected(grid: Level) -> str:
+    if grid.errors is None:
+        return ""
+    runout, height = (f"{factor - 1.0:+.1%}" for factor in grid.factors)
+    return f"; computed values are corrected for its error: {runout} in runout, {height} in height"
 
 
 def record(fit: Fit) -> dict[str, Any]:
@@ -70,7 +78,10 @@ def record(fit: Fit) -> dict[str, Any]:
         "chi_squared": agreement.chi_squared,
         "degrees_of_freedom": agreement.freedom,
         "scale": agreement.scale,
-        "grid": {"cells": grid.cells, "overrides": list(grid.overrides), "errors": grid.errors},
+        "grid": {
+            "cells": grid.cells, "overrides": list(grid.overrides), "errors": grid.errors,
+            "factors": grid.factors._asdict(),
+        },
         "remarks": list(remarks(fit.unknowns, fit.targets, solution)),
         "runs": sum(len(one.folders) for one in solution.evaluations),
         "core_seconds": sum(one.core_seconds for one in solution.evaluations),

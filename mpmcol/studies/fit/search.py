@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mpmcol.studies.fit.forward import Evaluation, Forward, Level
+from mpmcol.studies.fit.forward import Evaluation, Forward, Level, values_of
 from mpmcol.studies.fit.quantities import Target, grid_covariance
 from mpmcol.studies.fit.response import (
     Precision,
@@ -52,8 +52,8 @@ class Solution:
 class Search:
     """Evaluations so far, and the steps of the search."""
 
-    def __init__(self, forward: Forward, r_i: float, notify: Notify) -> None:
-        self.forward, self.r_i, self.notify = forward, r_i, notify
+    def __init__(self, forward: Forward, notify: Notify) -> None:
+        self.forward, self.notify = forward, notify
         self.targets: Sequence[Target] = forward.targets
         self.measured = np.concatenate([target.values for target in self.targets])
         self.evaluations: list[Evaluation] = []
@@ -72,6 +72,13 @@ class Search:
             shares = solution.shares
         best = self.solution(min((one for one in self.evaluations if one.level == level), key=self._misfit))
         return replace(best, is_converged=self._is_converged(best))
+
+    def correct(self, level: Level) -> None:
+        """Correct the runs of a level, which are known, for another error of the grid."""
+        for k, one in enumerate(self.evaluations):
+            if one.level.name == level.name:
+                values = values_of(self.targets, one.deposits, one.courses, level.factors)
+                self.evaluations[k] = replace(one, level=level, values=values)
 
     def solution(self, here: Evaluation) -> Solution:
         """Least squares on the response surface near an evaluation."""
@@ -117,7 +124,7 @@ class Search:
         stated = np.concatenate([target.errors for target in self.targets])
         grid = np.zeros((len(stated), len(stated)))
         if here.level.errors is not None:
-            grid = grid_covariance(self.targets, here.deposits[0], self.r_i, here.level.errors)
+            grid = grid_covariance(self.targets, here.deposits[0], here.level.errors)
         return dict(zip(CAUSES, (np.diag(stated**2), grid, np.diag(self._variance() / runs)), strict=True))
 
     def _misfit(self, one: Evaluation) -> float:

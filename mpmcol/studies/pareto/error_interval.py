@@ -10,6 +10,7 @@ from mpmcol.studies.convergence import NORMAL_90
 from mpmcol.studies.pareto.shipped import QUANTITIES, ShippedConfiguration, shipped_configurations
 
 CONFIDENCE = 0.9
+SAME_SPACING = 1.02  # ratio of r_i / h up to which spacings count as equal
 NEIGHBOURS = 1.5  # ratio of r_i / h up to which configurations have a common scatter: those next to each other
 OF_A_RUN = sqrt(1.5)  # scatter of a run about the mean of the two of a configuration, in that of one run
 
@@ -44,21 +45,21 @@ def hull(intervals: Iterable[ErrorInterval]) -> ErrorInterval:
 def error_intervals(variant: str, cells: float, cases: Sequence[str]) -> dict[str, ErrorInterval]:
     """Return the interval of each quantity for runs of a variant at r_i / h = cells of a column between `cases`.
 
-    It contains the mean error of each of the cases. On either side it is wider by the scatter of a run between
+    It contains the mean error of each of the cases; between two spacings that were studied, those of both, and on finer
+    grids than the finest one of a case, all down to zero. On either side it is wider by the scatter of a run between
     neighbouring spacings (Student's t, for the few runs that it is known from) and the uncertainty of the
-    grid-converged value. Errors of a case that was not studied on such fine grids are between those on its finest grid
-    and zero.
+    grid-converged value.
     """
     return {quantity: hull(_of_cases(quantity, variant, cells, cases)) for quantity in QUANTITIES}
 
 
 def _of_cases(quantity: str, variant: str, cells: float, cases: Sequence[str]) -> Iterator[ErrorInterval]:
-    studied = {case: _studied(case, variant) for case in cases}
-    nearest = {case: min(own, key=lambda one: abs(one.cells / cells - 1.0)) for case, own in studied.items()}
-    scatter = _scatter(quantity, [one for case, own in studied.items() for one in _about(own, nearest[case])])
-    for one in nearest.values():
-        width = hypot(scatter, NORMAL_90 * one.uncertainty[quantity])
-        means = [one.bias[quantity], *([0.0] if one.cells < cells else [])]
+    studied = [_studied(case, variant) for case in cases]
+    coarser = [_coarser(own, cells) for own in studied]
+    scatter = _scatter(quantity, [one for own, near in zip(studied, coarser, strict=True) for one in _about(own, near)])
+    for own, near in zip(studied, coarser, strict=True):
+        width = hypot(scatter, NORMAL_90 * near.uncertainty[quantity])
+        means = [near.bias[quantity], *_finer(quantity, own, near, cells)]
         yield ErrorInterval(min(means) - width, max(means) + width)
 
 
@@ -66,8 +67,22 @@ def _studied(case: str, variant: str) -> list[ShippedConfiguration]:
     return [one for one in shipped_configurations() if one.case == case and one.variant == variant]
 
 
-def _about(own: Sequence[ShippedConfiguration], nearest: ShippedConfiguration) -> list[ShippedConfiguration]:
-    return [one for one in own if nearest.cells / NEIGHBOURS <= one.cells <= NEIGHBOURS * nearest.cells]
+def _coarser(own: Sequence[ShippedConfiguration], cells: float) -> ShippedConfiguration:
+    """The configuration with equal spacing or the next coarser one; the coarsest if there is none."""
+    coarser = [one for one in own if one.cells <= SAME_SPACING * cells]
+    return max(coarser, key=lambda one: one.cells) if coarser else min(own, key=lambda one: one.cells)
+
+
+def _finer(quantity: str, own: Sequence[ShippedConfiguration], near: ShippedConfiguration, cells: float) -> list[float]:
+    """The mean error on the next finer grid, or zero beyond the finest; none if the spacing itself was studied."""
+    if cells <= SAME_SPACING * near.cells:
+        return []
+    finer = [one for one in own if one.cells > cells]
+    return [min(finer, key=lambda one: one.cells).bias[quantity] if finer else 0.0]
+
+
+def _about(own: Sequence[ShippedConfiguration], near: ShippedConfiguration) -> list[ShippedConfiguration]:
+    return [one for one in own if near.cells / NEIGHBOURS <= one.cells <= NEIGHBOURS * near.cells]
 
 
 def _scatter(quantity: str, alike: Sequence[ShippedConfiguration]) -> float:

@@ -8,12 +8,11 @@ from dataclasses import dataclass
 from mpmcol.case import Case
 from mpmcol.case.values import leaf_values
 from mpmcol.errors import UsageError
-from mpmcol.studies.pareto.error_interval import ErrorInterval, error_intervals, hull
+from mpmcol.studies.pareto.error_interval import SAME_SPACING, ErrorInterval, error_intervals
 from mpmcol.studies.pareto.recommend import differences_from_study, largest_errors, studied_configurations
 from mpmcol.studies.pareto.score import BETA, ZETA
-from mpmcol.studies.pareto.shipped import QUANTITIES, neighbouring_cases, parameters_of, study_case
+from mpmcol.studies.pareto.shipped import neighbouring_cases, parameters_of, study_case
 
-SAME_SPACING = 1.02  # ratio within which spacings count as equal
 SAME_SOFTNESS = 1.25  # of rho g h_i / E: a column that is softer by more has not been studied
 FURTHER_KEYS = ("geometry.base", "grid.points_per_cell", "geometry.model", "geometry.section")
 
@@ -51,16 +50,8 @@ def studied_error(case: Case) -> StudiedError | None:
     if not coarser:
         return None
     studied, variant = max(coarser)
-    intervals = _intervals(variant, studied, cells, cases)
-    return StudiedError(variant, studied, largest_errors(groups[variant, studied]), intervals, cases)
-
-
-def _intervals(variant: str, studied: float, cells: float, cases: list[str]) -> dict[str, ErrorInterval]:
-    """Those of the grid that was studied; of a finer one, which has smaller errors, up to zero."""
-    own = error_intervals(variant, studied, cases)
-    if cells <= SAME_SPACING * studied:
-        return own
-    return {name: hull([own[name], ErrorInterval(0.0, 0.0)]) for name in QUANTITIES}
+    errors, intervals = largest_errors(groups[variant, studied]), error_intervals(variant, cells, cases)
+    return StudiedError(variant, studied, errors, intervals, cases)
 
 
 def _is_like(case: Case, variant: str, cases: list[str]) -> bool:

@@ -64,6 +64,12 @@ def test_on_a_finer_grid_than_studied_the_error_is_between_the_last_one_and_zero
     assert finer.low == finest.low and finer.high == pytest.approx(finest.high + 1.0 / 14.0)
 
 
+@pytest.mark.usefixtures("table")
+def test_between_two_spacings_the_interval_holds_the_errors_of_both() -> None:
+    between, coarser = (error_intervals("light", cells, ["low"])[ZETA] for cells in (24.0, 20.3))
+    assert between.low == coarser.low and between.high == pytest.approx(coarser.high + 2.0 / 20.0 - 2.0 / 28.0)
+
+
 @pytest.mark.parametrize("quantity", [ZETA, BETA])
 def test_errors_of_a_column_are_in_the_intervals_from_its_neighbours(
     monkeypatch: pytest.MonkeyPatch, quantity: str

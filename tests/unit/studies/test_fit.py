@@ -21,11 +21,12 @@ from mpmcol.studies.convergence import NORMAL_90
 from mpmcol.studies.fit import Fit, require_enough
 from mpmcol.studies.fit.agreement import agreement_of, largest_misfit
 from mpmcol.studies.fit.course import course_of
-from mpmcol.studies.fit.forward import Evaluation, Level, levels_for
+from mpmcol.studies.fit.forward import Evaluation, Level, levels_for, values_of
 from mpmcol.studies.fit.identify import remarks
 from mpmcol.studies.fit.quantities import (
     ASSUMED_ERROR,
     FRONT,
+    GridFactors,
     Target,
     grid_covariance,
     parse_targets,
@@ -36,10 +37,19 @@ from mpmcol.studies.fit.response import best_point, corrected, design, fit_surfa
 from mpmcol.studies.fit.search import MOST_STEPS, Search, Solution
 from mpmcol.studies.fit.unknowns import Unknown, parse_unknowns, settings
 from mpmcol.studies.fit.values import FittedValue, fitted_values
+from mpmcol.studies.pareto.error_interval import ErrorInterval
+from mpmcol.studies.pareto.score import BETA, ZETA
 
 FRICTION, FLOOR = Unknown("material.friction_deg", 20.0, 40.0), Unknown("friction.floor", 0.1, 0.5)
 COARSE = Level("level1", (), 10.0, None, "")
-FINE = Level("level2", ("grid.spacing=0.001",), 40.0, {"runout": 0.02, "height": 0.01}, "")
+
+
+def symmetric(error: float) -> ErrorInterval:
+    """An interval that leads to a standard error of this size, and to no correction."""
+    return ErrorInterval(1.0 / (1.0 + NORMAL_90 * error) - 1.0, 1.0 / (1.0 - NORMAL_90 * error) - 1.0)
+
+
+FINE = Level("level2", ("grid.spacing=0.001",), 40.0, {ZETA: symmetric(0.02), BETA: symmetric(0.01)}, "")
 
 
 def deposit(zeta: float, beta: float, repose: float = 20.0) -> Measurement:
@@ -73,15 +83,15 @@ class Synthetic:
     def _evaluation(self, level: Level, shares: np.ndarray) -> Evaluation:
         self.calls.append(level.name)
         values = [one.at(float(share)) for one, share in zip(self.unknowns, shares, strict=True)]
-        shift = 0.85 if level == COARSE else 1.0
+        shift = 0.85 if level.cells == COARSE.cells else 1.0
         zeta, *others = self.formula(*values)
         deposits = tuple(
             deposit(shift * zeta * (1.0 + sign * self.scatter), *others)
             for sign in np.linspace(-1.0, 1.0, self.repeats)
         )
         course = self.course(*values)
-        found = np.array([np.concatenate([target.of(one, course) for target in self.targets]) for one in deposits])
         folders, courses = (Path("a"), Path("b")), (course,) * len(deposits)
+        found = values_of(self.targets, deposits, courses, level.factors)
         return Evaluation(level, shares, found, deposits, folders, self.at_rest, 1.0, courses)
 
 
@@ -91,7 +101,7 @@ def runout_of(friction: float) -> tuple[float, float]:
 
 
 def solve(forward: Any, levels: Sequence[Level] = (COARSE,)) -> Solution:
-    search = Search(forward, 1.0, lambda line: None)
+    search = Search(forward, lambda line: None)
     shares = search.begin(levels[0])
     for level in levels:
         solution = search.run(level, shares)
@@ -397,20 +407,48 @@ def test_errors_of_the_grid_act_as_those_of_runout_and_height() -> None:
         *targets_of({"zeta": 1.0, "beta": 0.5}),
         Target("profile", "m", *np.zeros((2, 4)), np.linspace(0.3, 1.5, 4)),
     ]
-    base, r_i = deposit(1.0, 0.5), 1.0
+    base = deposit(1.0, 0.5)
 
     def values(one: Measurement) -> np.ndarray:
         return np.concatenate([target.of(one) for target in targets])
 
-    modes = np.vstack([target.grid_modes(base, r_i) for target in targets])
+    modes = np.vstack([target.grid_modes(base) for target in targets])
     longer, higher = (
         (values(deposit(1.01, 0.5)) - values(base)) / 0.01,
         (values(deposit(1.0, 0.505)) - values(base)) / 0.01,
     )
     assert modes[:, 0] == pytest.approx(longer, rel=0.05, abs=1e-6)
     assert modes[:, 1] == pytest.approx(higher, rel=0.05, abs=1e-6)
-    covariance = grid_covariance(targets, base, r_i, {"runout": 0.1, "height": 0.0})
+    covariance = grid_covariance(targets, base, {"runout": 0.1, "height": 0.0})
     assert covariance == pytest.approx(0.01 * np.outer(modes[:, 0], modes[:, 0]))
+
+
+def test_corrected_values_are_those_of_a_deposit_with_more_runout_and_height() -> None:
+    """A triangular deposit whose runout is 10 % and whose height is 5 % too small."""
+    targets = [
+        *targets_of({"zeta": 1.0, "beta": 0.5, "undisturbed_radius": 0.3}),
+        Target("profile", "m", *np.zeros((2, 4)), np.linspace(0.3, 1.5, 4)),
+    ]
+    computed, converged, factors = deposit(0.9, 0.475), deposit(1.0, 0.5), GridFactors(1.0 / 0.9, 1.0 / 0.95)
+    for target in targets:
+        assert target.of(computed, factors=factors) == pytest.approx(target.of(converged), rel=1e-6)
+    (repose,) = targets_of({"repose": 14.0})
+    flat = [deposit(zeta, beta, np.degrees(np.arctan2(beta, 1.0 + zeta))) for zeta, beta in ((0.9, 0.475), (1.0, 0.5))]
+    assert repose.of(flat[0], factors=factors) == pytest.approx(repose.of(flat[1]), rel=0.01)
+
+
+def test_known_errors_of_the_grid_are_corrected() -> None:
+    """The coarse grid of the synthetic runs has 85 % of the runout: 15 % less, known to 1 %."""
+    interval = {ZETA: ErrorInterval(-0.16, -0.14), BETA: symmetric(0.01)}
+    corrected_level = replace(COARSE, intervals=interval)
+    forward = Synthetic([FRICTION], targets_of({"zeta": (runout_of(30.0)[0], 0.001)}), runout_of)
+    search = Search(forward, lambda line: None)
+    plain = search.run(COARSE, search.begin(COARSE))
+    assert FRICTION.at(plain.shares[0]) < 26.5
+    search.correct(corrected_level)
+    found = search.run(corrected_level, plain.last.shares)
+    assert FRICTION.at(found.shares[0]) == pytest.approx(30.0, abs=0.1)
+    assert found.last.level == corrected_level
 
 
 def test_errors_of_the_grid_act_on_the_repose_angle_as_on_that_of_a_triangle() -> None:
@@ -419,7 +457,7 @@ def test_errors_of_the_grid_act_on_the_repose_angle_as_on_that_of_a_triangle() -
     def angle(zeta: float, beta: float) -> float:
         return float(np.degrees(np.arctan2(beta, 1.0 + zeta)))
 
-    (modes,) = repose.grid_modes(deposit(1.0, 0.5, angle(1.0, 0.5)), 1.0)
+    (modes,) = repose.grid_modes(deposit(1.0, 0.5, angle(1.0, 0.5)))
     changes = (angle(1.01, 0.5) - angle(1.0, 0.5)) / 0.01, (angle(1.0, 0.505) - angle(1.0, 0.5)) / 0.01
     assert modes == pytest.approx(changes, rel=0.1)
 
