@@ -69,6 +69,7 @@ def sweep(
     *,
     aspect: Values | None = None,
     accuracy: float | None = None,
+    corrected: bool = False,
     zipped: bool = False,
     out: Path | str | None = None,
     fresh: bool = False,
@@ -88,6 +89,8 @@ def sweep(
         aspect: aspect ratios h_i / r_i, the same as the values of geometry.aspect.
         accuracy: relative error of runout and height, for example 0.05, for which each run gets the cheapest
             configuration of the shipped study (default: the grid of the case).
+        corrected: the accuracy is that of runout and height corrected for the known error of the grid, which may then
+            be coarser: columns zeta.finer_grids and beta.finer_grids.
         zipped: combine the first values of all keys, then the second ones, and so on.
         out: folder of the sweep (default: in "sweeps", named by case and keys).
         fresh: run again what is finished.
@@ -113,11 +116,15 @@ def sweep(
     axes = [Axis(key, texts_of(key, one)) for key, one in given.items()]
     with tempfile.TemporaryDirectory() as temporary:
         source = source_of(case, Path(temporary))
-        folder = Path(out) if out is not None else Path("sweeps") / sweep_name(name_of(case), axes, accuracy)
-        runs = planned_runs(source, axes, folder, zipped=zipped, accuracy=accuracy, notify=notify)
+        named = Path("sweeps") / sweep_name(name_of(case), axes, accuracy, corrected)
+        folder = Path(out) if out is not None else named
+        chosen = recommendations(source, accuracy, corrected)
+        runs = planned_runs(source, axes, folder, chosen, zipped=zipped, notify=notify)
     for note in runs_that_leave(folder, runs):
         notify(f"note: {note}")
     outcomes = run_sweep(runs, folder, jobs=jobs, threads=threads, fresh=fresh, observer=observer)
+    if chosen:
+        chosen.state(outcomes)
     report = write_report(outcomes, folder)
     return SweepResults(folder, report.rows, report.slopes, report.files)
 
@@ -126,21 +133,20 @@ def planned_runs(
     source: Path | str,
     axes: Sequence[Axis],
     out: Path,
+    chosen: Recommendations | None,
     *,
     zipped: bool,
-    accuracy: float | None,
     notify: Notify,
     problems: Sequence[Problem] = (),
 ) -> list[PlannedRun]:
-    """The runs of a sweep, with the grid of the case or the one for an accuracy.
+    """The runs of a sweep, with the grid of the case or those that `chosen` gives them.
 
     notify: receives which configurations were chosen, for which runs they were not studied, and rounded values.
 
     Raises CaseError with all problems of all runs, after the given `problems`.
     """
-    recommendations = None if accuracy is None else _recommendations(source, accuracy)
-    runs = plan_runs(source, axes, out, zipped, problems, recommendations or no_configuration)
-    for line in [*(recommendations.lines() if recommendations else []), *(f"note: {note}" for note in notes(runs))]:
+    runs = plan_runs(source, axes, out, zipped, problems, chosen or no_configuration)
+    for line in [*(chosen.lines() if chosen else []), *(f"note: {note}" for note in notes(runs))]:
         notify(line)
     return runs
 
@@ -175,7 +181,15 @@ def source_of(case: Case | Path | str, folder: Path) -> Path | str:
     return path
 
 
-def _recommendations(source: str | Path, accuracy: float) -> Recommendations:
+def recommendations(source: str | Path, accuracy: float | None, corrected: bool) -> Recommendations | None:
+    """The configurations of the runs for an accuracy; None without one, for the grid of the case.
+
+    Raises UsageError for an accuracy out of range, and for corrected values without one.
+    """
+    if accuracy is None:
+        if corrected:
+            raise UsageError("corrected values require an accuracy, which chooses the grid")
+        return None
     from mpmcol.api.accuracy import Recommendations  # with the studies, which take longer to import than all else
 
-    return Recommendations(source, accuracy)
+    return Recommendations(source, accuracy, corrected)

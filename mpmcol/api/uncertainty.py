@@ -69,6 +69,7 @@ def propagate(
     seed: int = 0,
     passes: Sequence[float] = (),
     accuracy: float | None = None,
+    corrected: bool = False,
     out: Path | str | None = None,
     fresh: bool = False,
     jobs: int | None = None,
@@ -114,12 +115,11 @@ def propagate(
     uncertain, problems = parse_inputs([f"{key}={text}" for key, text in inputs.items()])
     fixed = [Axis(key, texts_of(key, value)) for key, value in (values or {}).items()]
     with tempfile.TemporaryDirectory() as temporary:
-        folder = (
-            Path(out) if out is not None else Path("sweeps") / study_name(name_of(case), fixed, uncertain, accuracy)
-        )
+        named = Path("sweeps") / study_name(name_of(case), fixed, uncertain, accuracy, corrected)
+        folder = Path(out) if out is not None else named
         plan = plan_study(
             source_of(case, Path(temporary)), fixed, uncertain, folder,
-            samples=samples, seed=seed, accuracy=accuracy, problems=problems,
+            samples=samples, seed=seed, accuracy=accuracy, corrected=corrected, problems=problems,
         )  # fmt: skip
     for line in [*plan.lines(), *(f"note: {note}" for note in runs_that_leave(folder, plan.runs))]:
         notify(line)

@@ -17,30 +17,31 @@ if TYPE_CHECKING:
     from mpmcol.studies.pareto.recommend import Recommendation
 
 
-def recommend(case: str, overrides: Sequence[str], accuracy: float, silent: bool) -> Recommendation:
+def recommend(case: str, overrides: Sequence[str], accuracy: float, *, corrected: bool, silent: bool) -> Recommendation:
     """The cheapest configuration for a case within an accuracy; prints which one and why on stderr unless `silent`."""
     from mpmcol.case.overrides import split_setting
     from mpmcol.studies.pareto.recommend import recommend as find_cheapest
 
-    advice = find_cheapest(case, overrides, accuracy)
+    advice = find_cheapest(case, overrides, accuracy, corrected)
     chosen = dict(text.split("=", 1) for text in advice.overrides)
     for text in overrides:
         key, value = split_setting(text)
         if chosen.get(key, value) != value:
             raise click.UsageError(f"--accuracy chooses {key} = {chosen[key]}; remove --set {text}, or --accuracy")
     if not silent:
-        click.echo(f"cheapest within {100.0 * accuracy:.3g}%: {advice}", err=True)
+        of_what = ", corrected for the error of the grid" * corrected
+        click.echo(f"cheapest within {100.0 * accuracy:.3g}%{of_what}: {advice}", err=True)
     return advice
 
 
 def state_accuracy(
-    results: Results, advice: Recommendation, accuracy: float, bars: Sequence[ErrorBar] = ()
+    results: Results, advice: Recommendation, accuracy: float, bars: Sequence[ErrorBar] = (), corrected: bool = False
 ) -> tuple[dict[str, Any], list[str]]:
     """The statement of accuracy of a run for JSON and in words; it is also written into the folder of the run."""
     from mpmcol.studies.statement import make_statement
     from mpmcol.studies.statement_text import statement_lines, write_statement
 
-    record = make_statement(results, advice, accuracy, bars)
+    record = make_statement(results, advice, accuracy, bars, corrected)
     write_statement(results.folder, record)
     return record, statement_lines(record)
 

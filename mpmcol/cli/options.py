@@ -164,6 +164,21 @@ def accuracy_option(default: str | None = None) -> Decorator:
     )  # fmt: skip
 
 
+def corrected_option(command: Callable[..., Any]) -> Callable[..., Any]:
+    """`--corrected`: the accuracy is that of values corrected for the error of the grid."""
+    return click.option(
+        "--corrected", is_flag=True,
+        help="With --accuracy: that of runout and height corrected for the known error of the grid, which may be "
+        "coarser.",
+    )(command)  # fmt: skip
+
+
+def require_accuracy(corrected: bool, accuracy: float | None) -> None:
+    """Refuse `--corrected` without `--accuracy`."""
+    if corrected and accuracy is None:
+        raise click.UsageError("--corrected requires --accuracy, which chooses the grid")
+
+
 def with_aspect(overrides: Sequence[str], aspect: str | None) -> tuple[str, ...]:
     """The overrides of a single case with that of `--aspect`.
 

@@ -19,6 +19,7 @@ from mpmcol.cli.options import (
     DURATION,
     accuracy_option,
     aspect_option,
+    corrected_option,
     dry_run_option,
     fresh_option,
     jobs_option,
@@ -27,6 +28,7 @@ from mpmcol.cli.options import (
     overrides_option,
     quiet_option,
     report_option,
+    require_accuracy,
     threads_option,
     with_aspect,
 )
@@ -56,6 +58,7 @@ def _free_code(context: click.Context, parameter: click.Parameter, code: int | N
 @aspect_option
 @overrides_option
 @accuracy_option()
+@corrected_option
 @click.option("--certify", is_flag=True, help="With --accuracy: error bars of zeta and beta, from several runs.")
 @out_option("runs/CASE-VALUES")
 @fresh_option
@@ -87,6 +90,7 @@ def run(
     aspect: str | None,
     overrides: tuple[str, ...],
     accuracy: float | None,
+    corrected: bool,
     certify: bool,
     out: Path | None,
     fresh: bool,
@@ -109,7 +113,9 @@ def run(
 
     With --accuracy, the cheapest configuration that was within this error in mpmcol pareto is used. These are
     discretisation errors, without the error of the model. The run ends with a statement, also in accuracy.json:
-    intervals of runout and height for finer grids and for experiments, and what they hold. With --certify the case is
+    intervals of runout and height for finer grids and for experiments, and what they hold. With --corrected the first
+    of these intervals, which contains the known error of the grid, is as narrow as the accuracy, and the values of the
+    run may differ from it by twice the accuracy. With --certify the case is
     run on this grid and two coarser ones, on each also with one cell fewer in the radius, and on a finer grid too if an
     error bar is wider than the accuracy; runout and height are extrapolated to zero spacing.
 
@@ -120,8 +126,9 @@ def run(
     A numerical failure stops the run with its cause, location and remedy (exit code 3); the last valid state is kept as
     a snapshot. With --on-instability retry, time.cfl is halved instead, at most four times.
     """
+    require_accuracy(corrected, accuracy)
     if certify:
-        _check_certify(accuracy)
+        _check_certify(accuracy, corrected)
     elif jobs is not None:
         raise click.UsageError("--jobs applies to several runs: give --accuracy and --certify, or mpmcol sweep")
     if fresh and force_resume:
@@ -134,9 +141,9 @@ def run(
 
     given = with_aspect(overrides, aspect)
     loaded = load_case(case, given)
-    folder = out or DEFAULT_FOLDER / f"{run_name(case, loaded, given, accuracy)}{'-certified' * certify}"
+    folder = out or DEFAULT_FOLDER / f"{run_name(case, loaded, given, accuracy, corrected)}{'-certified' * certify}"
     if accuracy is not None:
-        advice = recommend(case, given, accuracy, silent=quiet)
+        advice = recommend(case, given, accuracy, corrected=corrected, silent=quiet)
         if certify:
             run_certified(
                 case, given, advice, accuracy, folder,
@@ -166,7 +173,7 @@ def run(
         if to_json:
             click.echo(as_json(Results(folder).summary))
         raise
-    statement, lines = ({}, []) if accuracy is None else state_accuracy(results, advice, accuracy)
+    statement, lines = ({}, []) if accuracy is None else state_accuracy(results, advice, accuracy, corrected=corrected)
     if to_json:
         click.echo(as_json(results.summary | ({"accuracy": statement} if statement else {})))
     elif not quiet:
@@ -184,10 +191,12 @@ def _print_summary(results: Results, lines: Sequence[str]) -> None:
     click.echo(f"results in {shown}; next: mpmcol plot {shown}, mpmcol render {shown}")
 
 
-def _check_certify(accuracy: float | None) -> None:
+def _check_certify(accuracy: float | None, corrected: bool) -> None:
     """Refuse options that --certify, a sweep over spacings, cannot have."""
     if accuracy is None:
         raise click.UsageError("--certify requires --accuracy, which chooses the grid")
+    if corrected:
+        raise click.UsageError("--corrected uses the error of the study, and --certify that of several runs; omit one")
     context = click.get_current_context()
     given = [name for name in SINGLE_RUN_OPTIONS if context.get_parameter_source(name) is ParameterSource.COMMANDLINE]
     if given:

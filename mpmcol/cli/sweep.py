@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,6 +12,7 @@ import click
 from mpmcol.cli.options import (
     accuracy_option,
     aspect_option,
+    corrected_option,
     dry_run_option,
     fresh_option,
     jobs_option,
@@ -20,6 +21,7 @@ from mpmcol.cli.options import (
     overrides_option,
     quiet_option,
     report_option,
+    require_accuracy,
     threads_option,
 )
 from mpmcol.cli.report import report_at_end
@@ -31,6 +33,8 @@ if TYPE_CHECKING:
     from mpmcol.sweep.engine import Outcome
     from mpmcol.sweep.report import SweepReport
     from mpmcol.sweep.runs import PlannedRun
+
+State = Callable[["Sequence[Outcome]"], None]  # writes statements of accuracy into the folders of the runs
 
 
 @click.command()
@@ -44,6 +48,7 @@ if TYPE_CHECKING:
 @click.option("--zip", "zipped", is_flag=True, help="Combine the first values of all keys, then the second, and so on.")
 @uncertain_options
 @accuracy_option()
+@corrected_option
 @out_option("sweeps/CASE-KEYS")
 @fresh_option
 @jobs_option
@@ -65,6 +70,7 @@ def sweep(
     zipped: bool,
     uncertain: UncertainOptions,
     accuracy: float | None,
+    corrected: bool,
     out: Path | None,
     fresh: bool,
     jobs: int | None,
@@ -86,7 +92,8 @@ def sweep(
     ways, unless --zip is given.
 
     With --accuracy, each run gets the configuration that mpmcol run --accuracy chooses for its column; runs that are
-    unlike those of the study, such as a higher column, are named.
+    unlike those of the study, such as a higher column, are named. The table has the intervals of finer grids
+    (zeta.finer_grids, beta.finer_grids); with --corrected these are as narrow as the accuracy.
 
     With --uncertain, keys have distributions instead of values: the runs are a sample, and statistics, probabilities
     and the shares of the inputs in the variance are written as well. All runs then have one configuration.
@@ -100,12 +107,16 @@ def sweep(
     if dry_run and engine != "local":
         raise click.UsageError(f"--dry-run estimates runs on this machine; remove --engine {engine}")
     case = case or ("cylinder" if slope is None else "inclined-channel")
+    require_accuracy(corrected, accuracy)
+    state: State = _state_nothing
     end: End = _ending
     if uncertain.inputs:
-        plan, folder = uncertain.plan(case, aspect, overrides, slope, out=out, accuracy=accuracy)
+        plan, folder = uncertain.plan(case, aspect, overrides, slope, out=out, accuracy=accuracy, corrected=corrected)
         runs, notes, end = plan.runs, uncertain.notes(plan), partial(uncertain.ending, plan)
     else:
-        runs, folder, notes = _planned(case, aspect, overrides, slope, zipped=zipped, out=out, accuracy=accuracy)
+        runs, folder, notes, state = _planned(
+            case, aspect, overrides, slope, zipped=zipped, out=out, accuracy=accuracy, corrected=corrected
+        )
     notes += [f"note: {note}" for note in runs_that_leave(folder, runs)]
     if not quiet:
         click.echo("".join(f"{note}\n" for note in notes), err=True, nl=False)
@@ -116,7 +127,7 @@ def sweep(
         print_commands(runs, folder, threads, fresh=fresh, quiet=quiet)
     else:
         code = _execute(
-            runs, folder, end,
+            runs, folder, state, end,
             jobs=jobs, threads=threads, scheduler=scheduler, fresh=fresh, to_json=to_json, quiet=quiet,
         )  # fmt: skip
         if report:
@@ -147,17 +158,26 @@ def _planned(
     zipped: bool,
     out: Path | None,
     accuracy: float | None,
-) -> tuple[list[PlannedRun], Path, list[str]]:
-    """The runs of given values, the folder of the sweep, and notes. Raises CaseError and UsageError."""
-    from mpmcol.api.sweeps import planned_runs
+    corrected: bool,
+) -> tuple[list[PlannedRun], Path, list[str], State]:
+    """The runs of given values, the folder of the sweep, notes, and what states the accuracy of the outcomes.
+
+    Raises CaseError and UsageError.
+    """
+    from mpmcol.api.sweeps import planned_runs, recommendations
     from mpmcol.sweep.axes import parse_axes
     from mpmcol.sweep.names import sweep_name
 
     axes, problems = parse_axes(aspect, overrides, slope)
-    folder = out or Path("sweeps") / sweep_name(case, axes, accuracy)
+    folder = out or Path("sweeps") / sweep_name(case, axes, accuracy, corrected)
     notes: list[str] = []
-    runs = planned_runs(case, axes, folder, zipped=zipped, accuracy=accuracy, problems=problems, notify=notes.append)
-    return runs, folder, notes
+    chosen = recommendations(case, accuracy, corrected)
+    runs = planned_runs(case, axes, folder, chosen, zipped=zipped, problems=problems, notify=notes.append)
+    return runs, folder, notes, chosen.state if chosen else _state_nothing
+
+
+def _state_nothing(outcomes: Sequence[Outcome]) -> None:
+    """Without an accuracy there is no statement of it."""
 
 
 def _ending(outcomes: Sequence[Outcome], report: SweepReport) -> Ending:
@@ -170,6 +190,7 @@ def _ending(outcomes: Sequence[Outcome], report: SweepReport) -> Ending:
 def _execute(
     runs: list[PlannedRun],
     out: Path,
+    state: State,
     end: End,
     *,
     jobs: int | None,
@@ -188,6 +209,7 @@ def _execute(
 
     with SweepDisplay(out, quiet) as display:
         outcomes = run_sweep(runs, out, jobs=jobs, threads=threads, scheduler=scheduler, fresh=fresh, observer=display)
+    state(outcomes)
     report = write_report(outcomes, out)
     record, lines = end(outcomes, report)
     if to_json:

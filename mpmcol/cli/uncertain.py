@@ -40,6 +40,7 @@ class UncertainOptions:
         *,
         out: Path | None,
         accuracy: float | None,
+        corrected: bool,
     ) -> tuple[UncertaintyPlan, Path]:
         """The planned runs and the folder of the sweep. Raises CaseError and UsageError."""
         from mpmcol.studies.uncertainty.inputs import parse_inputs
@@ -48,10 +49,10 @@ class UncertainOptions:
 
         fixed, problems = parse_axes(aspect, overrides, slope) if aspect or overrides or slope else ([], [])
         uncertain, more = parse_inputs(self.inputs)
-        folder = out or Path("sweeps") / study_name(case, fixed, uncertain, accuracy)
+        folder = out or Path("sweeps") / study_name(case, fixed, uncertain, accuracy, corrected)
         plan = plan_study(
             case, fixed, uncertain, folder,
-            samples=self.samples, seed=self.seed, accuracy=accuracy, problems=[*problems, *more],
+            samples=self.samples, seed=self.seed, accuracy=accuracy, corrected=corrected, problems=[*problems, *more],
         )  # fmt: skip
         return plan, folder
 

@@ -54,6 +54,7 @@ _QUANTITY: Names = {
 ACCURACY: Names = {
     "accuracy": ("", "statement of accuracy (--accuracy); accuracy.json has the same"),
     "accuracy.requested": ("", "accuracy that was requested"),
+    "accuracy.corrected": ("", "whether it was that of values corrected for the error of the grid (--corrected)"),
     "accuracy.confidence": ("", "confidence of the intervals"),
     "accuracy.source": ("", "source of the error of the grid: study, or runs at several spacings (--certify)"),
     "accuracy.variant": ("", "variant of the method in the study"),

@@ -58,6 +58,7 @@ RECORD_NAMES = {  # uncertainty.json
     "configuration.variant": ("", "variant of the method in the study"),
     "configuration.cells": ("", "r_i / h at the means of the inputs"),
     "configuration.accuracy": ("", "relative error of runout and height that was asked for"),
+    "configuration.corrected": ("", "whether runout, front and height are corrected for the error of the grid"),
     "quantities": ("", "rows of uncertainty.csv"),
     **{f"quantities.{name}": entry for name, entry in QUANTITY_NAMES.items()},
     "passes": ("", "one entry for each distance of --passes"),

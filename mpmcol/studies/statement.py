@@ -65,7 +65,7 @@ class StatedQuantity:
 
 
 def make_statement(
-    results: Results, advice: Recommendation, accuracy: float, bars: Sequence[ErrorBar] = ()
+    results: Results, advice: Recommendation, accuracy: float, bars: Sequence[ErrorBar] = (), corrected: bool = False
 ) -> dict[str, Any]:
     """Return the statement of a finished run as a record for JSON; `mpmcol explain accuracy` explains its keys.
 
@@ -73,12 +73,14 @@ def make_statement(
         results: of the run of the recommended configuration.
         advice: the recommendation that the run was made by.
         accuracy: the accuracy that was requested.
+        corrected: whether it was that of values corrected for the error of the grid.
         bars: of runs at several spacings; they replace the errors of the study, and their values those of the run.
     """
     certified = {bar.quantity: bar for bar in bars}
     quantities = {name: _quantity(name, results, advice, certified.get(IN_STUDY[name])).as_dict() for name in NAMES}
     return {
         "requested": accuracy,
+        "corrected": corrected,
         "confidence": CONFIDENCE,
         "source": "several spacings" if bars else "study",
         "variant": advice.variant,

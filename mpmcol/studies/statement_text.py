@@ -52,7 +52,7 @@ def statement_lines(record: Mapping[str, Any]) -> list[str]:
 def _source(record: Mapping[str, Any]) -> str:
     if record["source"] == "study":
         variant = f'"{record["variant"]}" at r_i/h = {record["cells"]:g}'
-        return f"error of the grid: that of {variant} in the study ({'; '.join(record['cases'])})"
+        return f"grid: errors of {variant} in the study ({'; '.join(record['cases'])})"
     return f"error bars of runs up to r_i/h = {record['cells']:g}, values extrapolated to zero spacing"
 
 

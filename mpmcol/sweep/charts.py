@@ -26,7 +26,7 @@ from mpmcol.plotting.figures import (
 from mpmcol.plotting.styles import FRONT_STYLES, RUN_COLOURS, TIME_COLOURS, experiment_style
 from mpmcol.sweep.fits import Slope
 from mpmcol.sweep.series import ASPECT_COLUMN, Series
-from mpmcol.sweep.table import unit_of
+from mpmcol.sweep.table import FINER_GRIDS, unit_of
 
 ASPECT_LABEL = r"aspect ratio $a = h_i/r_i$ (-)"
 LABELS = {"zeta": r"runout $\zeta = (r_f - r_i)/r_i$ (-)", "beta": r"final height $\beta = h_f/h_i$ (-)"}
@@ -34,6 +34,8 @@ SERIES_MARKERS = "os^Dv<>"
 MOST_SERIES = MOST_ENTRIES - 3  # with legend entries; more series are labelled at their last marker
 MIDDLE = "front_connected"  # drawn where there are several series, with a bar over all definitions
 NOT_AT_REST = "not at rest"
+FINER_COLOUR = "tab:blue"
+FINER_STYLE: dict[str, Any] = {"linestyle": "none", "color": FINER_COLOUR, "capsize": 4, "zorder": 1}
 MARGIN = 1.15  # factor by which a logarithmic axis extends beyond the data
 _CURVE = 100
 
@@ -173,6 +175,8 @@ def _draw_series(
         x = [ticks.get(row[axis], row[axis]) for row in rows]
         mark: dict[str, Any] = {"linestyle": "none", "fillstyle": "none", "marker": style["marker"], "color": paint}
         y = [row["beta" if quantity == "beta" else f"zeta.{MIDDLE}"] for row in rows]
+        if not line.label:
+            _draw_finer_grids(axes, quantity, x, rows)
         if quantity == "beta":
             axes.plot(x, y, label=_marker_label(line.label or "beta", at_rest), **mark)
         elif not line.label:
@@ -188,6 +192,15 @@ def _draw_series(
     return end if line.label else []
 
 
+def _draw_finer_grids(axes: Axes, quantity: str, x: Sequence[Any], rows: Sequence[Mapping[str, Any]]) -> None:
+    """Intervals of 90 % of what finer grids would give, where the runs have statements of accuracy."""
+    column = f"{quantity}.{FINER_GRIDS}"
+    known = [(at, row) for at, row in zip(x, rows, strict=True) if row.get(column) is not None]
+    if known:
+        middle, low = (np.array([row[name] for _, row in known]) for name in (column, f"{column}.low"))
+        axes.errorbar([at for at, _ in known], middle, yerr=middle - low, label=FINER_GRIDS, **FINER_STYLE)
+
+
 def _marker_label(name: str, at_rest: bool) -> str:
     return name if at_rest else f"{name} ({NOT_AT_REST})"
 
@@ -197,7 +210,7 @@ def _draw_slope(axes: Axes, slope: Slope, series: Sequence[Series]) -> None:
     index = next(i for i, line in enumerate(series) if line.label == slope.series)
     inside = [row["a"] for row in series[index].rows if row["at_rest"] and slope.lo <= row["a"] < slope.hi]
     a = np.geomspace(min(inside), max(inside), 2)
-    colour = _series_style(index, len(series))["color"]
+    colour = FINER_COLOUR if slope.front == FINER_GRIDS else _series_style(index, len(series))["color"]
     dashes = FRONT_STYLES.get(slope.front, {}).get("linestyle", "-")
     line: dict[str, Any] = {"color": colour, "linewidth": 0.9, "linestyle": dashes, "label": _slope_label(slope)}
     axes.plot(a, slope.prefactor * a**slope.exponent, **line)

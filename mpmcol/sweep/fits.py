@@ -14,10 +14,10 @@ from numpy.typing import ArrayLike
 from mpmcol.experiments import Experiment
 from mpmcol.io.atomic import atomic_write
 from mpmcol.measure import FRONTS
-from mpmcol.sweep.table import csv_text
+from mpmcol.sweep.table import FINER_GRIDS, csv_text
 
 SLOPES_FILE = "slopes.csv"
-QUANTITIES = (*(f"zeta.{front}" for front in FRONTS), "beta")
+QUANTITIES = (*(f"zeta.{front}" for front in FRONTS), f"zeta.{FINER_GRIDS}", "beta", f"beta.{FINER_GRIDS}")
 CONFIDENCE = 0.95
 FEWEST = 2  # runs in a fit
 
@@ -90,7 +90,8 @@ def fit_slopes(rows: Sequence[Mapping[str, Any]], experiment: Experiment, series
     Rows that are not at rest and values that are not positive are excluded.
     """
     rest = [row for row in rows if row.get("at_rest")]
-    return [slope for quantity in QUANTITIES for slope in _slopes(rest, quantity, experiment, series)]
+    known = [quantity for quantity in QUANTITIES if all(quantity in row for row in rest)]
+    return [slope for quantity in known for slope in _slopes(rest, quantity, experiment, series)]
 
 
 def write_slopes(out: Path, slopes: Sequence[Slope]) -> Path:

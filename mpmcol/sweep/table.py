@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import json
 from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import Any
@@ -15,8 +16,9 @@ from mpmcol.case.fields import number_of
 from mpmcol.case.reference import field_at
 from mpmcol.errors import OutputError
 from mpmcol.io import columns
-from mpmcol.io.atomic import atomic_write
+from mpmcol.io.atomic import atomic_write, read_bytes
 from mpmcol.io.glossary import TABLE
+from mpmcol.io.names import ACCURACY_FILE
 from mpmcol.io.run_status import read_status
 from mpmcol.io.values import flatten
 from mpmcol.io.vtkhdf import create_in_memory, image
@@ -32,6 +34,7 @@ MEASURED = (
     "front", "zeta", "spread", "height", "beta", "area_factor", "repose_angle_deg", "undisturbed_radius", "stop_time",
     "at_rest", "time_over_tau",
 )  # fmt: skip
+FINER_GRIDS = "finer_grids"  # last part of the columns of these intervals
 COST = ("points", "column_points", "steps", "dt", "ns_per_point_step", "core_seconds", "peak_memory_bytes", "threads")
 
 Row = dict[str, Any]
@@ -100,7 +103,7 @@ def write_hdf5(out: Path, rows: Sequence[Row], outcomes: Sequence[Outcome]) -> P
 
 
 def _parts(outcome: Outcome) -> tuple[Row, ...]:
-    """Parts of a row: inputs, sizes, measurements, erosion of a bed, laws, errors, cost, versions, message."""
+    """Parts of a row: inputs, sizes, measurements, erosion, finer grids, laws, errors, cost, versions, message."""
     run = outcome.run
     geometry = run.case.geometry
     result = read_status(run.folder).result or {}
@@ -117,6 +120,7 @@ def _parts(outcome: Outcome) -> tuple[Row, ...]:
         {name: result.get(name) for name in SIZES},
         dict(flatten({name: measured[name] for name in MEASURED if name in measured}, unnamed=("mean",))),
         dict(flatten({"erosion": measured.get("erosion") or {}})),
+        _finer_grids(outcome),
         _laws(outcome),
         {
             error_column(error["experiment"], error["quantity"], error["front_definition"]): compared(error["error"])
@@ -127,6 +131,23 @@ def _parts(outcome: Outcome) -> tuple[Row, ...]:
         {f"version.{name}": version for name, version in result.get("versions", {}).items()},
         {"message": outcome.result.message or (MOVING if measured and not at_rest else "")},
     )
+
+
+def _finer_grids(outcome: Outcome) -> Row:
+    """Intervals of runout and height from the statement of accuracy, with their middle; empty without one."""
+    path = outcome.run.folder / ACCURACY_FILE
+    if outcome.status != "done" or not path.exists():
+        return {}
+    try:
+        statement = json.loads(read_bytes(path))
+        ends = {name: [statement[name][FINER_GRIDS][end] for end in ("low", "high")] for name in ("zeta", "beta")}
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise OutputError(f"{path} is damaged ({type(error).__name__}: {error}); {AGAIN}") from None
+    row: Row = {}
+    for name, (low, high) in ends.items():
+        column = f"{name}.{FINER_GRIDS}"
+        row |= {column: 0.5 * (low + high), f"{column}.low": low, f"{column}.high": high}
+    return row
 
 
 def _laws(outcome: Outcome) -> Row:

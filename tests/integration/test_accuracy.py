@@ -5,9 +5,12 @@ from __future__ import annotations
 import html
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+import mpmcol
+from mpmcol.studies.pareto.recommend import recommend
 from tests.support.cli import invoke
 
 COMMAND = ("run", "cylinder", "--accuracy", "20%", "--set", "stages.collapse.max_time_factor=4", "--threads", 1)
@@ -34,9 +37,50 @@ def test_the_statement_is_the_same_in_all_places(folder: Path) -> None:
     page = html.unescape(Path(report.stdout.strip()).read_text())
     for line in lines[first : first + 5]:
         assert line.strip()[1:] in page
-    assert lines[first + 4].startswith("confidence 90%; grid: error bound of")
+    assert lines[first + 4].startswith("confidence 90%; grid: errors of")
     assert "error of the grid: " not in printed[0].stdout + page
     assert invoke("verify", folder).exit_code == 0
+
+
+def test_corrected_values_need_a_coarser_grid(tmp_path: Path) -> None:
+    """Its error, which the study knows, is larger than the accuracy, and what finer grids would give is as narrow."""
+    command = (*COMMAND[:3], "10%", *COMMAND[4:], "--corrected", "--out", tmp_path / "run")
+    done = invoke(*command)
+    assert done.exit_code == 0 and "cheapest within 10%, corrected for the error of the grid: " in done.stderr
+    record = json.loads((tmp_path / "run" / "accuracy.json").read_text())
+    assert record["corrected"] and record["cells"] < recommend("cylinder", [], 0.1).cells
+    for name in ("zeta", "beta"):
+        low, high = (record[name]["finer_grids"][end] for end in ("low", "high"))
+        assert (high - low) / (high + low) <= 0.1
+    assert record["zeta"]["value"] < record["zeta"]["finer_grids"]["low"]
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (("run", "cylinder", "--corrected"), "--corrected requires --accuracy"),
+        (("sweep", "cylinder", "--aspect", "1,2", "--corrected"), "--corrected requires --accuracy"),
+        (("run", "cylinder", "--accuracy", "10%", "--corrected", "--certify"), "--certify that of several runs"),
+    ],
+)
+def test_correction_and_other_options(options: tuple[str, ...], message: str) -> None:
+    refused = invoke(*options)
+    assert refused.exit_code == 2 and message in refused.stderr
+
+
+def test_a_sweep_has_the_intervals_of_finer_grids(tmp_path: Path) -> None:
+    """In its table, chart and fitted exponents; they are those of the statements of its runs."""
+    notes: list[str] = []
+    given: dict[str, Any] = {"aspect": "2.9,5", "accuracy": 0.2, "corrected": True, "out": tmp_path / "sweep"}
+    found = mpmcol.sweep("channel", **given, notify=notes.append)
+    assert "within 20%, corrected for the error of the grid" in notes[0]
+    for row in found.rows:
+        statement = json.loads((found.folder / row["folder"] / "accuracy.json").read_text())
+        for name in ("zeta", "beta"):
+            low, high = (statement[name]["finer_grids"][end] for end in ("low", "high"))
+            assert row[f"{name}.finer_grids.low"] == low < row[f"{name}.finer_grids"] < high
+    assert {"zeta.finer_grids", "beta.finer_grids"} <= {slope.quantity for slope in found.slopes}
+    assert mpmcol.sweep("channel", **given, notify=notes.append).rows == found.rows
 
 
 def test_a_damaged_statement_is_reported_and_written_again(folder: Path) -> None:

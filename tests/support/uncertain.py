@@ -32,9 +32,14 @@ def sampled(inputs: list[UncertainInput], count: int, seed: int = 0) -> np.ndarr
     return np.column_stack([sample.numbers(one.key) for one in inputs])
 
 
-def planned(out: Path, *options: str, samples: int = 16, accuracy: float | None = None) -> UncertaintyPlan:
+def planned(
+    out: Path, *options: str, samples: int = 16, accuracy: float | None = None, corrected: bool = False
+) -> UncertaintyPlan:
     """A plan for the case coarse-channel."""
-    return plan_study("coarse-channel", [], inputs_of(*options), out, samples=samples, seed=0, accuracy=accuracy)
+    return plan_study(
+        "coarse-channel", [], inputs_of(*options), out,
+        samples=samples, seed=0, accuracy=accuracy, corrected=corrected,
+    )  # fmt: skip
 
 
 def ended(plan: UncertaintyPlan, result: Callable[[Mapping[str, Any]], Mapping[str, Any]]) -> list[Outcome]:

@@ -30,7 +30,6 @@ from mpmcol.sweep.runs import PlannedRun, plan_run
 FINER = 0.03  # relative difference of the spacings of repeated runs, at least one cell in r_i
 ROUNDING = 1e-6  # of r_i / h
 ACCURACIES = (0.2, 0.1)  # of the search, on coarse grids
-LARGEST_CORRECTION = 2.0  # error of the grid that is corrected, over the accuracy: coarser grids differ in other ways
 LEAST_GRID_ERROR = 0.01  # relative: convergence with the spacing is not smooth enough for less
 
 
@@ -208,25 +207,14 @@ def level_at(
 
 
 def _advice(source: str | Path, overrides: Sequence[str], accuracy: float) -> Recommendation:
-    """The cheapest configuration whose corrected values have an accuracy, or the most accurate one.
-
-    Raises UsageError if the study has none for the case.
-    """
-    known = list(options(source, overrides))
-    if not known:
-        return recommend(source, overrides, accuracy)
-    errors = [_corrected_error(one) for one in known]
-    accurate = [one for one, error in zip(known, errors, strict=True) if error <= accuracy]
-    if accurate:
-        return min(accurate, key=lambda one: one.core_seconds)
-    return known[errors.index(min(errors))]
-
-
-def _corrected_error(advice: Recommendation) -> float:
-    """The larger error of corrected runout and height, or that of which the correction is the largest one."""
-    return max(
-        max(one.relative, abs(1.0 - 1.0 / one.factor) / LARGEST_CORRECTION) for one in advice.intervals.values()
-    )
+    """The cheapest configuration whose corrected values have an accuracy, or the most accurate one."""
+    try:
+        return recommend(source, overrides, accuracy, corrected=True)
+    except UsageError:
+        known = list(options(source, overrides))
+        if not known:
+            raise
+        return min(known, key=lambda one: one.corrected_error)
 
 
 def _level(name: str, advice: Recommendation, unknowns: Sequence[Unknown]) -> Level:

@@ -37,6 +37,7 @@ COMPARED = ("method.", "time.", "stages.", "material.")  # tables in which a cas
 # Values that the study varies, that follow from these, or that only scale the collapse of dry sand.
 NOT_COMPARED = ("material.friction_deg", "material.youngs_modulus", "stages.k0", "material.density")
 LOADING = "stages.equilibrate."
+LARGEST_CORRECTION = 2.0  # error of the grid that is corrected, over the accuracy: coarser grids differ in other ways
 
 
 class Difference(NamedTuple):
@@ -74,6 +75,16 @@ class Recommendation:
         return max(self.errors.values())
 
     @property
+    def corrected_error(self) -> float:
+        """The larger error of runout and height that are corrected for the error of the grid.
+
+        At least what remains of a correction that is LARGEST_CORRECTION times as large.
+        """
+        return max(
+            max(one.relative, abs(1.0 - 1.0 / one.factor) / LARGEST_CORRECTION) for one in self.intervals.values()
+        )
+
+    @property
     def intervals(self) -> dict[str, ErrorInterval]:
         """Intervals of the relative errors, with their sign, by quantity."""
         return error_intervals(self.variant, self.cells, self.cases)
@@ -92,34 +103,39 @@ class Recommendation:
         )
 
 
-def recommend(source: str | Path, overrides: Sequence[str], accuracy: float) -> Recommendation:
+def recommend(source: str | Path, overrides: Sequence[str], accuracy: float, corrected: bool = False) -> Recommendation:
     """Return the cheapest selectable configuration with errors of at most `accuracy` in all neighbouring cases.
 
     Args:
         source, overrides: of the case, as `load_case` takes them.
         accuracy: largest relative error of runout and height.
+        corrected: of runout and height that are corrected for the error of the grid, so that coarser grids suffice.
 
     Raises:
         UsageError: there is none; the message shows the most accurate configuration.
     """
-    accurate = list(options(source, overrides, accuracy))
+    if corrected:
+        accurate = [one for one in options(source, overrides) if one.corrected_error <= accuracy]
+    else:
+        accurate = list(options(source, overrides, accuracy))
     if not accurate:
-        raise UsageError(_out_of_reach(list(options(source, overrides)), accuracy))
+        raise UsageError(_out_of_reach(list(options(source, overrides)), accuracy, corrected))
     return min(accurate, key=lambda one: one.core_seconds)
 
 
-def _out_of_reach(candidates: Sequence[Recommendation], accuracy: float) -> str:
+def _out_of_reach(candidates: Sequence[Recommendation], accuracy: float, corrected: bool) -> str:
     """Why no configuration is recommended."""
     if not candidates:
         return (
             "every configuration of the study has too few cells for this column, or other settings that are unfit for "
             "it; set grid.spacing instead of an accuracy (mpmcol check reports unfit settings)"
         )
-    best = min(candidates, key=lambda one: one.error)
+    errors = [one.corrected_error if corrected else one.error for one in candidates]
+    least = min(errors)
     return (
-        f"no configuration of the study has errors of at most {100.0 * accuracy:.3g}% for cases like this one; the "
-        f"most accurate is\n{best}\n"
-        f"use --accuracy {ceil(1e3 * best.error) / 10.0:g}% or more, or set grid.spacing instead"
+        f"no configuration of the study has {'corrected values with ' * corrected}errors of at most "
+        f"{100.0 * accuracy:.3g}% for cases like this one; the most accurate is\n{candidates[errors.index(least)]}\n"
+        f"use --accuracy {ceil(1e3 * least) / 10.0:g}% or more, or set grid.spacing instead"
     )
 
 

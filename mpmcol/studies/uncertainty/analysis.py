@@ -13,13 +13,14 @@ from mpmcol.io.glossary import RESULT
 from mpmcol.io.run_status import read_status
 from mpmcol.io.values import flatten
 from mpmcol.studies.convergence import NORMAL_90
+from mpmcol.studies.pareto.score import BETA, ZETA
 from mpmcol.studies.uncertainty.plan import UncertaintyPlan
 from mpmcol.studies.uncertainty.statistics import Probability, Statistics, probability_of, statistics_of
 from mpmcol.studies.uncertainty.variance_shares import VarianceShares, variance_shares
 from mpmcol.sweep.engine import Outcome
 
 FRONT = "front.front_height"
-QUANTITIES = ("zeta.front_height", FRONT, "beta", "repose_angle_deg")  # of result.json
+QUANTITIES = (ZETA, FRONT, BETA, "repose_angle_deg")  # of result.json
 WALL_QUANTITIES = ("peak", "sustained", "moment")  # of each wall in wall_forces
 
 
@@ -74,7 +75,7 @@ def analyse(plan: UncertaintyPlan, outcomes: Sequence[Outcome], distances: Seque
     """
     done = [i for i, outcome in enumerate(outcomes) if outcome.status == "done"]
     results = [read_status(outcomes[i].run.folder).result or {} for i in done]
-    measured = [_measured(result) for result in results]
+    measured = [_corrected(plan, i, _measured(result)) for i, result in zip(done, results, strict=True)]
     x = np.column_stack([plan.sample.numbers(one.key) for one in plan.inputs])[done]
     names = dict.fromkeys(name for one in measured for name in one)
     columns = {name: np.array([one.get(name, np.nan) for one in measured], dtype=np.float64) for name in names}
@@ -94,6 +95,28 @@ def _measured(result: Mapping[str, Any]) -> dict[str, float]:
     return {name: float(flat[name]) for name in names if isinstance(flat.get(name), (int, float))}
 
 
+def _corrected(plan: UncertaintyPlan, i: int, measured: dict[str, float]) -> dict[str, float]:
+    """Runout, front and height of run `i`, corrected for the error of the grid at the means of the inputs."""
+    if not (plan.corrected and plan.recommendation):
+        return measured
+    intervals, r_i = plan.recommendation.intervals, plan.runs[i].case.geometry.r_i
+    runout = intervals[ZETA].factor
+    changed = {
+        ZETA: lambda zeta: runout * zeta,
+        FRONT: lambda front: r_i + runout * (front - r_i),
+        BETA: lambda beta: intervals[BETA].factor * beta,
+    }
+    return {name: changed[name](value) if name in changed else value for name, value in measured.items()}
+
+
+def _grid_error(plan: UncertaintyPlan, name: str) -> float | None:
+    """Relative error of 90 % of a quantity by the grid; None if it was not studied."""
+    advice = plan.recommendation
+    if advice is None or name not in advice.errors:
+        return None
+    return advice.intervals[name].relative if plan.corrected else advice.errors[name]
+
+
 def _is_reported(name: str, values: np.ndarray) -> bool:
     """Whether two runs have a value; forces that are zero in all runs, as on a gate without contact, are left out."""
     found = values[np.isfinite(values)]
@@ -108,12 +131,12 @@ def _wall_names(result: Mapping[str, Any]) -> Iterator[str]:
 def _quantity(plan: UncertaintyPlan, name: str, x: np.ndarray, y: np.ndarray) -> Quantity:
     found = np.isfinite(y)
     statistics = statistics_of(y[found])
-    errors = plan.recommendation.errors if plan.recommendation else {}
+    error = _grid_error(plan, name)
     return Quantity(
         name=name,
         unit=unit_of(RESULT, name, plan.means.geometry.model) or "",
         values=y[found],
         statistics=statistics,
         shares=variance_shares(plan.inputs, x[found], y[found], plan.seed),
-        grid_deviation=errors[name] / NORMAL_90 * abs(statistics.mean) if name in errors else None,
+        grid_deviation=None if error is None else error / NORMAL_90 * abs(statistics.mean),
     )

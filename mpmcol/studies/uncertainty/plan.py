@@ -32,24 +32,29 @@ class UncertaintyPlan:
     means: Case  # the case with the means of the inputs, as configured
     recommendation: Recommendation | None  # of the grid; None without an accuracy
     accuracy: float | None
+    corrected: bool = False  # runout and height are corrected for the error of the grid
 
     def lines(self) -> list[str]:
         """The configuration for all runs, where it was not studied, and warnings about the runs."""
         advice = self.recommendation
         chosen = [] if advice is None or self.accuracy is None else [
-            f'cheapest within {100.0 * self.accuracy:.3g}% for the means of the inputs: "{advice.variant}" at '
-            f"r_i/h = {advice.cells:g}, for all runs",
+            f"cheapest within {100.0 * self.accuracy:.3g}%{', corrected for the error of the grid,' * self.corrected} "
+            f'for the means of the inputs: "{advice.variant}" at r_i/h = {advice.cells:g}, for all runs',
             *(f"note: these errors may not apply: {difference}" for difference in advice.differences),
         ]  # fmt: skip
         return [*chosen, *(f"note: {note}" for note in notes(self.runs))]
 
 
 def study_name(
-    source: str, fixed: Sequence[Axis], inputs: Sequence[UncertainInput], accuracy: float | None = None
+    source: str,
+    fixed: Sequence[Axis],
+    inputs: Sequence[UncertainInput],
+    accuracy: float | None = None,
+    corrected: bool = False,
 ) -> str:
     """Name of the default folder: the case, fixed values and uncertain keys."""
     uncertain = [Axis(one.key, ("uncertain", "")) for one in inputs]
-    return safe_name(f"{sweep_name(source, [*fixed, *uncertain], accuracy)}-uncertain")
+    return safe_name(f"{sweep_name(source, [*fixed, *uncertain], accuracy, corrected)}-uncertain")
 
 
 def plan_study(
@@ -61,6 +66,7 @@ def plan_study(
     samples: int,
     seed: int,
     accuracy: float | None = None,
+    corrected: bool = False,
     problems: Sequence[Problem] = (),
 ) -> UncertaintyPlan:
     """Draw the sample and plan its runs.
@@ -71,13 +77,14 @@ def plan_study(
         source: a TOML file or the name of a shipped case.
         fixed: keys with a value for all runs.
         out: folder of the sweep.
+        corrected: the accuracy is that of runout and height corrected for the error of the grid.
         problems: of the options, reported first.
 
     Raises:
         CaseError: with all problems; for a sampled value that the key does not accept, with its distribution.
         UsageError: samples, seed or accuracy are out of range, or no configuration has the accuracy.
     """
-    _require_valid(samples, seed, accuracy)
+    _require_valid(samples, seed, accuracy, corrected)
     if found := [*problems, *_conflicts(fixed, inputs)]:
         raise case_error(found)
     overrides = [f"{axis.key}={axis.values[0]}" for axis in fixed]
@@ -86,7 +93,7 @@ def plan_study(
     configuration: dict[str, Value] = {}
     try:
         at_means = [*overrides, *(f"{one.key}={one.distribution.mean:.6g}" for one in inputs)]
-        advice = None if accuracy is None else recommend(source, at_means, accuracy)
+        advice = None if accuracy is None else recommend(source, at_means, accuracy, corrected)
         configuration |= advice.values if advice else {}
         _require_free(inputs, configuration)
         means = load_case(source, [*at_means, *as_overrides(configuration)])
@@ -94,7 +101,7 @@ def plan_study(
         runs = plan_runs(source, _axes(fixed, sample, configuration), out, zipped=True)
     except CaseError as error:
         raise _refused(source, [*overrides, *as_overrides(configuration)], inputs, sample) or error from None
-    return UncertaintyPlan(inputs, sample, seed, runs, means, advice, accuracy)
+    return UncertaintyPlan(inputs, sample, seed, runs, means, advice, accuracy, corrected)
 
 
 def _axes(fixed: Sequence[Axis], sample: Sample, configuration: Mapping[str, Value]) -> list[Axis]:
@@ -104,13 +111,15 @@ def _axes(fixed: Sequence[Axis], sample: Sample, configuration: Mapping[str, Val
     return [Axis(key, texts) for key, texts in (values | sample.values | {CFL: sample.cfl}).items()]
 
 
-def _require_valid(samples: int, seed: int, accuracy: float | None) -> None:
+def _require_valid(samples: int, seed: int, accuracy: float | None, corrected: bool) -> None:
     if not LEAST_SAMPLES <= samples <= MOST_SAMPLES:
         raise UsageError(f"samples = {samples}: expected {LEAST_SAMPLES} to {MOST_SAMPLES:,}")
     if seed < 0:
         raise UsageError(f"seed = {seed}: expected an integer >= 0")
     if accuracy is not None and not 0.0 < accuracy < 1.0:
         raise UsageError(f"accuracy = {accuracy!r}: expected a relative error between 0 and 1, for example 0.05")
+    if corrected and accuracy is None:
+        raise UsageError("corrected values require an accuracy, which chooses the grid")
 
 
 def _conflicts(fixed: Sequence[Axis], inputs: Sequence[UncertainInput]) -> list[Problem]:

@@ -38,7 +38,13 @@ def as_record(analysis: Analysis) -> dict[str, Any]:
             }
             for one in plan.inputs
         ],
-        "configuration": advice and {"variant": advice.variant, "cells": advice.cells, "accuracy": plan.accuracy},
+        "configuration": advice
+        and {
+            "variant": advice.variant,
+            "cells": advice.cells,
+            "accuracy": plan.accuracy,
+            "corrected": plan.corrected,
+        },
         "quantities": [quantity_row(one) for one in analysis.quantities],
         "passes": [{"distance": one.distance, **asdict(one.probability)} for one in analysis.passes],
         "runs": [run.folder.name for run in plan.runs],

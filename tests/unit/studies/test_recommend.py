@@ -65,6 +65,17 @@ def test_the_cheapest_accurate_configuration_is_recommended() -> None:
     assert recommend.recommend("lube-cylinder", (), 0.5).cells == 10.0
 
 
+def test_corrected_values_are_as_accurate_on_a_coarser_grid(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The study knows the errors better than they are small; a correction is at most twice the accuracy."""
+    monkeypatch.setattr(recommend, "shipped_configurations", shipped.shipped_configurations)
+    raw, corrected = (recommend.recommend("channel", ("geometry.aspect=1",), 0.05, one) for one in (False, True))
+    assert corrected.core_seconds < 0.2 * raw.core_seconds
+    for interval in corrected.intervals.values():
+        assert interval.relative <= 0.05 and abs(1.0 - 1.0 / interval.factor) <= 0.1
+    with pytest.raises(UsageError, match=r"has corrected values with errors of at most 1%(?s:.*)use --accuracy [2-9]"):
+        recommend.recommend("channel", ("geometry.aspect=1",), 0.01, corrected=True)
+
+
 def test_an_accuracy_is_proposed_only_if_the_study_permits_it() -> None:
     assert narrower_bars("lube-cylinder", (), 0.1) == "a finer grid makes it narrower: --accuracy 5%"
     assert "no configuration with half the error" in narrower_bars("lube-cylinder", (), 0.03)

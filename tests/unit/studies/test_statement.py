@@ -167,9 +167,7 @@ def test_the_statement_in_words() -> None:
         "scatter 10%)"
     )
     assert "Lube et al. 2007 (unverified), scatter 5%" in lines[3]
-    assert lines[4] == (
-        'confidence 90%; error of the grid: that of "light" at r_i/h = 28 in the study (channel, a = 1)'
-    )
+    assert lines[4] == ('confidence 90%; grid: errors of "light" at r_i/h = 28 in the study (channel, a = 1)')
 
 
 def test_the_stored_statement_is_the_same_and_is_written_once(tmp_path: Path) -> None:

@@ -357,6 +357,21 @@ def test_an_analysis_of_known_results(tmp_path: Path) -> None:
     assert (half.met, none.met, half.count) == (32, 0, 64)
 
 
+def test_runout_front_and_height_are_corrected_for_the_error_of_the_grid(tmp_path: Path) -> None:
+    raw = planned(tmp_path, f"{FRICTION}=normal:33,1.5", samples=64, accuracy=0.05)
+    plan = planned(tmp_path, f"{FRICTION}=normal:33,1.5", samples=64, accuracy=0.05, corrected=True)
+    assert plan.recommendation and raw.recommendation and plan.recommendation.cells < raw.recommendation.cells
+    analysis = analyse(plan, ended(plan, linear_result))
+    zeta, front, beta, dam = (one.statistics.mean for one in analysis.quantities)
+    intervals, r_i = plan.recommendation.intervals, plan.means.geometry.r_i
+    assert zeta == pytest.approx(1.6 * intervals["zeta.front_height"].factor, abs=1e-3) and zeta > 1.65
+    assert front == pytest.approx(r_i * (1.0 + zeta)) and beta == pytest.approx(0.9 * intervals["beta"].factor)
+    assert dam == pytest.approx(16.0, abs=0.01)
+    assert analysis.quantities[0].grid_deviation == pytest.approx(
+        intervals["zeta.front_height"].relative / 1.645 * zeta
+    )
+
+
 def test_the_files_and_their_names_are_explained(tmp_path: Path) -> None:
     plan = planned(tmp_path, *THREE[:2], samples=16)
     analysis = analyse(plan, ended(plan, linear_result), distances=[0.234])

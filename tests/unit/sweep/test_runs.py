@@ -235,12 +235,13 @@ def test_zipped_axes_form_one_series() -> None:
 
 
 def test_the_folder_of_a_sweep_names_its_keys() -> None:
-    def name(*settings: str, aspect: str | None = "1,2", accuracy: float | None = None) -> str:
-        return sweep_name("cases/lube-channel.toml", parse_axes(aspect, settings)[0], accuracy)
+    def name(*settings: str, aspect: str | None = "1,2", accuracy: float | None = None, corrected: bool = False) -> str:
+        return sweep_name("cases/lube-channel.toml", parse_axes(aspect, settings)[0], accuracy, corrected)
 
     assert name() == "lube-channel"
     assert name("material.friction_deg=30,33", "time.cfl=0.4") == "lube-channel-friction_deg-cfl-0.4"
     assert name(accuracy=0.05) == "lube-channel-accuracy0.05"
+    assert name(accuracy=0.05, corrected=True) == "lube-channel-accuracy0.05-corrected"
     assert name("material.friction_deg=30,33", aspect="2") == "lube-channel-a2-friction_deg"
     assert name("grid.spacing=4 mm").startswith("lube-channel-spacing-4_mm-")
 
