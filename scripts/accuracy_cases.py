@@ -5,9 +5,10 @@
 Each column (model, friction, size and aspect ratio) is drawn at random from its number, so that the same columns are
 drawn every time. It is run as recommended for the accuracy or, if none is accurate enough, with the most accurate
 configuration and its error. Its reference is the mean of two scheme variants on finer grids, with half their difference
-as uncertainty. Printed are, for each column, the errors of the first run, and the widths of the error bars and whether
-they contain the reference; then the number of columns for which both quantities were within the accuracy, and within
-twice the accuracy. Completed runs in OUT are not repeated.
+as uncertainty. Printed are, for each column, the errors of the first run; the widths of the error bars and whether they
+contain the reference; and the same of the intervals of a run by `--corrected`. Then follow the numbers of columns for
+which both quantities were within the accuracy and within twice the accuracy, and of those that all error bars and all
+intervals contain. Completed runs in OUT are not repeated.
 """
 
 from __future__ import annotations
@@ -71,6 +72,9 @@ class Verification:
     uncertainty: Values  # of the reference, relative
     bars: Sequence[ErrorBar]
     is_contained: Sequence[bool]  # the reference in each error bar
+    coarse: Recommendation  # by --corrected
+    corrected_errors: Values  # of its run
+    is_in_interval: Mapping[str, bool]  # the reference in the interval of finer grids
 
 
 def draw(number: int, accuracy: float) -> tuple[Column, Recommendation]:
@@ -94,18 +98,32 @@ def verify(column: Column, advice: Recommendation, out: Path, jobs: int | None) 
     )
     first = next(row for row in make_rows(outcomes) if row["cells"] == advice.cells)
     fine = FINE if column.a < TALL else FINE_TALL
-    runs = [_reference(column, variant, cells, folder / "reference") for variant, cells in fine.items()]
+    runs = [_planned(column, variant, cells, folder / "reference") for variant, cells in fine.items()]
     rows = make_rows(run_sweep(runs, folder / "reference", jobs=jobs, threads=1))
+    coarse = recommend_corrected(column)
+    run = _planned(column, coarse.variant, coarse.cells, folder / "corrected")
+    (row,) = make_rows(run_sweep([run], folder / "corrected", jobs=jobs, threads=1))
     reference = {quantity: (rows[0][quantity] + rows[1][quantity]) / 2.0 for quantity in QUANTITIES}
     return Verification(
         {quantity: first[quantity] / reference[quantity] - 1.0 for quantity in QUANTITIES},
         {quantity: abs(rows[0][quantity] / reference[quantity] - 1.0) for quantity in QUANTITIES},
         bars,
         [_contains(bar, reference[bar.quantity]) for bar in bars],
+        coarse,
+        {name: one.factor * row[name] / reference[name] - 1.0 for name, one in coarse.intervals.items()},
+        {name: one.low <= row[name] / reference[name] - 1.0 <= one.high for name, one in coarse.intervals.items()},
     )
 
 
-def _reference(column: Column, variant: str, cells: float, out: Path) -> PlannedRun:
+def recommend_corrected(column: Column) -> Recommendation:
+    """The configuration by `--corrected` or, if none is accurate enough, the most accurate one."""
+    try:
+        return recommend(column.source, column.overrides, column.accuracy, corrected=True)
+    except UsageError:
+        return min(options(column.source, column.overrides), key=lambda one: one.corrected_error)
+
+
+def _planned(column: Column, variant: str, cells: float, out: Path) -> PlannedRun:
     base = load_case(column.source, column.overrides)
     overrides = [*column.overrides, *as_overrides(configuration_values(base, variant, cells))]
     return plan_run(load_case(column.source, overrides), out, {"cells": cells}, f"{cells:g}")
@@ -123,13 +141,15 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=20, help="columns (default: 20)")
     parser.add_argument("--jobs", type=int, help="number of concurrent runs")
     args = parser.parse_args()
-    within = within_twice = contained = 0
+    within = within_twice = contained = in_intervals = 0
     for number in range(args.count):
         column, advice = draw(number, args.accuracy)
         result = verify(column, advice, args.out, args.jobs)
         worst = max(abs(error) for error in result.errors.values()) / column.accuracy
         within, within_twice = within + (worst <= 1.0), within_twice + (worst <= 2.0)
-        contained += all(result.is_contained)
+        contained, in_intervals = (
+            contained + all(result.is_contained), in_intervals + all(result.is_in_interval.values())
+        )  # fmt: skip
         errors = ", ".join(
             f"{quantity} {error:+.1%} (reference +- {result.uncertainty[quantity]:.1%})"
             for quantity, error in result.errors.items()
@@ -139,12 +159,18 @@ def main() -> None:
             + ", ".join(
                 f"error bar {bar.relative:.1%} {'contains' if one else 'does not contain'} the reference"
                 for bar, one in zip(result.bars, result.is_contained, strict=True)
+            )
+            + f"; corrected from {result.coarse.variant}, {result.coarse.cells:g}: "
+            + ", ".join(
+                f"{quantity} {error:+.1%}, interval +- {result.coarse.intervals[quantity].relative:.1%} "
+                f"{'contains' if result.is_in_interval[quantity] else 'does not contain'} the reference"
+                for quantity, error in result.corrected_errors.items()
             ),
             flush=True,
         )
     print(
         f"of {args.count} columns {within} are within the accuracy, {within_twice} within twice the accuracy, and "
-        f"{contained} within their error bars"
+        f"{contained} within their error bars; {in_intervals} are within the intervals of coarser grids by --corrected"
     )
 
 
