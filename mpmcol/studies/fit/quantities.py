@@ -95,16 +95,15 @@ class Target:
     ) -> np.ndarray:
         """The same quantity in a computed deposit or, if it is one of COURSE, in the course of the collapse, (n,).
 
-        factors: correct it for the error of the grid, as far as it is known how that acts on it.
+        factors: correct runout and height for the error of the grid. Profile and repose angle have hardly an error on
+        coarse grids, which lack the thin end of the deposit only.
         """
+        if self.name == PROFILE:
+            return np.interp(self.x, measured.profile_x, measured.profile_y, right=0.0)
         if self.name in COURSE:
             return np.array([course.get(self.name, np.nan)])
-        if self.name != PROFILE:
-            quantity = QUANTITIES[self.name]
-            factor = factors.runout**quantity.runout * factors.height**quantity.height
-            return np.array([factor * quantity.of(measured)])
-        stretch = 1.0 + (factors.runout - 1.0) * _runout_share(measured)
-        return factors.height * np.interp(self.x / stretch, measured.profile_x, measured.profile_y, right=0.0)
+        factor = {"zeta": factors.runout, "beta": factors.height}.get(self.name, 1.0)
+        return np.array([factor * QUANTITIES[self.name].of(measured)])
 
     def grid_modes(self, measured: Measurement) -> np.ndarray:
         """Its change (n, 2) per relative error of the runout and of the height."""
@@ -117,7 +116,9 @@ class Target:
         ahead, behind = (
             np.interp(self.x + shift, measured.profile_x, measured.profile_y, right=0.0) for shift in (step, -step)
         )
-        return np.column_stack((-_runout_share(measured) * self.x * (ahead - behind) / (2.0 * step), height))
+        zeta = max(measured.zeta[FRONT], 0.0)
+        stretched = zeta / (1.0 + zeta)  # share of the runout in the length of the deposit
+        return np.column_stack((-stretched * self.x * (ahead - behind) / (2.0 * step), height))
 
 
 def parse_targets(text: str) -> list[Target]:
@@ -158,12 +159,6 @@ def grid_covariance(targets: Sequence[Target], measured: Measurement, errors: Ma
     """Covariance (n, n) of all values from independent relative standard errors of "runout" and "height"."""
     modes = np.vstack([target.grid_modes(measured) for target in targets])
     return np.asarray((modes * np.array([errors["runout"], errors["height"]]) ** 2) @ modes.T)
-
-
-def _runout_share(measured: Measurement) -> float:
-    """Share of the runout in the length of a deposit."""
-    zeta = max(measured.zeta[FRONT], 0.0)
-    return float(zeta / (1.0 + zeta))
 
 
 def unit_of(name: str) -> str:

@@ -26,11 +26,12 @@ class StudiedError:
     errors: Mapping[str, float]  # quantity -> relative error not exceeded by 90 % of runs
     intervals: Mapping[str, ErrorInterval]  # quantity -> interval of the relative error, with its sign
     cases: Sequence[str]  # of the study, between which the case lies
+    is_finer: bool = False  # the grid of the case is finer than that of the study
 
     def __str__(self) -> str:
         return (
             f"{self.intervals[ZETA]} in runout and {self.intervals[BETA]} in height, as in the study at r_i/h = "
-            f"{self.cells:g}"
+            f"{self.cells:g}{' and finer' * self.is_finer}"
         )
 
 
@@ -51,7 +52,7 @@ def studied_error(case: Case) -> StudiedError | None:
         return None
     studied, variant = max(coarser)
     errors, intervals = largest_errors(groups[variant, studied]), error_intervals(variant, cells, cases)
-    return StudiedError(variant, studied, errors, intervals, cases)
+    return StudiedError(variant, studied, errors, intervals, cases, cells > SAME_SPACING * studied)
 
 
 def _is_like(case: Case, variant: str, cases: list[str]) -> bool:

@@ -423,18 +423,16 @@ def test_errors_of_the_grid_act_as_those_of_runout_and_height() -> None:
     assert covariance == pytest.approx(0.01 * np.outer(modes[:, 0], modes[:, 0]))
 
 
-def test_corrected_values_are_those_of_a_deposit_with_more_runout_and_height() -> None:
-    """A triangular deposit whose runout is 10 % and whose height is 5 % too small."""
+def test_runout_and_height_are_corrected_and_the_rest_is_as_computed() -> None:
     targets = [
-        *targets_of({"zeta": 1.0, "beta": 0.5, "undisturbed_radius": 0.3}),
+        *targets_of({"zeta": 1.0, "beta": 0.5, "repose": 14.0, "undisturbed_radius": 0.3, "stop_time": 2.0}),
         Target("profile", "m", *np.zeros((2, 4)), np.linspace(0.3, 1.5, 4)),
     ]
-    computed, converged, factors = deposit(0.9, 0.475), deposit(1.0, 0.5), GridFactors(1.0 / 0.9, 1.0 / 0.95)
-    for target in targets:
-        assert target.of(computed, factors=factors) == pytest.approx(target.of(converged), rel=1e-6)
-    (repose,) = targets_of({"repose": 14.0})
-    flat = [deposit(zeta, beta, np.degrees(np.arctan2(beta, 1.0 + zeta))) for zeta, beta in ((0.9, 0.475), (1.0, 0.5))]
-    assert repose.of(flat[0], factors=factors) == pytest.approx(repose.of(flat[1]), rel=0.01)
+    computed, course, factors = deposit(0.9, 0.475), {"stop_time": 2.1}, GridFactors(1.0 / 0.9, 1.0 / 0.95)
+    zeta, beta, *others = (target.of(computed, course, factors) for target in targets)
+    assert (zeta[0], beta[0]) == pytest.approx((1.0, 0.5))
+    for found, target in zip(others, targets[2:], strict=True):
+        assert found == pytest.approx(target.of(computed, course))
 
 
 def test_known_errors_of_the_grid_are_corrected() -> None:

@@ -151,5 +151,10 @@ def test_runout_and_height_have_the_unit_of_the_larger_side_of_the_column() -> N
 
 
 def test_the_first_run_of_a_user_has_an_error_of_the_grid() -> None:
-    assert studied_error(load_case("quickstart"))
+    studied, finer = (
+        studied_error(load_case("quickstart")),
+        studied_error(load_case("quickstart", ["grid.spacing=0.004"])),
+    )
+    assert studied and finer and str(studied).endswith("r_i/h = 20") and str(finer).endswith("r_i/h = 20 and finer")
+    assert finer.intervals[ZETA].high > studied.intervals[ZETA].high
     assert studied_error(load_case("quickstart", ["stages.initial_stress=gravity"])) is None
