@@ -37,7 +37,7 @@ COMPARED = ("method.", "time.", "stages.", "material.")  # tables in which a cas
 # Values that the study varies, that follow from these, or that only scale the collapse of dry sand.
 NOT_COMPARED = ("material.friction_deg", "material.youngs_modulus", "stages.k0", "material.density")
 LOADING = "stages.equilibrate."
-LARGEST_CORRECTION = 2.0  # error of the grid that is corrected, over the accuracy: coarser grids differ in other ways
+LARGEST_CORRECTION = 2.0  # error of a grid that is corrected, over the accuracy: coarser ones differ in other ways
 
 
 class Difference(NamedTuple):
@@ -76,13 +76,8 @@ class Recommendation:
 
     @property
     def corrected_error(self) -> float:
-        """The larger error of runout and height that are corrected for the error of the grid.
-
-        At least what remains of a correction that is LARGEST_CORRECTION times as large.
-        """
-        return max(
-            max(one.relative, abs(1.0 - 1.0 / one.factor) / LARGEST_CORRECTION) for one in self.intervals.values()
-        )
+        """The larger error of runout and height that are corrected for the error of the grid."""
+        return largest_corrected_error(self.intervals)
 
     @property
     def intervals(self) -> dict[str, ErrorInterval]:
@@ -165,6 +160,11 @@ def options(source: str | Path, overrides: Sequence[str], accuracy: float = inf)
         differences = differences_from_study(configured, variant, cases)
         studied = min(one.cells for one in group)
         yield Recommendation(variant, cells, studied, values, errors, cases, cost, differences)
+
+
+def largest_corrected_error(intervals: Mapping[str, ErrorInterval]) -> float:
+    """Return the largest error that remains of any quantity, or that of which a correction is the largest one."""
+    return max(max(one.relative, abs(1.0 - 1.0 / one.factor) / LARGEST_CORRECTION) for one in intervals.values())
 
 
 def studied_configurations(cases: Sequence[str]) -> dict[tuple[str, float], list[ShippedConfiguration]]:
