@@ -39,12 +39,13 @@ def check(case: str, aspect: str | None, overrides: tuple[str, ...], resolved: b
     kind += f", outline of {len(column.outline)} points" if column.outline else ""
     slope = f"slope {column.slope_deg:g} deg, " if column.slope_deg else ""
     slope += "vertical sides, " if column.lean else ""
+    floor = "rigid floor" if column.base == "rigid" else f"{column.base} base of {discretization.base:.4g} m"
     found = f", {counted(len(discretization.warnings), 'note')}" if discretization.warnings else ""
     title, aspect_text = title_of(loaded), f"a = {column.a:g}, "
     click.echo(
         f"{case}: no problems{found}. {title}: {kind}, {loaded.material.law}, r_i = {column.r_i:g} m, "
-        f"h_i = {column.h_i:g} m, {'' if aspect_text[:-2] in title else aspect_text}{slope}h = {discretization.h:g} m, "
-        f"case_hash {case_hash(loaded)}",
+        f"h_i = {column.h_i:g} m, {'' if aspect_text[:-2] in title else aspect_text}{slope}{floor}, "
+        f"h = {discretization.h:g} m, case_hash {case_hash(loaded)}",
         err=resolved,
     )
     planned = PlannedRun({}, loaded, Path())

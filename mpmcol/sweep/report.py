@@ -62,6 +62,8 @@ def write_report(outcomes: Sequence[Outcome], out: Path) -> SweepReport:
         write_hdf5(out, rows, outcomes)
         if slopes:
             write_slopes(out, slopes)
+        else:  # those of other runs in this folder
+            (out / SLOPES_FILE).unlink(missing_ok=True)
         for path, (quantity, group) in charts.items():
             _draw(path, quantity, group)
         atomic_write(out / CSV_FILE, text)

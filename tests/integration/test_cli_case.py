@@ -26,7 +26,8 @@ def test_check_of_a_valid_case() -> None:
     result = invoke("check", "lube-channel", "--set", "geometry.aspect=5")
     assert result.exit_code == 0
     assert result.stdout.startswith("lube-channel: no problems.")
-    assert "a = 5" in result.stdout and result.stderr == ""
+    assert "a = 5" in result.stdout and "elastic base of 0.02 m" in result.stdout and result.stderr == ""
+    assert "rigid floor" in invoke("check", "quickstart").stdout
     assert re.search(r"\nabout [\d,]+ steps of [\d,]+ material points; ", result.stdout)
 
 

@@ -10,7 +10,8 @@ import numpy as np
 
 from mpmcol.errors import UsageError
 from mpmcol.studies.fit.agreement import Agreement, agreement_of
-from mpmcol.studies.fit.forward import Forward, Level, level_at, levels_for, make_level
+from mpmcol.studies.fit.forward import Forward
+from mpmcol.studies.fit.levels import Level, level_at, levels_for, make_level
 from mpmcol.studies.fit.quantities import Target
 from mpmcol.studies.fit.response import design
 from mpmcol.studies.fit.search import Notify, Search, Solution
@@ -43,7 +44,7 @@ class Fit:
     @property
     def is_grid_known(self) -> bool:
         """Whether the error of the grid is known for any of the measured quantities."""
-        return self.solution.last.level.intervals is not None and any(one.has_grid_error for one in self.targets)
+        return self.solution.last.level.errors is not None and any(one.has_grid_error for one in self.targets)
 
 
 def carry_out_fit(
@@ -87,7 +88,7 @@ def carry_out_fit(
         search = Search(forward, notify)
         shares = np.full(len(unknowns), 0.5)
         for number, one in enumerate(levels_for(accuracy), 1):
-            level = make_level(source, overrides, unknowns, shares, one, number)
+            level = make_level(source, overrides, unknowns, targets, shares, one, number)
             if search.evaluations and level.overrides == search.evaluations[-1].level.overrides:
                 continue
             notify(f"{level.name}: {level.text}")
@@ -118,7 +119,7 @@ def plan_fit(
     _require_own(out)
     middle = np.full(len(unknowns), 0.5)
     levels = [
-        make_level(source, overrides, unknowns, middle, one, number)
+        make_level(source, overrides, unknowns, targets, middle, one, number)
         for number, one in enumerate(levels_for(accuracy), 1)
     ]
     with KeptPool() as kept:

@@ -1,9 +1,9 @@
-"""Runs of the case for values of the unknowns, on two grids: a coarse one for the search and one for the answer."""
+"""Runs of the case for values of the unknowns, on the grid of a level."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import ceil
 from pathlib import Path
 
@@ -13,15 +13,10 @@ from mpmcol.case import load_case
 from mpmcol.errors import UsageError
 from mpmcol.io.results import Results
 from mpmcol.measure import Measurement
-from mpmcol.studies.convergence import NORMAL_90
 from mpmcol.studies.fit.course import course_of
-from mpmcol.studies.fit.quantities import AS_COMPUTED, GridFactors, Target, measured_deposit, scalars_of
+from mpmcol.studies.fit.levels import Level
+from mpmcol.studies.fit.quantities import GridFactors, Target, measured_deposit, scalars_of
 from mpmcol.studies.fit.unknowns import SPACING, Unknown, settings
-from mpmcol.studies.pareto.error_interval import ErrorInterval, error_intervals
-from mpmcol.studies.pareto.recommend import Recommendation, options, recommend
-from mpmcol.studies.pareto.score import BETA, ZETA
-from mpmcol.studies.pareto.shipped import neighbouring_cases, parameters_of
-from mpmcol.studies.pareto.studied import studied_error
 from mpmcol.studies.runs import CFL, SNAPSHOTS, repeated_cfl
 from mpmcol.sweep.engine import KeptPool, unsuccessful
 from mpmcol.sweep.runner import SweepObserver, run_sweep
@@ -29,40 +24,6 @@ from mpmcol.sweep.runs import PlannedRun, plan_run
 
 FINER = 0.03  # relative difference of the spacings of repeated runs, at least one cell in r_i
 ROUNDING = 1e-6  # of r_i / h
-ACCURACIES = (0.2, 0.1)  # of the search, on coarse grids
-LEAST_GRID_ERROR = 0.01  # relative: convergence with the spacing is not smooth enough for less
-
-
-@dataclass(frozen=True)
-class Level:
-    """A configuration of the case for all runs of a part of the search.
-
-    intervals: of the relative error of the grid by quantity of the shipped study; None: not studied.
-    differences: of the case from those of the study, whose errors may not apply to it.
-    """
-
-    name: str
-    overrides: tuple[str, ...]
-    cells: float  # r_i / h
-    intervals: Mapping[str, ErrorInterval] | None
-    text: str
-    variant: str = ""  # of the study
-    differences: tuple[str, ...] = ()
-
-    @property
-    def factors(self) -> GridFactors:
-        """Correction of runout and height for the error of the grid."""
-        if self.intervals is None:
-            return AS_COMPUTED
-        return GridFactors(self.intervals[ZETA].factor, self.intervals[BETA].factor)
-
-    @property
-    def errors(self) -> dict[str, float] | None:
-        """Relative standard errors of the corrected "runout" and "height" by the grid."""
-        if self.intervals is None:
-            return None
-        names = {"runout": ZETA, "height": BETA}
-        return {name: max(self.intervals[own].relative / NORMAL_90, LEAST_GRID_ERROR) for name, own in names.items()}
 
 
 @dataclass(frozen=True)
@@ -171,71 +132,6 @@ def values_of(
             for deposit, course in zip(deposits, courses, strict=True)
         ]
     )
-
-
-def levels_for(accuracy: float | None) -> list[float | None]:
-    """Accuracies of the levels of a search, the last of which gives the answer; None: the grid of the case."""
-    return [None] if accuracy is None else [*(one for one in ACCURACIES if one > 1.5 * accuracy), accuracy]
-
-
-def make_level(
-    source: str | Path, overrides: Sequence[str], unknowns: Sequence[Unknown], shares: np.ndarray,
-    accuracy: float | None, number: int,
-) -> Level:  # fmt: skip
-    """The configuration of level `number`, chosen for values of the unknowns.
-
-    Where the study has none within the accuracy, it is the most accurate one.
-
-    Raises:
-        UsageError: the study has none for this case, or an unknown is a key that configurations of the study set.
-    """
-    values = [*overrides, *settings(unknowns, shares)]
-    if accuracy is None:
-        return _own_level(source, values)
-    return _level(f"level{number}", _advice(source, values, accuracy), unknowns)
-
-
-def level_at(
-    source: str | Path, overrides: Sequence[str], unknowns: Sequence[Unknown], shares: np.ndarray, level: Level
-) -> Level:
-    """The same runs with the error of the grid at other values of the unknowns."""
-    if level.intervals is None:
-        return level
-    case = load_case(source, [*overrides, *level.overrides, *settings(unknowns, shares)])
-    cases = neighbouring_cases(parameters_of(case))
-    return replace(level, intervals=error_intervals(level.variant, level.cells, cases))
-
-
-def _advice(source: str | Path, overrides: Sequence[str], accuracy: float) -> Recommendation:
-    """The cheapest configuration whose corrected values have an accuracy, or the most accurate one."""
-    try:
-        return recommend(source, overrides, accuracy, corrected=True)
-    except UsageError:
-        known = list(options(source, overrides))
-        if not known:
-            raise
-        return min(known, key=lambda one: one.corrected_error)
-
-
-def _level(name: str, advice: Recommendation, unknowns: Sequence[Unknown]) -> Level:
-    for one in unknowns:
-        if one.key in advice.values:
-            raise UsageError(f"{one.key} is set by --accuracy; omit --accuracy, or set it and vary another key")
-    differences, intervals = tuple(map(str, advice.differences)), advice.intervals
-    text = (
-        f'"{advice.variant}" at r_i/h = {advice.cells:g}, error in the study {intervals[ZETA]} in runout and '
-        f"{intervals[BETA]} in height"
-    )
-    return Level(name, tuple(advice.overrides), advice.cells, intervals, text, advice.variant, differences)
-
-
-def _own_level(source: str | Path, values: Sequence[str]) -> Level:
-    case = load_case(source, values)
-    studied, cells = studied_error(case), case.geometry.r_i / case.grid.spacing
-    text = f"the grid of the case, r_i/h = {cells:g}"
-    if studied is None:
-        return Level("level1", (), cells, None, text)
-    return Level("level1", (), cells, studied.intervals, text, studied.variant)
 
 
 def _named(run: PlannedRun) -> str:

@@ -67,7 +67,17 @@ class GridFactors(NamedTuple):
     height: float = 1.0
 
 
+class GridErrors(NamedTuple):
+    """Relative standard errors by the grid: of corrected runout and height, and as far as others change with them."""
+
+    runout: float
+    height: float
+    uncorrected_runout: float
+    uncorrected_height: float
+
+
 AS_COMPUTED = GridFactors()
+CORRECTED = ("zeta", "beta")  # for the known error of the grid
 
 
 @dataclass(frozen=True)
@@ -83,6 +93,11 @@ class Target:
     errors: np.ndarray
     x: np.ndarray
     is_stated: bool = True  # whether the errors are the user's
+
+    @property
+    def is_corrected(self) -> bool:
+        """Whether computed values are corrected for the error of the grid."""
+        return self.name in CORRECTED
 
     @property
     def has_grid_error(self) -> bool:
@@ -104,6 +119,10 @@ class Target:
             return np.array([course.get(self.name, np.nan)])
         factor = {"zeta": factors.runout, "beta": factors.height}.get(self.name, 1.0)
         return np.array([factor * QUANTITIES[self.name].of(measured)])
+
+    def grid_changes(self, measured: Measurement, errors: GridErrors) -> np.ndarray:
+        """Its changes (n, 2) by the standard errors of runout and height."""
+        return self.grid_modes(measured) * np.array(errors[:2] if self.is_corrected else errors[2:])
 
     def grid_modes(self, measured: Measurement) -> np.ndarray:
         """Its change (n, 2) per relative error of the runout and of the height."""
@@ -155,10 +174,10 @@ def read_profile(path: Path) -> Target:
     return Target(PROFILE, "m", heights, np.full(STATIONS, ASSUMED_ERROR * z.max()), x, is_stated=False)
 
 
-def grid_covariance(targets: Sequence[Target], measured: Measurement, errors: Mapping[str, float]) -> np.ndarray:
-    """Covariance (n, n) of all values from independent relative standard errors of "runout" and "height"."""
-    modes = np.vstack([target.grid_modes(measured) for target in targets])
-    return np.asarray((modes * np.array([errors["runout"], errors["height"]]) ** 2) @ modes.T)
+def grid_covariance(targets: Sequence[Target], measured: Measurement, errors: GridErrors) -> np.ndarray:
+    """Covariance (n, n) of all values from independent errors of runout and height."""
+    changes = np.vstack([target.grid_changes(measured, errors) for target in targets])
+    return np.asarray(changes @ changes.T)
 
 
 def unit_of(name: str) -> str:

@@ -14,8 +14,8 @@ from mpmcol.io.values import to_json
 from mpmcol.provenance import environment
 from mpmcol.studies.fit import RUNS, Fit
 from mpmcol.studies.fit.agreement import Comparison, signed
-from mpmcol.studies.fit.forward import Level
 from mpmcol.studies.fit.identify import remarks
+from mpmcol.studies.fit.levels import Level
 from mpmcol.studies.fit.quantities import ASSUMED_ERROR, FRONT, MEANINGS, unit_of
 from mpmcol.studies.fit.unknowns import settings
 from mpmcol.studies.fit.values import fitted_values
@@ -47,14 +47,14 @@ def lines(fit: Fit) -> Iterator[str]:
     yield from (remark for remark in remarks(fit.unknowns, fit.targets, solution) if remark != statement)
     seconds = sum(one.core_seconds for one in solution.evaluations)
     runs = sum(len(one.folders) for one in solution.evaluations)
-    yield f"{runs} runs, {seconds:.3g} core-seconds; grid of the answer: r_i/h = {grid.cells:g}{_corrected(grid)}"
+    yield f"{runs} runs, {seconds:.3g} core-seconds; grid of the answer: r_i/h = {grid.cells:g}{_corrected(fit, grid)}"
 
 
-def _corrected(grid: Level) -> str:
-    if grid.errors is None:
+def _corrected(fit: Fit, grid: Level) -> str:
+    if grid.errors is None or not any(target.is_corrected for target in fit.targets):
         return ""
     runout, height = (f"{factor - 1.0:+.1%}" for factor in grid.factors)
-    return f"; computed values are corrected for its error: {runout} in runout, {height} in height"
+    return f"; computed values are corrected for its error: zeta {runout}, beta {height}"
 
 
 def record(fit: Fit) -> dict[str, Any]:
@@ -79,7 +79,7 @@ def record(fit: Fit) -> dict[str, Any]:
         "degrees_of_freedom": agreement.freedom,
         "scale": agreement.scale,
         "grid": {
-            "cells": grid.cells, "overrides": list(grid.overrides), "errors": grid.errors,
+            "cells": grid.cells, "overrides": list(grid.overrides), "errors": grid.errors and grid.errors._asdict(),
             "factors": grid.factors._asdict(),
         },
         "remarks": list(remarks(fit.unknowns, fit.targets, solution)),

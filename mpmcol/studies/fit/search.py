@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mpmcol.studies.fit.forward import Evaluation, Forward, Level, values_of
+from mpmcol.studies.fit.forward import Evaluation, Forward, values_of
+from mpmcol.studies.fit.levels import Level
 from mpmcol.studies.fit.quantities import Target, grid_covariance
 from mpmcol.studies.fit.response import (
     Precision,

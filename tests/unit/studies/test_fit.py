@@ -21,11 +21,13 @@ from mpmcol.studies.convergence import NORMAL_90
 from mpmcol.studies.fit import Fit, require_enough
 from mpmcol.studies.fit.agreement import agreement_of, largest_misfit
 from mpmcol.studies.fit.course import course_of
-from mpmcol.studies.fit.forward import Evaluation, Level, levels_for, values_of
+from mpmcol.studies.fit.forward import Evaluation, values_of
 from mpmcol.studies.fit.identify import remarks
+from mpmcol.studies.fit.levels import Level, StudiedGrid, levels_for
 from mpmcol.studies.fit.quantities import (
     ASSUMED_ERROR,
     FRONT,
+    GridErrors,
     GridFactors,
     Target,
     grid_covariance,
@@ -41,7 +43,7 @@ from mpmcol.studies.pareto.error_interval import ErrorInterval
 from mpmcol.studies.pareto.score import BETA, ZETA
 
 FRICTION, FLOOR = Unknown("material.friction_deg", 20.0, 40.0), Unknown("friction.floor", 0.1, 0.5)
-COARSE = Level("level1", (), 10.0, None, "")
+COARSE = Level("level1", (), 10.0, "")
 
 
 def symmetric(error: float) -> ErrorInterval:
@@ -49,7 +51,10 @@ def symmetric(error: float) -> ErrorInterval:
     return ErrorInterval(1.0 / (1.0 + NORMAL_90 * error) - 1.0, 1.0 / (1.0 - NORMAL_90 * error) - 1.0)
 
 
-FINE = Level("level2", ("grid.spacing=0.001",), 40.0, {ZETA: symmetric(0.02), BETA: symmetric(0.01)}, "")
+FINE = Level(
+    "level2", ("grid.spacing=0.001",), 40.0, "",
+    StudiedGrid("light", {ZETA: 0.1, BETA: 0.05}, {ZETA: symmetric(0.02), BETA: symmetric(0.01)}),
+)  # fmt: skip
 
 
 def deposit(zeta: float, beta: float, repose: float = 20.0) -> Measurement:
@@ -288,7 +293,7 @@ def test_agreeing_measurements_leave_the_errors() -> None:
 @pytest.mark.parametrize("names", [("zeta",), ("zeta", "beta")])
 def test_intervals_contain_the_value_as_often_as_stated(names: tuple[str, ...]) -> None:
     """Deposits whose measured values scatter by their standard errors, over the whole range: 90 % of 80 intervals."""
-    draw, level, held = np.random.default_rng(5), Level("level1", ("own",), 40.0, None, ""), 0
+    draw, level, held = np.random.default_rng(5), Level("level1", ("own",), 40.0, ""), 0
     for _ in range(80):
         friction = draw.uniform(FRICTION.low, FRICTION.high)
         exact = dict(zip(("zeta", "beta"), slope(friction), strict=True))
@@ -419,8 +424,9 @@ def test_errors_of_the_grid_act_as_those_of_runout_and_height() -> None:
     )
     assert modes[:, 0] == pytest.approx(longer, rel=0.05, abs=1e-6)
     assert modes[:, 1] == pytest.approx(higher, rel=0.05, abs=1e-6)
-    covariance = grid_covariance(targets, base, {"runout": 0.1, "height": 0.0})
-    assert covariance == pytest.approx(0.01 * np.outer(modes[:, 0], modes[:, 0]))
+    covariance = grid_covariance(targets, base, GridErrors(0.1, 0.0, 0.2, 0.0))
+    change = modes[:, 0] * np.array([0.1, 0.1, *[0.2] * 4])  # a profile is not corrected
+    assert covariance == pytest.approx(np.outer(change, change))
 
 
 def test_runout_and_height_are_corrected_and_the_rest_is_as_computed() -> None:
@@ -438,7 +444,7 @@ def test_runout_and_height_are_corrected_and_the_rest_is_as_computed() -> None:
 def test_known_errors_of_the_grid_are_corrected() -> None:
     """The coarse grid of the synthetic runs has 85 % of the runout: 15 % less, known to 1 %."""
     interval = {ZETA: ErrorInterval(-0.16, -0.14), BETA: symmetric(0.01)}
-    corrected_level = replace(COARSE, intervals=interval)
+    corrected_level = replace(COARSE, studied=StudiedGrid("light", {ZETA: 0.2, BETA: 0.05}, interval))
     forward = Synthetic([FRICTION], targets_of({"zeta": (runout_of(30.0)[0], 0.001)}), runout_of)
     search = Search(forward, lambda line: None)
     plain = search.run(COARSE, search.begin(COARSE))

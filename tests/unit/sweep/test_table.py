@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from mpmcol.case import load_case
+from mpmcol.errors import OutputError
 from mpmcol.experiments import score
 from mpmcol.io.run_folder import write_result
 from mpmcol.plotting.figures import MOST_ENTRIES
@@ -124,6 +126,27 @@ def test_csv_and_hdf5_have_the_same_content(tmp_path: Path) -> None:
     assert load_case(tmp_path / "one.toml") == runs[2].case
     assert rows[1]["at_rest"] == "true"
     assert {path.name for path in report.files} == {"table.csv", "table.h5", "slopes.csv", "zeta.png", "beta.png"}
+
+
+def test_intervals_of_finer_grids_are_those_of_the_statements(tmp_path: Path) -> None:
+    one, two = (finish(run) for run in plan(tmp_path, aspect="1,2"))
+    interval = {"finer_grids": {"low": 1.0, "high": 1.5}}
+    statement = one.run.folder / "accuracy.json"
+    statement.write_text(json.dumps({"zeta": interval, "beta": interval}))
+    first, second = make_rows([one, two])
+    names = [f"{name}.finer_grids{end}" for name in ("zeta", "beta") for end in ("", ".low", ".high")]
+    assert [first[name] for name in names] == [1.25, 1.0, 1.5] * 2 and not any(second[name] for name in names)
+    statement.write_text('{"zeta": 1}')
+    with pytest.raises(OutputError, match=r"accuracy.json is damaged .*; delete it and repeat the `mpmcol sweep`"):
+        make_rows([one, two])
+
+
+def test_slopes_of_other_runs_do_not_stay_in_the_folder(tmp_path: Path) -> None:
+    runs = [finish(run) for run in plan(tmp_path, aspect="2,3,4")]
+    write_report(runs, tmp_path)
+    assert (tmp_path / "slopes.csv").exists()
+    write_report(runs[:1], tmp_path)
+    assert not (tmp_path / "slopes.csv").exists()
 
 
 def test_units_of_inputs_are_those_of_the_case(tmp_path: Path) -> None:
