@@ -109,10 +109,7 @@ def recommend(source: str | Path, overrides: Sequence[str], accuracy: float, cor
     Raises:
         UsageError: there is none; the message shows the most accurate configuration.
     """
-    if corrected:
-        accurate = [one for one in options(source, overrides) if one.corrected_error <= accuracy]
-    else:
-        accurate = list(options(source, overrides, accuracy))
+    accurate = list(options(source, overrides, accuracy, corrected))
     if not accurate:
         raise UsageError(_out_of_reach(list(options(source, overrides)), accuracy, corrected))
     return min(accurate, key=lambda one: one.core_seconds)
@@ -140,8 +137,12 @@ def finer_grid(source: str | Path, overrides: Sequence[str], advice: Recommendat
     return min((cells for cells in finer if cells > advice.cells), default=round(sqrt(2.0) * advice.cells))
 
 
-def options(source: str | Path, overrides: Sequence[str], accuracy: float = inf) -> Iterator[Recommendation]:
+def options(
+    source: str | Path, overrides: Sequence[str], accuracy: float = inf, corrected: bool = False
+) -> Iterator[Recommendation]:
     """Yield the selectable configurations of the study for a case that have this accuracy, with errors and costs.
+
+    corrected: the accuracy is that of values corrected for the error of the grid.
 
     Those that would cause warnings are omitted, for example grids with few cells in the height of a flat column.
     """
@@ -149,7 +150,8 @@ def options(source: str | Path, overrides: Sequence[str], accuracy: float = inf)
     cases = neighbouring_cases(parameters_of(case))
     for (variant, cells), group in covered_configurations(cases).items():
         errors = largest_errors(group)
-        if max(errors.values()) > accuracy:
+        error = largest_corrected_error(error_intervals(variant, cells, cases)) if corrected else max(errors.values())
+        if error > accuracy:
             continue
         values = completed(source, overrides, configuration_values(case, variant, cells))
         if values is None:
