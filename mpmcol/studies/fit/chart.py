@@ -99,7 +99,8 @@ def _response(axes: Axes, fit: Fit, number: int, target: Target, k: int) -> None
     axes.axhspan(value - error, value + error, **BAND)
     axes.axhline(value, color="black", linestyle=":", label="measured, with its standard error")
     _draw_solution(axes, fit, k)
-    axes.set_ylabel(target.name + (f" ({target.unit})" if target.unit else ""))
+    name = f"{target.name}, corrected" if target.is_corrected and final.studied else target.name
+    axes.set_ylabel(name + (f" ({target.unit})" if target.unit else ""))
 
 
 def _misfit(axes: Axes, fit: Fit, k: int) -> None:
