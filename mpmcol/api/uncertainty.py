@@ -93,6 +93,8 @@ def propagate(
         passes: distances from the wall or axis, m, for the probability that the front (front_height) passes them.
         accuracy: relative error of runout and height, for example 0.05, for which all runs get the cheapest
             configuration of the shipped study at the means of the inputs (default: the grid of the case).
+        corrected: runout, front and height are corrected for the error of the grid at the means, and the accuracy is
+            that of corrected values.
         out: folder of the sweep (default: in "sweeps", named by case and keys).
         fresh: run again what is finished.
         jobs, threads: concurrent runs and threads per run (default: chosen from cores, memory and sizes).

@@ -113,11 +113,11 @@ def run(
 
     With --accuracy, the cheapest configuration that was within this error in mpmcol pareto is used. These are
     discretisation errors, without the error of the model. The run ends with a statement, also in accuracy.json:
-    intervals of runout and height for finer grids and for experiments, and what they hold. With --corrected the first
-    of these intervals, which contains the known error of the grid, is as narrow as the accuracy, and the values of the
-    run may differ from it by twice the accuracy. With --certify the case is
-    run on this grid and two coarser ones, on each also with one cell fewer in the radius, and on a finer grid too if an
-    error bar is wider than the accuracy; runout and height are extrapolated to zero spacing.
+    intervals of runout and height for finer grids and for experiments, and what they hold. With --corrected the
+    interval for finer grids is as narrow as the accuracy, and the values of the run may differ from it by twice the
+    accuracy. With --certify the case is run on this grid and two coarser ones, on each also with one cell fewer in the
+    radius, and on a finer grid too if an error bar is wider than the accuracy; runout and height are extrapolated to
+    zero spacing.
 
     Ctrl-C, the signals of schedulers and --max-wall stop the run with a checkpoint (exit code 75); a second Ctrl-C
     aborts it. Repeating the command resumes a stopped or killed run, with results that are identical to those of an

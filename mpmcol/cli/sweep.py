@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -30,11 +30,10 @@ from mpmcol.cli.uncertain import End, Ending, UncertainOptions, uncertain_option
 from mpmcol.io.atomic import require_folder_path
 
 if TYPE_CHECKING:
+    from mpmcol.api.accuracy import Recommendations
     from mpmcol.sweep.engine import Outcome
     from mpmcol.sweep.report import SweepReport
     from mpmcol.sweep.runs import PlannedRun
-
-State = Callable[["Sequence[Outcome]"], None]  # writes statements of accuracy into the folders of the runs
 
 
 @click.command()
@@ -108,13 +107,13 @@ def sweep(
         raise click.UsageError(f"--dry-run estimates runs on this machine; remove --engine {engine}")
     case = case or ("cylinder" if slope is None else "inclined-channel")
     require_accuracy(corrected, accuracy)
-    state: State = _state_nothing
     end: End = _ending
+    chosen = None
     if uncertain.inputs:
         plan, folder = uncertain.plan(case, aspect, overrides, slope, out=out, accuracy=accuracy, corrected=corrected)
         runs, notes, end = plan.runs, uncertain.notes(plan), partial(uncertain.ending, plan)
     else:
-        runs, folder, notes, state = _planned(
+        runs, folder, notes, chosen = _planned(
             case, aspect, overrides, slope, zipped=zipped, out=out, accuracy=accuracy, corrected=corrected
         )
     notes += [f"note: {note}" for note in runs_that_leave(folder, runs)]
@@ -127,7 +126,7 @@ def sweep(
         print_commands(runs, folder, threads, fresh=fresh, quiet=quiet)
     else:
         code = _execute(
-            runs, folder, state, end,
+            runs, folder, chosen, end,
             jobs=jobs, threads=threads, scheduler=scheduler, fresh=fresh, to_json=to_json, quiet=quiet,
         )  # fmt: skip
         if report:
@@ -159,8 +158,8 @@ def _planned(
     out: Path | None,
     accuracy: float | None,
     corrected: bool,
-) -> tuple[list[PlannedRun], Path, list[str], State]:
-    """The runs of given values, the folder of the sweep, notes, and what states the accuracy of the outcomes.
+) -> tuple[list[PlannedRun], Path, list[str], Recommendations | None]:
+    """The runs of given values, the folder of the sweep, notes, and the configurations that were chosen.
 
     Raises CaseError and UsageError.
     """
@@ -173,11 +172,7 @@ def _planned(
     notes: list[str] = []
     chosen = recommendations(case, accuracy, corrected)
     runs = planned_runs(case, axes, folder, chosen, zipped=zipped, problems=problems, notify=notes.append)
-    return runs, folder, notes, chosen.state if chosen else _state_nothing
-
-
-def _state_nothing(outcomes: Sequence[Outcome]) -> None:
-    """Without an accuracy there is no statement of it."""
+    return runs, folder, notes, chosen
 
 
 def _ending(outcomes: Sequence[Outcome], report: SweepReport) -> Ending:
@@ -190,7 +185,7 @@ def _ending(outcomes: Sequence[Outcome], report: SweepReport) -> Ending:
 def _execute(
     runs: list[PlannedRun],
     out: Path,
-    state: State,
+    chosen: Recommendations | None,
     end: End,
     *,
     jobs: int | None,
@@ -209,7 +204,8 @@ def _execute(
 
     with SweepDisplay(out, quiet) as display:
         outcomes = run_sweep(runs, out, jobs=jobs, threads=threads, scheduler=scheduler, fresh=fresh, observer=display)
-    state(outcomes)
+    if chosen:
+        chosen.state(outcomes)
     report = write_report(outcomes, out)
     record, lines = end(outcomes, report)
     if to_json:
