@@ -50,18 +50,19 @@ def _quantity_line(
         return text
     law = experiment.law(quantity)
     difference, scatter = value / expected[0] - 1.0, expected[1] / expected[0]
-    grid = error.errors[IN_STUDY[quantity]] if error else None
     source = f"{experiment.citation}{mark(law.verified) if law else ''}"
-    return (
-        f"{text}: {difference:+.1%} against {source} ({expected[0]:.3f}, scatter {scatter:.0%}), "
-        f"{verdict(difference, scatter, grid)}"
-    )
+    text += f": {difference:+.1%} against {source} ({expected[0]:.3f}, scatter {scatter:.0%})"
+    if error is None:
+        return f"{text}, {verdict(difference, scatter, None)}"
+    interval = error.intervals[IN_STUDY[quantity]]
+    ratio = interval.factor * (1.0 + difference)  # of what finer grids give over the experiment
+    return f"{text}, {ratio - 1.0:+.1%} on finer grids, {verdict(ratio - 1.0, scatter, interval.relative * ratio)}"
 
 
 def verdict(difference: float, scatter: float, grid: float | None) -> str:
     """Whether a relative difference is within the scatter of an experiment and the error of the grid, in words.
 
-    grid: relative error; None if it is not known.
+    grid: error of the difference by the grid; None if it is not known.
     """
     difference = abs(difference)
     if difference <= scatter:
