@@ -102,9 +102,9 @@ class Solver:
         with compiled_calls(compiling=True):
             state, dimension = self.state(), self.points.dimension
             shared = shared_signatures(state, self.sort_arguments())
-            with shared_functions_compiled_meanwhile(dimension, self.scheme.basis, shared):
+            with shared_functions_compiled_meanwhile(dimension, self.scheme, shared):
                 compile_stress_update(state, dimension, *self._laws(), self.scheme)
-            self._call(self.time, 0)
+                self._call(self.time, 0)
             if self.tiles is None:
                 self.sort()
 

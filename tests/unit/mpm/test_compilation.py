@@ -7,12 +7,13 @@ from collections.abc import Callable
 from typing import Any
 
 import numba
+import numpy as np
 import pytest
 
 from mpmcol.mpm.jit import argument_types, is_compiled
 from mpmcol.mpm.kernels import compilation, loop
 from mpmcol.mpm.kernels.particle_update import make_update_points
-from mpmcol.mpm.kernels.particle_update_split import make_update_stresses
+from mpmcol.mpm.kernels.particle_update_split import make_g2p, make_update_stresses
 from mpmcol.mpm.settings import Scheme
 from mpmcol.mpm.solver import Solver
 from tests.support.sand_column import DAMPED, collapse
@@ -44,27 +45,29 @@ def overloads(function: Any) -> Any:
     return getattr(function, "compiled", function).overloads
 
 
-def shared(solver: Solver) -> tuple[int, str, tuple[Any, ...]]:
+def shared(solver: Solver) -> tuple[int, Scheme, tuple[Any, ...]]:
     signatures = compilation.shared_signatures(solver.state(), solver.sort_arguments())
-    return solver.points.dimension, solver.scheme.basis, signatures
+    return solver.points.dimension, solver.scheme, signatures
 
 
 def test_the_types_are_those_with_which_the_functions_are_called(solver: Solver) -> None:
     """Otherwise the second process would compile what is never called."""
-    dimension, basis, signatures = shared(solver)
-    sort, *phases = compilation.shared_functions(dimension, basis)
-    clear, p2g, update_grid = phases
+    dimension, scheme, signatures = shared(solver)
+    move_points, *phases, sort = compilation.shared_functions(dimension, scheme)
+    p2g, update_grid, clear = phases
+    g2p = make_g2p(dimension, scheme)
 
     @numba.njit  # type: ignore[untyped-decorator]
-    def grid_step(state: Any, dt: float) -> None:
-        rows, grid, spare, contacts, tiles, shares, settings, _, smallest_mass, node_report, _, _, _ = state
+    def grid_step(state: Any, dt: float, pending: Any) -> None:
+        rows, grid, spare, contacts, tiles, shares, settings, _, smallest_mass, node_report, report, _, _ = state
         clear(grid, tiles)
         p2g(rows, grid, tiles, shares, settings)
         update_grid(grid, spare.nodes, contacts, tiles, settings, smallest_mass, dt, node_report)
+        g2p(rows, grid, tiles, settings, dt, pending, report)
 
-    grid_step.compile(argument_types(solver.state(), solver.dt))
+    grid_step.compile(argument_types(solver.state(), solver.dt, np.zeros(0)))
     solver.sort()
-    for function, types in zip((sort, *phases), signatures, strict=True):
+    for function, types in zip((move_points, *phases, sort), signatures, strict=True):
         assert types in overloads(function)
 
 
@@ -81,12 +84,12 @@ def test_the_stress_update_is_compiled_once(order: str, make: Callable[..., Any]
 
 
 def test_cached_functions_are_not_compiled_again(solver: Solver, started: list[subprocess.Popen[bytes]]) -> None:
-    dimension, basis, signatures = shared(solver)
-    compilation.compile_shared_functions(dimension, basis, signatures)
-    for function, types in zip(compilation.shared_functions(dimension, basis), signatures, strict=True):
+    dimension, scheme, signatures = shared(solver)
+    compilation.compile_shared_functions(dimension, scheme, signatures)
+    for function, types in zip(compilation.shared_functions(dimension, scheme), signatures, strict=True):
         assert is_compiled(function, types)
         assert not is_compiled(function, types[:1])
-    with compilation.shared_functions_compiled_meanwhile(dimension, basis, signatures):
+    with compilation.shared_functions_compiled_meanwhile(dimension, scheme, signatures):
         pass
     assert started == []
 
