@@ -21,14 +21,18 @@ from mpmcol.sweep.fits import SLOPES_FILE
 from mpmcol.sweep.plan import read_plan
 from mpmcol.sweep.report import CHARTED
 from mpmcol.sweep.runs import counted_warnings
-from mpmcol.sweep.table import AGAIN, CSV_FILE, read_table, unit_of
+from mpmcol.sweep.table import AGAIN, CSV_FILE, FINER_GRIDS, read_table, unit_of
 
 RUNOUT, HEIGHT = "zeta.front_height", "beta"
-QUANTITIES = {RUNOUT: "Runout (front_height)", HEIGHT: "Height"}
-LAWS = {RUNOUT: "law.zeta", HEIGHT: "law.beta"}
+FINER_RUNOUT, FINER_HEIGHT = f"zeta.{FINER_GRIDS}", f"beta.{FINER_GRIDS}"  # of runs with an accuracy
+QUANTITIES = {
+    RUNOUT: "Runout (front_height)", FINER_RUNOUT: "Runout on finer grids", HEIGHT: "Height",
+    FINER_HEIGHT: "Height on finer grids",
+}  # fmt: skip
+LAWS = {RUNOUT: "law.zeta", FINER_RUNOUT: "law.zeta", HEIGHT: "law.beta", FINER_HEIGHT: "law.beta"}
 COLUMNS = {  # of the table of the sweep -> heading
-    "a": "a", RUNOUT: "zeta (front_height)", "law.zeta": "published", HEIGHT: "beta", "law.beta": "published",
-    "points": "material points", "seconds": "time (s)",
+    "a": "a", RUNOUT: "zeta (front_height)", FINER_RUNOUT: "on finer grids", "law.zeta": "published", HEIGHT: "beta",
+    FINER_HEIGHT: "on finer grids", "law.beta": "published", "points": "material points", "seconds": "time (s)",
 }  # fmt: skip
 SLOPE_COLUMNS = {
     "series": "Runs", "quantity": "Quantity", "lo": "from a", "hi": "to a", "count": "runs", "exponent": "exponent",
@@ -85,6 +89,8 @@ def _judgement(rows: Sequence[Row]) -> Iterator[str]:
         f", {moving} still moved at the end" if moving else ""
     )
     for column, name in QUANTITIES.items():
+        if column not in rows[0] and column in (FINER_RUNOUT, FINER_HEIGHT):
+            continue
         law = LAWS[column]
         errors = [_difference(row[column], row[law]) for row in at_rest if row[law]]
         if errors:

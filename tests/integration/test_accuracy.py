@@ -81,6 +81,8 @@ def test_a_sweep_has_the_intervals_of_finer_grids(tmp_path: Path) -> None:
             assert row[f"{name}.finer_grids.low"] == low < row[f"{name}.finer_grids"] < high
     assert {"zeta.finer_grids", "beta.finer_grids"} <= {slope.quantity for slope in found.slopes}
     assert mpmcol.sweep("channel", **given, notify=notes.append).rows == found.rows
+    page = Path(invoke("report", found.folder).stdout.strip()).read_text()
+    assert "Runout on finer grids: mean difference" in page and page.count("on finer grids</th>") == 2
 
 
 def test_a_damaged_statement_is_reported_and_written_again(folder: Path) -> None:
