@@ -16,7 +16,7 @@ from mpmcol.studies.fit.unknowns import Unknown, settings
 from mpmcol.studies.pareto.error_interval import ErrorInterval, error_intervals
 from mpmcol.studies.pareto.recommend import Recommendation, options, recommend
 from mpmcol.studies.pareto.score import BETA, ZETA
-from mpmcol.studies.pareto.shipped import neighbouring_cases, parameters_of
+from mpmcol.studies.pareto.shipped import parameters_of
 from mpmcol.studies.pareto.studied import studied_error
 
 ACCURACIES = (0.2, 0.1)  # of the search, on coarse grids
@@ -102,8 +102,7 @@ def level_at(
     if level.studied is None:
         return level
     case = load_case(source, [*overrides, *level.overrides, *settings(unknowns, shares)])
-    cases = neighbouring_cases(parameters_of(case))
-    intervals = error_intervals(level.studied.variant, level.cells, cases)
+    intervals = error_intervals(level.studied.variant, level.cells, parameters_of(case))
     return replace(level, studied=replace(level.studied, intervals=intervals))
 
 

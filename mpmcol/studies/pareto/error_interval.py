@@ -7,11 +7,20 @@ from dataclasses import dataclass
 from math import hypot, sqrt
 
 from mpmcol.studies.convergence import NORMAL_90
-from mpmcol.studies.pareto.shipped import QUANTITIES, ShippedConfiguration, shipped_configurations
+from mpmcol.studies.pareto.shipped import (
+    QUANTITIES,
+    ColumnParameters,
+    NeighbouringColumn,
+    ShippedConfiguration,
+    neighbouring_columns,
+    shipped_configurations,
+)
 
 CONFIDENCE = 0.9
 SAME_SPACING = 1.02  # ratio of r_i / h up to which spacings count as equal
 NEIGHBOURS = 1.5  # ratio of r_i / h up to which configurations have a common scatter: those next to each other
+RATIO_ERROR = 0.25  # of the ratio of errors at two friction angles, relative
+LARGEST_RATIO = 2.0  # of these errors: those of fine grids are small, and their ratio is not known
 OF_A_RUN = sqrt(1.5)  # scatter of a run about the mean of the two of a configuration, in that of one run
 
 
@@ -42,25 +51,47 @@ def hull(intervals: Iterable[ErrorInterval]) -> ErrorInterval:
     return ErrorInterval(min(one.low for one in found), max(one.high for one in found))
 
 
-def error_intervals(variant: str, cells: float, cases: Sequence[str]) -> dict[str, ErrorInterval]:
-    """Return the interval of each quantity for runs of a variant at r_i / h = cells of a column between `cases`.
+def error_intervals(variant: str, cells: float, column: ColumnParameters) -> dict[str, ErrorInterval]:
+    """Return the interval of each quantity for runs of a variant at r_i / h = cells of a column.
 
-    It contains the mean error of each of the cases; between two spacings that were studied, those of both, and on finer
-    grids than the finest one of a case, all down to zero. On either side it is wider by the scatter of a run between
-    neighbouring spacings (Student's t, for the few runs that it is known from) and the uncertainty of the
-    grid-converged value.
+    It contains the mean errors of the neighbouring columns; between two spacings that were studied, those of both, and
+    on finer grids than the finest one of a case, all down to zero. On either side it is wider by the scatter of a run
+    between neighbouring spacings (Student's t, for the few runs that it is known from), the uncertainty of the
+    grid-converged value and, where the error was not studied at this aspect ratio with this friction, that of the ratio
+    of errors at the two friction angles.
+
+    Raises UsageError if the study has no columns of this kind.
     """
-    return {quantity: hull(_of_cases(quantity, variant, cells, cases)) for quantity in QUANTITIES}
+    neighbours = neighbouring_columns(column)
+    return {quantity: hull(_of_columns(quantity, variant, cells, neighbours)) for quantity in QUANTITIES}
 
 
-def _of_cases(quantity: str, variant: str, cells: float, cases: Sequence[str]) -> Iterator[ErrorInterval]:
-    studied = [_studied(case, variant) for case in cases]
-    coarser = [_coarser(own, cells) for own in studied]
-    scatter = _scatter(quantity, [one for own, near in zip(studied, coarser, strict=True) for one in _about(own, near)])
-    for own, near in zip(studied, coarser, strict=True):
+def _of_columns(
+    quantity: str, variant: str, cells: float, neighbours: Sequence[NeighbouringColumn]
+) -> Iterator[ErrorInterval]:
+    cases = {case for one in neighbours for case in (one.case, one.friction) if case}
+    scatter = _scatter(quantity, [one for case in cases for one in _about(_studied(case, variant), cells)])
+    for one in neighbours:
+        near = _coarser(_studied(one.case, variant), cells)
+        means = _means(quantity, variant, cells, one.case)
         width = hypot(scatter, NORMAL_90 * near.uncertainty[quantity])
-        means = [near.bias[quantity], *_finer(quantity, own, near, cells)]
+        if one.friction and one.common:
+            ratio = _ratio(*(_means(quantity, variant, cells, case)[0] for case in (one.friction, one.common)))
+            means = [ratio * mean for mean in means]
+            width = hypot(width, RATIO_ERROR * means[0])
         yield ErrorInterval(min(means) - width, max(means) + width)
+
+
+def _ratio(error: float, common: float) -> float:
+    """Ratio of two errors, between zero and LARGEST_RATIO."""
+    return min(max(error / common, 0.0), LARGEST_RATIO) if common else LARGEST_RATIO
+
+
+def _means(quantity: str, variant: str, cells: float, case: str) -> list[float]:
+    """Mean errors of a case at this spacing, or at those on either side of it."""
+    own = _studied(case, variant)
+    near = _coarser(own, cells)
+    return [near.bias[quantity], *_finer(quantity, own, near, cells)]
 
 
 def _studied(case: str, variant: str) -> list[ShippedConfiguration]:
@@ -81,7 +112,8 @@ def _finer(quantity: str, own: Sequence[ShippedConfiguration], near: ShippedConf
     return [min(finer, key=lambda one: one.cells).bias[quantity] if finer else 0.0]
 
 
-def _about(own: Sequence[ShippedConfiguration], near: ShippedConfiguration) -> list[ShippedConfiguration]:
+def _about(own: Sequence[ShippedConfiguration], cells: float) -> list[ShippedConfiguration]:
+    near = _coarser(own, cells)
     return [one for one in own if near.cells / NEIGHBOURS <= one.cells <= NEIGHBOURS * near.cells]
 
 

@@ -19,6 +19,7 @@ from mpmcol.studies.pareto.shipped import (
     QUANTITIES,
     SAME_ASPECT,
     SAME_FRICTION,
+    ColumnParameters,
     ShippedConfiguration,
     neighbouring_cases,
     parameters_of,
@@ -61,6 +62,7 @@ class Recommendation:
     values: Mapping[str, Value]  # to be replaced in the case
     errors: Mapping[str, float]  # quantity -> relative error not exceeded by 90 % of runs in any of `cases`
     cases: Sequence[str]  # of the study, between which the case lies
+    column: ColumnParameters  # of the case
     core_seconds: float  # expected, on the machine of the study
     differences: Sequence[Difference]  # of the case from those of the study, whose errors may not apply to it
 
@@ -82,7 +84,7 @@ class Recommendation:
     @property
     def intervals(self) -> dict[str, ErrorInterval]:
         """Intervals of the relative errors, with their sign, by quantity."""
-        return error_intervals(self.variant, self.cells, self.cases)
+        return error_intervals(self.variant, self.cells, self.column)
 
     def __str__(self) -> str:
         errors = ", ".join(f"{quantity} {error:.1%}" for quantity, error in self.errors.items())
@@ -147,10 +149,11 @@ def options(
     Those that would cause warnings are omitted, for example grids with few cells in the height of a flat column.
     """
     case = load_case(source, overrides)
-    cases = neighbouring_cases(parameters_of(case))
+    column = parameters_of(case)
+    cases = neighbouring_cases(column)
     for (variant, cells), group in covered_configurations(cases).items():
         errors = largest_errors(group)
-        error = largest_corrected_error(error_intervals(variant, cells, cases)) if corrected else max(errors.values())
+        error = largest_corrected_error(error_intervals(variant, cells, column)) if corrected else max(errors.values())
         if error > accuracy:
             continue
         values = completed(source, overrides, configuration_values(case, variant, cells))
@@ -161,7 +164,7 @@ def options(
         cost = pace * PlannedRun({}, configured, Path()).work
         differences = differences_from_study(configured, variant, cases)
         studied = min(one.cells for one in group)
-        yield Recommendation(variant, cells, studied, values, errors, cases, cost, differences)
+        yield Recommendation(variant, cells, studied, values, errors, cases, column, cost, differences)
 
 
 def largest_corrected_error(intervals: Mapping[str, ErrorInterval]) -> float:

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from math import hypot
-from typing import Any
+from typing import Any, NamedTuple
 
 from mpmcol.case import Case, conditions_of
 from mpmcol.case.values import leaf_values
@@ -32,6 +32,18 @@ class ColumnParameters:
     kind: str  # see `column_kind`
     a: float
     friction_deg: float
+
+
+class NeighbouringColumn(NamedTuple):
+    """A column next to another one in aspect ratio and friction angle, whose errors follow from cases of the study.
+
+    case: with its aspect ratio. friction, common: of another aspect ratio, with its friction angle and with that of
+    `case`; the ratio of their errors is that between the friction angles. None if `case` itself is the column.
+    """
+
+    case: str
+    friction: str | None = None
+    common: str | None = None
 
 
 @dataclass(frozen=True)
@@ -131,13 +143,41 @@ def neighbouring_cases(column: ColumnParameters) -> list[str]:
     return list(chosen)
 
 
+def neighbouring_columns(column: ColumnParameters) -> list[NeighbouringColumn]:
+    """Return the columns between which a column lies: the neighbouring aspect ratios with the neighbouring frictions.
+
+    Raises UsageError if the study has no columns of this kind.
+    """
+    similar = similar_cases(column)
+    aspects = _bracket({one.a for one in similar.values()}, column.a, 0.0, SAME_ASPECT)
+    frictions = _bracket({one.friction_deg for one in similar.values()}, column.friction_deg, SAME_FRICTION, 1.0)
+    return [_neighbour(similar, a, friction) for a in aspects for friction in frictions]
+
+
+def _neighbour(similar: Mapping[str, ColumnParameters], a: float, friction: float) -> NeighbouringColumn:
+    names = {(one.a, one.friction_deg): name for name, one in similar.items()}
+    if (a, friction) in names:
+        return NeighbouringColumn(names[a, friction])
+    here = min((one.friction_deg for one in similar.values() if one.a == a), key=lambda own: abs(own - friction))
+    both = [own for own, other in names if other == friction and (own, here) in names]
+    if not both:
+        return NeighbouringColumn(names[a, here])
+    nearest = min(both, key=lambda own: abs(own - a))
+    return NeighbouringColumn(names[a, here], names[nearest, friction], names[nearest, here])
+
+
 def similar_cases(column: ColumnParameters) -> dict[str, ColumnParameters]:
     """Return the cases of the study with columns of the same kind; UsageError if there are none."""
-    parameters = {name: parameters_of(study_case(name)) for name in shipped_study().cases}
-    similar = {name: one for name, one in parameters.items() if one.kind == column.kind}
+    similar = {name: one for name, one in study_columns().items() if one.kind == column.kind}
     if not similar:
         raise UsageError(f"the shipped study has no {column.kind} columns; set grid.spacing instead of an accuracy")
     return similar
+
+
+@cache
+def study_columns() -> dict[str, ColumnParameters]:
+    """Return the columns of the shipped study, by case."""
+    return {name: parameters_of(study_case(name)) for name in shipped_study().cases}
 
 
 @cache

@@ -38,7 +38,8 @@ class StudiedError:
 def studied_error(case: Case) -> StudiedError | None:
     """Find the errors of the configurations that are like a case in all but size; None if there are none."""
     try:
-        cases = neighbouring_cases(parameters_of(case))
+        column = parameters_of(case)
+        cases = neighbouring_cases(column)
     except UsageError:
         return None
     cells = case.geometry.r_i / case.grid.spacing
@@ -51,7 +52,7 @@ def studied_error(case: Case) -> StudiedError | None:
     if not coarser:
         return None
     studied, variant = max(coarser)
-    errors, intervals = largest_errors(groups[variant, studied]), error_intervals(variant, cells, cases)
+    errors, intervals = largest_errors(groups[variant, studied]), error_intervals(variant, cells, column)
     return StudiedError(variant, studied, errors, intervals, cases, cells > SAME_SPACING * studied)
 
 

@@ -14,7 +14,7 @@ from mpmcol.experiments import find_experiment
 from mpmcol.studies.pareto.error_interval import error_intervals
 from mpmcol.studies.pareto.recommend import largest_corrected_error
 from mpmcol.studies.pareto.score import BETA, ZETA
-from mpmcol.studies.pareto.shipped import converged_values, shipped_study, study_case
+from mpmcol.studies.pareto.shipped import converged_values, shipped_study, study_case, study_columns
 from mpmcol.studies.pareto.study import shipped_studies
 
 ROOT = Path(__file__).parents[3]
@@ -34,7 +34,7 @@ def bound(row: dict[str, str]) -> float:
 
 def corrected_error(row: dict[str, str]) -> float:
     """The same of corrected values."""
-    return largest_corrected_error(error_intervals(row["variant"], float(row["cells"]), [row["case"]]))
+    return largest_corrected_error(error_intervals(row["variant"], float(row["cells"]), study_columns()[row["case"]]))
 
 
 def lines_of_the_table() -> Iterator[str]:

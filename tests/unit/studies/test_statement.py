@@ -23,14 +23,15 @@ from mpmcol.studies.pareto.certify import error_bar
 from mpmcol.studies.pareto.error_interval import ErrorInterval
 from mpmcol.studies.pareto.recommend import Difference, Recommendation
 from mpmcol.studies.pareto.score import BETA, ZETA
-from mpmcol.studies.pareto.shipped import converged_values
+from mpmcol.studies.pareto.shipped import ColumnParameters, converged_values
 from mpmcol.studies.statement import make_statement
 from mpmcol.studies.statement_text import statement_lines, stored_lines, write_statement
 
 ROOT = Path(__file__).parents[3]
 Z90 = 1.645
 INTERVALS = {ZETA: ErrorInterval(-0.1, -0.04), BETA: ErrorInterval(-0.03, 0.01)}
-ADVICE = Recommendation("light", 28.0, 28.0, {}, {ZETA: 0.1, BETA: 0.03}, ["channel, a = 1"], 1.0, [])
+CASES, COLUMN = ["channel, a = 1"], ColumnParameters("plane", 1.0, 33.0)
+ADVICE = Recommendation("light", 28.0, 28.0, {}, {ZETA: 0.1, BETA: 0.03}, CASES, COLUMN, 1.0, [])
 
 
 @pytest.fixture(autouse=True)
