@@ -117,11 +117,12 @@ def coarse(words: list[str]) -> list[str]:
 
 
 def replaced(words: list[str]) -> list[str]:
-    """The arguments with the values of COARSE instead of their own."""
+    """The arguments with the values of COARSE instead of their own; an accuracy chooses the spacing itself."""
+    values = {key: text for key, text in COARSE.items() if key != "grid.spacing" or "--accuracy" not in words}
     pairs = pairwise(words)
-    own = {k for k, pair in enumerate(pairs) if pair[0] == "--set" and pair[1].partition("=")[0] in COARSE}
+    own = {k for k, pair in enumerate(pairs) if pair[0] == "--set" and pair[1].partition("=")[0] in values}
     kept = [word for k, word in enumerate(words) if k not in own and k - 1 not in own]
-    return [*kept, *(word for key, text in COARSE.items() for word in ("--set", f"{key}={text}"))]
+    return [*kept, *(word for key, text in values.items() for word in ("--set", f"{key}={text}"))]
 
 
 @documents
