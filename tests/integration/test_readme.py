@@ -109,7 +109,9 @@ def coarse(words: list[str]) -> list[str]:
     if "--dry-run" in words:  # other documents may have filled the default folder
         return [*(word.replace("0.5:7", "0.5:1") for word in words), *(["--fresh"] if words[0] == "run" else [])]
     if words[0] == "run":  # with --set, the name of the default folder would have a hash
-        return [*replaced(words), *([] if "--out" in words else ["--out", f"runs/{Path(words[1]).stem}"])]
+        case = Path(words[1])
+        name = f"{case.parent.name}-{case.stem}" if case.parent.parent.name == "fits" else case.stem
+        return [*replaced(words), *([] if "--out" in words else ["--out", f"runs/{name}"])]
     words = [word.replace("0.5:7", "0.5:1") if words[0] == "sweep" else word for word in words]
     if words[0] == "sweep" and "--engine" not in words:
         return [*replaced(words), *([] if "--out" in words else ["--out", "sweeps/cylinder"])]
