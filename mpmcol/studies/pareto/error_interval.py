@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from math import hypot, sqrt
 
+from mpmcol.errors import UsageError
 from mpmcol.studies.convergence import NORMAL_90
 from mpmcol.studies.pareto.shipped import (
     QUANTITIES,
@@ -60,16 +61,20 @@ def error_intervals(variant: str, cells: float, column: ColumnParameters) -> dic
     grid-converged value and, where the error was not studied at this aspect ratio with this friction, that of the ratio
     of errors at the two friction angles.
 
-    Raises UsageError if the study has no columns of this kind.
+    Neighbouring columns of which this variant was not studied are left out.
+
+    Raises UsageError if the study has no columns of this kind, or none with this variant.
     """
-    neighbours = neighbouring_columns(column)
+    neighbours = [one for one in neighbouring_columns(column) if all(_studied(case, variant) for case in one if case)]
+    if not neighbours:
+        raise UsageError(f'the study has no runs of "{variant}" for columns like this one; use --accuracy')
     return {quantity: hull(_of_columns(quantity, variant, cells, neighbours)) for quantity in QUANTITIES}
 
 
 def _of_columns(
     quantity: str, variant: str, cells: float, neighbours: Sequence[NeighbouringColumn]
 ) -> Iterator[ErrorInterval]:
-    cases = {case for one in neighbours for case in (one.case, one.friction) if case}
+    cases = dict.fromkeys(case for one in neighbours for case in (one.case, one.friction) if case)
     scatter = _scatter(quantity, [one for case in cases for one in _about(_studied(case, variant), cells)])
     for one in neighbours:
         near = _coarser(_studied(one.case, variant), cells)

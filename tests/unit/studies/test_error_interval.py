@@ -9,6 +9,7 @@ from math import hypot, sqrt
 import pytest
 from scipy.stats import t
 
+from mpmcol.errors import UsageError
 from mpmcol.studies.pareto import error_interval, shipped
 from mpmcol.studies.pareto.error_interval import ErrorInterval, error_intervals, hull
 from mpmcol.studies.pareto.score import BETA, ZETA
@@ -85,6 +86,15 @@ def test_on_a_finer_grid_than_studied_the_error_is_between_the_last_one_and_zero
 def test_between_two_spacings_the_interval_holds_the_errors_of_both() -> None:
     between, coarser = (error_intervals("light", cells, COLUMNS[LOW])[ZETA] for cells in (24.0, 20.3))
     assert between.low == coarser.low and between.high == pytest.approx(coarser.high + 2.0 / 20.0 - 2.0 / 28.0)
+
+
+@pytest.mark.usefixtures("table")
+def test_columns_of_which_a_variant_was_not_studied_are_left_out() -> None:
+    between, alone = (error_intervals("light", 14.0, column)[ZETA] for column in
+                      (replace(COLUMNS[TALL], a=5.0), COLUMNS[TALL]))  # fmt: skip
+    assert between == alone  # a = 7 was not studied
+    with pytest.raises(UsageError, match='no runs of "heavy" for columns like this one'):
+        error_intervals("heavy", 14.0, COLUMNS[TALL])
 
 
 @pytest.mark.parametrize("quantity", [ZETA, BETA])
