@@ -228,6 +228,10 @@ _PLAN: Names = {
     "recommended.errors.QUANTITY": ("", "relative error that 90 % of the runs of the study do not exceed"),
     "recommended.scatter.QUANTITY": ("", "relative standard deviation between neighbouring spacings in the study"),
     "recommended.cases": ("", "cases of the study between which the case lies"),
+    "recommended.column": ("", "parameters of the column on which a collapse depends, apart from its scale"),
+    "recommended.column.kind": ("", "kind of column: plane, axisymmetric, box or outline"),
+    "recommended.column.a": ("", "aspect ratio h_i / r_i"),
+    "recommended.column.friction_deg": ("deg", "friction angle; the residual one of a softening material"),
     "recommended.core_seconds": ("s", "processor time on the machine of the study"),
     "recommended.differences": ("", "how the case differs from those of the study, whose errors may not apply to it"),
 }
