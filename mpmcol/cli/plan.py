@@ -46,7 +46,11 @@ def plan(
         atomic_write(target, resolved_toml(load_case(case, [*overrides, *advice.overrides])).encode())
     if to_json:
         changes = [asdict(proposal) for proposal in proposals]
-        recommended = asdict(advice) | {"differences": [str(one) for one in advice.differences]}
+        recommended = asdict(advice) | {
+            "intervals": {name: asdict(interval) for name, interval in advice.intervals.items()},
+            "differences": [str(one) for one in advice.differences],
+        }
+        del recommended["column"]  # that of the case
         click.echo(as_json({"schema": RECORD_SCHEMA, "changes": changes, "recommended": recommended}))
         return
     if proposals:
