@@ -5,7 +5,7 @@ from __future__ import annotations
 import signal
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import asdict
 from pathlib import Path
@@ -16,20 +16,25 @@ import click
 
 from mpmcol.cli.streams import report
 from mpmcol.errors import Interrupted
-from mpmcol.measure import FRONTS
 from mpmcol.simulation.interrupt import REPEATED, SIGNALS
 from mpmcol.sweep.engine import Outcome
 from mpmcol.sweep.plan import Plan
 from mpmcol.sweep.progress import ProgressTracker, TrackedRun, time_left, total_progress
 from mpmcol.sweep.report import SweepReport
 from mpmcol.sweep.runner import SweepObserver
-from mpmcol.sweep.table import Row
+from mpmcol.sweep.table import FINER_GRIDS, Row
 from mpmcol.units import duration_text
 
 RECORD_SCHEMA = 2
 UPDATE_SECONDS = 1.0  # between two readings of the files of the runs
 RESOLUTION = 1000  # of the bar
 MOST_ROWS = 60
+CELL = 11  # width of a column
+COLUMNS = {  # of the table of a sweep -> heading; finer grids: of runs with an accuracy
+    "zeta.front_max": "zeta: max", "zeta.front_connected": "connected", "zeta.front_height": "height",
+    f"zeta.{FINER_GRIDS}": "finer grid", "law.zeta": "law", "beta": "beta", f"beta.{FINER_GRIDS}": "finer grid",
+    "law.beta": "law",
+}  # fmt: skip
 ABORTING = 2  # number of signals that abort the runs instead of stopping them
 
 
@@ -138,9 +143,10 @@ def summary_lines(report: SweepReport) -> Iterator[str]:
     rows = report.rows
     names = [row["folder"].rpartition("-")[0] for row in rows]
     width = max(map(len, names))
-    yield f"{'':{width}}  zeta: max  connected   height      law     beta      law     time"
+    columns = {name: heading for name, heading in COLUMNS.items() if name in rows[0]}
+    yield f"{'':{width}}" + "".join(f"{heading:>{CELL}}" for heading in (*columns.values(), "time"))
     for name, row in list(zip(names, rows, strict=True))[:MOST_ROWS]:
-        yield f"{name:{width}}  {_numbers(row)}"
+        yield f"{name:{width}}{_numbers(row, list(columns))}"
     if len(rows) > MOST_ROWS:
         yield f"... and {len(rows) - MOST_ROWS} more"
     yield from (f"{slope.series + ': ' if slope.series else ''}{slope}" for slope in report.slopes)
@@ -155,12 +161,11 @@ def failures(report: SweepReport) -> Iterator[str]:
             yield f"{row['folder']} {row['status']}: {row['message']}"
 
 
-def _numbers(row: Row) -> str:
+def _numbers(row: Row, columns: Sequence[str]) -> str:
     if row["status"] != "done":
-        return str(row["status"])
-    columns = [*(f"zeta.{front}" for front in FRONTS), "law.zeta", "beta", "law.beta"]
-    cells = "".join(f"{'none':>9}" if row[name] is None else f"{row[name]:9.3f}" for name in columns)
-    return f"{cells}{duration_text(row['seconds']):>9}" + _remarks(row)
+        return f"  {row['status']}"
+    cells = "".join(f"{'none':>{CELL}}" if row[name] is None else f"{row[name]:{CELL}.3f}" for name in columns)
+    return f"{cells}{duration_text(row['seconds']):>{CELL}}" + _remarks(row)
 
 
 def _remarks(row: Row) -> str:

@@ -85,6 +85,15 @@ def test_a_sweep_has_the_intervals_of_finer_grids(tmp_path: Path) -> None:
     assert "Runout on finer grids: mean difference" in page and page.count("on finer grids</th>") == 2
 
 
+def test_finer_grids_stand_in_the_table_that_is_printed(tmp_path: Path) -> None:
+    command = ("sweep", "channel", "--aspect", "3", "--out", tmp_path / "sweep")
+    printed = invoke(*command, "--accuracy", "20%", "--corrected").stdout.splitlines()
+    heading, row = (line.split() for line in printed[:2])
+    assert " ".join(heading) == "zeta: max connected height finer grid law beta finer grid law time"
+    height, finer, law, beta, finer_beta = (float(text) for text in row[3:8])
+    assert height < finer < 1.3 * height and law == 4.576 and beta < finer_beta
+
+
 def test_a_damaged_statement_is_reported_and_written_again(folder: Path) -> None:
     (folder / "accuracy.json").write_text("{")
     refused = invoke("report", folder, folder.parent)

@@ -87,12 +87,13 @@ class Recommendation:
         return error_intervals(self.variant, self.cells, self.column)
 
     def __str__(self) -> str:
-        errors = ", ".join(f"{quantity} {error:.1%}" for quantity, error in self.errors.items())
+        intervals = self.intervals
+        errors = ", ".join(f"{name} {error:.1%}, {intervals[name]}" for name, error in self.errors.items())
         coarser = self.studied < self.cells
         return "\n  ".join(
             [
                 f'"{self.variant}" at r_i/h = {self.cells:g}: {", ".join(self.overrides)}',
-                f"errors in the study: {errors} (90 % of runs; {'; '.join(self.cases)})",
+                f"errors and their intervals in the study: {errors} (90 % of runs; {'; '.join(self.cases)})",
                 *([f"not all of these were studied beyond r_i/h = {self.studied:g}: its errors count"] * coarser),
                 *(f"note: these errors may not apply: {difference}" for difference in self.differences),
                 f"expected cost: about {duration_text(self.core_seconds)} of one core on the machine of the study",

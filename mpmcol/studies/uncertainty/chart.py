@@ -71,7 +71,7 @@ def uncertainty_chart(path: Path, analysis: Analysis) -> list[Path]:
     figure.suptitle(f"{heading.title}: {analysis.done} runs", parse_math=False)
     inputs = [f"{one.key} = {one.distribution}" for one in plan.inputs[:MOST_INPUTS]]
     more = [f"{len(plan.inputs) - MOST_INPUTS} more"] if len(plan.inputs) > MOST_INPUTS else []
-    upper.suptitle(f"{heading.caption}\n{'; '.join(inputs + more)}", fontsize=LABEL_SIZE, color="0.3")
+    upper.suptitle(f"{heading.caption}\n{'; '.join([*inputs, *more, *plan.remarks])}", fontsize=LABEL_SIZE, color="0.3")
     return save_figure(figure, path, svg=False)
 
 

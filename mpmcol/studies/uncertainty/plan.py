@@ -34,6 +34,11 @@ class UncertaintyPlan:
     accuracy: float | None
     corrected: bool = False  # runout and height are corrected for the error of the grid
 
+    @property
+    def remarks(self) -> list[str]:
+        """What the statistics of the runs contain besides the runs themselves."""
+        return ["runout, front and height corrected for the error of the grid"] if self.corrected else []
+
     def lines(self) -> list[str]:
         """The configuration for all runs, where it was not studied, and warnings about the runs."""
         advice = self.recommendation

@@ -84,7 +84,12 @@ def summary_lines(analysis: Analysis) -> Iterator[str]:
     """Counts, a table of the quantities, probabilities, and shares of the variance."""
     total = len(analysis.plan.runs)
     moving = f"; {analysis.not_at_rest} still moved at the end" if analysis.not_at_rest else ""
-    yield f"{analysis.done} of {total} runs of a Latin hypercube (seed {analysis.plan.seed}) are done{moving}"
+    yield "; ".join(
+        [
+            f"{analysis.done} of {total} runs of a Latin hypercube (seed {analysis.plan.seed}) are done{moving}",
+            *analysis.plan.remarks,
+        ]
+    )
     if analysis.done < total:
         yield "  the others are in no statistics, which they may bias"
     width = max((len(label(one)) for one in analysis.quantities), default=0)

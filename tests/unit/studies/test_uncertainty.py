@@ -367,6 +367,7 @@ def test_runout_front_and_height_are_corrected_for_the_error_of_the_grid(tmp_pat
     assert zeta == pytest.approx(1.6 * intervals["zeta.front_height"].factor, abs=1e-3) and zeta > 1.65
     assert front == pytest.approx(r_i * (1.0 + zeta)) and beta == pytest.approx(0.9 * intervals["beta"].factor)
     assert dam == pytest.approx(16.0, abs=0.01)
+    assert next(summary_lines(analysis)).endswith("; runout, front and height corrected for the error of the grid")
     assert analysis.quantities[0].grid_deviation == pytest.approx(
         intervals["zeta.front_height"].relative / 1.645 * zeta
     )
