@@ -1,6 +1,6 @@
 """Verify the errors of `mpmcol run --accuracy` and the error bars of `--certify` on random columns.
 
-    python scripts/accuracy_cases.py OUT [--accuracy 5%] [--count 20] [--jobs N]
+    python scripts/accuracy_cases.py OUT [--accuracy 5%] [--first 0] [--count 20] [--jobs N]
 
 Each column (model, friction, size and aspect ratio) is drawn at random from its number, so that the same columns are
 drawn every time. It is run as recommended for the accuracy or, if none is accurate enough, with the most accurate
@@ -138,11 +138,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("out", type=Path, help="folder of the runs")
     parser.add_argument("--accuracy", type=lambda text: to_unit(text, ""), default=0.05, help="default: 5%%")
+    parser.add_argument("--first", type=int, default=0, help="number of the first column (default: 0)")
     parser.add_argument("--count", type=int, default=20, help="columns (default: 20)")
     parser.add_argument("--jobs", type=int, help="number of concurrent runs")
     args = parser.parse_args()
     within = within_twice = contained = in_intervals = 0
-    for number in range(args.count):
+    for number in range(args.first, args.first + args.count):
         column, advice = draw(number, args.accuracy)
         result = verify(column, advice, args.out, args.jobs)
         worst = max(abs(error) for error in result.errors.values()) / column.accuracy

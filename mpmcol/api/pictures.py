@@ -53,7 +53,8 @@ def render(
         run: the results of a run, or their folder.
         gif, mp4: also write an animation of all snapshots in this format; MP4 requires imageio-ffmpeg.
         view: "side", "3d" or "top", if the model of the run has it (default: "side" in 2D, "3d" in 3D).
-        color: "displacement", "velocity", "pressure", "shear", or "inertial" with the law mu-i.
+        color: "displacement", "velocity", "pressure", "shear", "inertial" (law mu-i) or "friction" (law
+            mohr-coulomb-random).
         snapshot: index of the snapshot; -1 is the last.
         size: width and height, pixels (default: 1280 wide; in the side view as high as needed, else 720).
         out: the PNG (default: in the results folder).

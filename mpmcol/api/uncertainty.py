@@ -86,7 +86,8 @@ def propagate(
         case: from `load_case`, or a TOML file or the name of a shipped case.
         inputs: key -> distribution, for example {"material.friction_deg": "normal:33,1.5"}: normal:MEAN,SD,
             lognormal:MEDIAN,FACTOR (68 % within MEDIAN/FACTOR to MEDIAN*FACTOR), uniform:LOW,HIGH or
-            triangular:LOW,MODE,HIGH.
+            triangular:LOW,MODE,HIGH; {"material.seed": "realizations"} gives each run a realization of its own of a
+            random field.
         values: key -> value of other keys, the same in all runs.
         samples: number of runs, 5 to 10,000.
         seed: of the hypercube, not negative.
@@ -114,14 +115,14 @@ def propagate(
     """
     if not inputs:
         raise UsageError("no uncertain input; give for example {'material.friction_deg': 'normal:33,1.5'}")
-    uncertain, problems = parse_inputs([f"{key}={text}" for key, text in inputs.items()])
+    uncertain, seeds, problems = parse_inputs([f"{key}={text}" for key, text in inputs.items()])
     fixed = [Axis(key, texts_of(key, value)) for key, value in (values or {}).items()]
     with tempfile.TemporaryDirectory() as temporary:
-        named = Path("sweeps") / study_name(name_of(case), fixed, uncertain, accuracy, corrected)
+        named = Path("sweeps") / study_name(name_of(case), fixed, uncertain, accuracy, corrected, seeds)
         folder = Path(out) if out is not None else named
         plan = plan_study(
             source_of(case, Path(temporary)), fixed, uncertain, folder,
-            samples=samples, seed=seed, accuracy=accuracy, corrected=corrected, problems=problems,
+            samples=samples, seed=seed, accuracy=accuracy, corrected=corrected, seeds=seeds, problems=problems,
         )  # fmt: skip
     for line in [*plan.lines(), *(f"note: {note}" for note in runs_that_leave(folder, plan.runs))]:
         notify(line)

@@ -31,6 +31,7 @@ def conditions_of(case: Case) -> Conditions:
         has_bed=geometry.base == "granular",
         floor_friction=math.inf if friction.floor is None else friction.floor,
         channel_width=(friction.channel_width if friction.side_walls else None) or math.inf,
+        friction_variation=getattr(material, "friction_variation", 0.0),
         release_speed=speed / math.sqrt(geometry.gravity * geometry.h_i),
     )
 

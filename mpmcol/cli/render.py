@@ -12,7 +12,7 @@ import click
 from mpmcol.cli.options import PATH, positive_integer, results_argument
 
 LEAST_PIXELS, MOST_PIXELS = 200, 8000
-COLORS = ("displacement", "velocity", "pressure", "shear", "inertial")
+COLORS = ("displacement", "velocity", "pressure", "shear", "inertial", "friction")
 
 
 def parse_size(context: click.Context, parameter: click.Parameter, text: str | None) -> tuple[int, int] | None:

@@ -48,11 +48,12 @@ class UncertainOptions:
         from mpmcol.sweep.axes import parse_axes
 
         fixed, problems = parse_axes(aspect, overrides, slope) if aspect or overrides or slope else ([], [])
-        uncertain, more = parse_inputs(self.inputs)
-        folder = out or Path("sweeps") / study_name(case, fixed, uncertain, accuracy, corrected)
+        uncertain, seeds, more = parse_inputs(self.inputs)
+        folder = out or Path("sweeps") / study_name(case, fixed, uncertain, accuracy, corrected, seeds)
         plan = plan_study(
             case, fixed, uncertain, folder,
-            samples=self.samples, seed=self.seed, accuracy=accuracy, corrected=corrected, problems=[*problems, *more],
+            samples=self.samples, seed=self.seed, accuracy=accuracy, corrected=corrected, seeds=seeds,
+            problems=[*problems, *more],
         )  # fmt: skip
         return plan, folder
 
@@ -113,8 +114,9 @@ def _options() -> Iterator[Decorator]:
     yield click.option(
         "--uncertain", multiple=True, metavar="KEY=DISTRIBUTION",
         help="Draw the values of a key: normal:MEAN,SD, lognormal:MEDIAN,FACTOR (68 % are within MEDIAN/FACTOR to "
-        "MEDIAN*FACTOR), uniform:LOW,HIGH or triangular:LOW,MODE,HIGH. May be repeated. The time step (time.cfl) "
-        "of each run is drawn as well, so that the scatter is known.",
+        "MEDIAN*FACTOR), uniform:LOW,HIGH or triangular:LOW,MODE,HIGH; material.seed=realizations gives each run a "
+        "realization of its own of a random field. May be repeated. The time step (time.cfl) of each run is drawn as "
+        "well, so that the scatter is known.",
     )  # fmt: skip
     yield click.option(
         "--samples", metavar="N", type=click.IntRange(5, 10_000),

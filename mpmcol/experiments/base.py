@@ -119,6 +119,7 @@ class Conditions:
     has_bed: bool = False  # the base is granular
     floor_friction: float = math.inf  # coefficient; inf: no slip
     channel_width: float = math.inf  # m, between side walls with friction
+    friction_variation: float = 0.0  # coefficient of variation of tan(phi), of a random field
     release_speed: float = math.inf  # of the gate, relative to sqrt(g h_i); 0: there is no gate
 
     @property
@@ -191,6 +192,8 @@ class Experiment:
             yield f"for friction of {lo:g} to {hi:g} deg; this material has none"
         elif not lo <= here.friction_deg <= hi:
             yield f"for friction of {lo:g} to {hi:g} deg; here it is {here.friction_deg:g} deg"
+        if here.friction_variation:
+            yield f"for uniform material; here the friction varies by {100.0 * here.friction_variation:.3g} %"
 
     def applies(self, a: float, conditions: Conditions | None = None) -> bool:
         """Whether a column of aspect ratio a, in these conditions if given, can be compared with a law."""

@@ -30,11 +30,13 @@ QUANTITY_NAMES = {  # columns of uncertainty.csv; values in the unit of the quan
     "total.INPUT": ("", "share of an input with its interactions (total Sobol index); null as first_order"),
     "residual": (
         "",
-        "1 - adjusted_r2: share of the scatter of runs and of terms that the surface omits; null as first_order",
+        "1 - adjusted_r2: share of the scatter of runs, of realizations of random fields, and of terms that the "
+        "surface omits; null as first_order",
     ),
     "scatter": (
         "",
-        "share of the scatter about a smooth function of the input, by neighbouring values; null for several inputs",
+        "share of the scatter about a smooth function of the input, by neighbouring values; null for several inputs "
+        "and with realizations",
     ),
     "note": ("", "why shares are not given or not reliable; null if cross_validated_r2 is at least 0.5"),
     "grid_standard_deviation": ("", "standard deviation of the error of the grid by the study; null if not studied"),
@@ -54,6 +56,7 @@ RECORD_NAMES = {  # uncertainty.json
     "inputs.distribution": ("", "distribution of its values, as --uncertain takes it"),
     "inputs.mean": ("", "mean of the distribution"),
     "inputs.standard_deviation": ("", "standard deviation of the distribution"),
+    "realizations": ("", "keys of the seeds of random fields, of which each run has one of its own"),
     "configuration": ("", "configuration of all runs that --accuracy chose; null without it"),
     "configuration.variant": ("", "variant of the method in the study"),
     "configuration.cells": ("", "r_i / h at the means of the inputs"),

@@ -25,6 +25,7 @@ LENGTHS = {"r_i": "r_i", "h_i": "h_i", "h": "spacing"}  # symbols
 NAMES = {  # of the laws
     "mohr-coulomb": "Mohr-Coulomb",
     "mohr-coulomb-softening": "Mohr-Coulomb with softening",
+    "mohr-coulomb-random": "Mohr-Coulomb, random field",
     "drucker-prager": "Drucker-Prager",
     "mu-i": r"$\mu(I)$",
 }
@@ -104,9 +105,11 @@ def _material_text(case: Mapping[str, Any]) -> list[str]:
         return []
     name = NAMES.get(law := str(material["law"]), law)
     angles = [f"{material[key]:g}" for key in FRICTION if material.get(key) is not None]
+    variation = material.get("friction_variation")
     cohesion = [material[key] for key in COHESION if material.get(key) is not None]
     return [
         rf"{name}, $\varphi$ = {' to '.join(angles)}$\degree$" if angles else name,
+        *([] if variation is None else [rf"tan $\varphi$ varies by {100.0 * variation:.3g} %"]),
         *([f"$c$ = {' to '.join(map(pressure_text, cohesion))}"] if any(cohesion) else []),
         *([] if floor is None else [rf"floor $\mu$ = {floor:.3g}"]),
     ]

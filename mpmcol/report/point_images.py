@@ -83,8 +83,8 @@ class PointImages:
         if mode == "RGBA":
             figure.patch.set_visible(False)
             bar = figure.add_axes((LEFT / WIDTH, 60 / total, width / WIDTH, 14 / total))
-            label, factor = self._view.coloring.scale(self._view.limit)
-            scale = ScalarMappable(Normalize(0, factor * self._view.limit), COLORMAP)
+            label, ends = self._view.coloring.scale(self._view.limits)
+            scale = ScalarMappable(Normalize(*ends), COLORMAP)
             figure.colorbar(scale, cax=bar, orientation="horizontal", label=label)
         return as_image(figure, (WIDTH, total), mode)
 

@@ -19,7 +19,7 @@ STATISTICS = {
     "median": "median", "p75": "75 %", "p95": "95 %",
 }  # fmt: skip
 FIT = {
-    "residual": "scatter and terms that the surface omits", "scatter": "of it scatter",
+    "residual": "scatter and what the surface omits", "scatter": "of it scatter",
     "adjusted_r2": "adjusted R2",
     "cross_validated_r2": "cross-validated R2", "grid_share": "error of the grid, over its sum with the variance",
 }  # fmt: skip
@@ -57,6 +57,7 @@ def _section(folder: Path, record: Record) -> Section:
         tables.append(_table("Front", PROBABILITY, named, "Probability that the front passes a distance"))
     picture = file_picture(folder / CHART_FILE, f"Chart: {CAPTION}", CAPTION) if quantities else None
     inputs = [f"{one['key']} = {one['distribution']}" for one in record["inputs"]]
+    inputs += [f"{key}: each run has a realization of its own" for key in record.get("realizations", ())]
     counts = f"{record['done']} of {record['samples']} runs of a Latin hypercube (seed {record['seed']}) are done"
     notes = [f"{one['quantity']}: {one['note']}" for one in quantities if one.get("note")]
     return Section("Uncertainty", [*inputs, counts, *notes], tables, [picture] if picture else [], is_wide=True)

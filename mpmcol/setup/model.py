@@ -237,6 +237,9 @@ def make_points(case: Case, discretization: Discretization) -> Points:
     points.V0[:] = discretization.geometry.volumes(sizes, points.x)
     points.V0[: len(column)] *= shares
     points.m[:] = points.V0 * np.array([material.density for material in case.materials])[points.kind.astype(np.intp)]
+    for kind, material in enumerate(case.materials):
+        own = points.kind == kind
+        points.history[own] = material.initial_history(points.x[own])
     return points
 
 

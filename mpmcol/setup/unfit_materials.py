@@ -9,10 +9,12 @@ from collections.abc import Iterator
 from math import degrees, pi, radians, sqrt, tan
 
 from mpmcol.case import Case
-from mpmcol.mpm.constitutive import mohr_coulomb, mu_i
+from mpmcol.case.materials import Material
+from mpmcol.mpm.constitutive import mohr_coulomb, mohr_coulomb_random, mu_i
 from mpmcol.units import length_text
 
 RIGHT_ANGLE = pi / 2.0
+FEWEST_CELLS = 4.0  # in a correlation length
 LEAST_DENSITY = 23.0  # kg/m3; a smaller number is a density in g/cm3, of which no element has more than 22.6
 MOST_DILATANCY = 5.0  # degrees, constant during the flow
 # height with which a vertical cut stands, rho g H / (c tan(45 deg + phi/2)): without horizontal stress, for which it
@@ -21,10 +23,15 @@ MOST_DILATANCY = 5.0  # degrees, constant during the flow
 STANDING, STANDING_WITH_TENSION = 2.0, 0.9 * 3.83
 
 
+def _materials(case: Case) -> Iterator[tuple[str, Material]]:
+    """Key and material of column, base and layers."""
+    keys = ("material", "base_material", *(f"layers.{k}.material" for k in range(len(case.layers))))
+    yield from zip(keys, case.materials, strict=True)
+
+
 def _with_rate(case: Case) -> Iterator[tuple[str, mu_i.Material]]:
     """Key and material of column, base and layers with the mu(I) law."""
-    layers = {f"layers.{k}.material": layer.material for k, layer in enumerate(case.layers)}
-    for key, material in {"material": case.material, "base_material": case.base_material, **layers}.items():
+    for key, material in _materials(case):
         if isinstance(material, mu_i.Material):
             yield key, material
 
@@ -59,6 +66,38 @@ def light_grains(case: Case, h: float) -> str | None:
                 f"{key}.density = {material.density:g} kg/m3 is that of the material with its pores, but the grains "
                 f"have grain_density = {material.grain_density:g} kg/m3; set a density of about 0.6 grain_density"
             )
+    return None
+
+
+def _with_field(case: Case) -> Iterator[tuple[str, mohr_coulomb_random.Material]]:
+    """Key and material of column, base and layers with a random field of friction."""
+    for key, material in _materials(case):
+        if isinstance(material, mohr_coulomb_random.Material):
+            yield key, material
+
+
+def short_correlation(case: Case, h: float) -> str | None:
+    """Variation within a few cells has no effect of its own: the grid smooths it."""
+    for key, material in _with_field(case):
+        lengths = {"": material.correlation_length, "_vertical": material.vertical_length}
+        for suffix, length in lengths.items():
+            if length < FEWEST_CELLS * h:
+                return (
+                    f"{key}.correlation_length{suffix} = {length_text(length)} is only {length / h:.2g} cells, and the "
+                    f"grid does not resolve the field; set grid.spacing = {length_text(length / FEWEST_CELLS)} or less"
+                )
+    return None
+
+
+def field_of_rings(case: Case, h: float) -> str | None:
+    """A field in the plane of r and y."""
+    if case.geometry.model != "axisymmetric":
+        return None
+    for key, material in _with_field(case):
+        return (
+            f'{key}.law = "{material.law}" with geometry.model = "axisymmetric": the friction is the same all around '
+            'the axis; for a field that varies in all directions, set geometry.model = "full"'
+        )
     return None
 
 
@@ -97,8 +136,8 @@ def endless_dilatancy(case: Case, h: float) -> str | None:
 
 
 def _angles(case: Case, prefix: str) -> Iterator[tuple[str, float]]:
-    """Keys of the material that begin with `prefix`, and their values in degrees."""
-    return ((name, value) for name, value in case.material if name.startswith(prefix))
+    """Keys of the angles of the material that begin with `prefix`, and their values in degrees."""
+    return ((name, value) for name, value in case.material if name.startswith(prefix) and name.endswith("_deg"))
 
 
 def standing_column(case: Case, h: float) -> str | None:

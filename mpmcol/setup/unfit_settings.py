@@ -24,9 +24,11 @@ from mpmcol.setup.unfit_materials import (
     constant_friction,
     density_in_grams,
     endless_dilatancy,
+    field_of_rings,
     friction_in_radians,
     large_grains,
     light_grains,
+    short_correlation,
     standing_column,
 )
 from mpmcol.setup.unfit_walls import rough_floor, rough_wall, wall_at_gate, wall_out_of_reach
@@ -207,6 +209,8 @@ CHECKS: tuple[Callable[[Case, float], str | None], ...] = (
     constant_friction,
     large_grains,
     light_grains,
+    short_correlation,
+    field_of_rings,
     short_collapse,
     large_damping,
     late_times,

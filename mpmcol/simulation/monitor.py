@@ -169,7 +169,8 @@ def _outside_of_kind(state: CheckedState, limit: float, kind: int) -> Violation 
         return None
     stress, scale, history = stress[:, suspects], scale[suspects], history[:, suspects]
     excess = np.full(len(suspects), np.inf)
-    for known in (tuple(history), tuple(0.0 * history)):  # the history grows after the return mapping of a step
+    intact = (0.0 * history[0], history[1])
+    for known in (tuple(history), intact):  # the first variable grows after the return mapping of a step
         excess = np.minimum(excess, limit * law.return_map(*stress, known, params, dt=0.0)[-1] / scale)
     worst = int(excess.argmax())
     if excess[worst] <= limit:

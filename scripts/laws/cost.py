@@ -27,13 +27,18 @@ MATERIALS: dict[str, dict[str, Any]] = {
         "law": "mu-i", "mu_s": 0.5446, "mu_2": 0.8062, "I_0": 0.279, "grain_diameter": 0.32e-3, "grain_density": 2700.0,
     },
     "mohr-coulomb, cut-off": SAND | {"cohesion": 20.0, "tension": 10.0},
+    "mohr-coulomb-random": SAND | {
+        "law": "mohr-coulomb-random", "friction_variation": 0.2, "correlation_length": 0.05,
+    },
 }  # fmt: skip
 
 
 def prepared(model: str, keys: dict[str, Any]) -> Solver:
     """A column with a material after its first steps, with compiled kernels."""
     solver, law = make_solver(model, POINTS[model]), LAWS[keys["law"]]
-    body = Body(law, law.make_params(law.Material(**ELASTIC | keys)), solver.bodies[0].wave_speed2)
+    material = law.Material(**ELASTIC | keys)
+    solver.points.history[:] = material.initial_history(solver.points.x)
+    body = Body(law, law.make_params(material), solver.bodies[0].wave_speed2)
     solver = Solver(solver.points, solver.grid, solver.settings, body, solver.bodies[1])
     step_seconds(solver, STEPS)
     return solver

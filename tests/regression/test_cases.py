@@ -34,6 +34,7 @@ COARSE = {
     "dam": (),
     "cohesive-column": ("grid.spacing=0.1",),
     "mu-i-cylinder": ("grid.spacing=9.7 mm", "grid.points_per_cell=4"),
+    "random-friction": ("grid.spacing=0.1", "grid.points_per_cell=4"),
     **OF_PAPER,
     **{twin: OF_PAPER[f"lube-{twin}"] for twin in TWINS},
 }
@@ -58,6 +59,7 @@ EXPECTED: dict[str, tuple[int, float, float, float, float]] = {
     "cohesive-column": (1842, 0.195622937, 0.148745314, 0.195622937, 0.998552227),
     "mu-i-cylinder": (2620, 1.114527618, 1.114527618, 1.04803905, 0.630361786),
     "bui-rods": (1654, 0.654307258, 0.654307258, 0.6443832, 0.998293409),
+    "random-friction": (2489, 1.64646616, 1.64646616, 1.627183692, 0.773803568),
     "layered-column": (1701, 1.094428093, 1.094428093, 1.094428093, 0.86145262),
     "inclined-channel": (1094, 0.886340247, 0.886340247, 0.886340247, 0.87517582),
 }

@@ -88,12 +88,18 @@ class ReferenceMaterial:
     def G(self) -> float:
         return self.E / (2.0 * (1.0 + self.nu))
 
-    def angles(self, eps: float) -> tuple[float, float]:
-        """Friction and dilatancy angle after the plastic deviatoric strain eps."""
+    def angles(self, history: Array) -> tuple[float, float]:
+        """Friction and dilatancy angle of a point: after the plastic deviatoric strain history[0] if it softens, and
+        with tan(phi) larger by the share history[1].
+        """
         assert self.phi is not None
-        remaining = np.exp(-self.rate * eps)
+        remaining = np.exp(-self.rate * history[0]) if self.rate > 0.0 else 1.0
         phi = self.phi_residual + (self.phi - self.phi_residual) * remaining
-        return phi, self.psi_residual + (self.psi - self.psi_residual) * remaining
+        psi = self.psi_residual + (self.psi - self.psi_residual) * remaining
+        if history[1] != 0.0:
+            phi = np.arctan(np.tan(phi) * (1.0 + history[1]))
+            psi = min(psi, phi)
+        return phi, psi
 
     def cohesion(self, eps: float) -> float:
         """Cohesion after the plastic deviatoric strain eps."""
@@ -416,7 +422,7 @@ def cut_off_return(s: Array, material: ReferenceMaterial, history: Array) -> tup
 
     Without softening sets history[0].
     """
-    phi, psi = material.angles(history[0] if material.rate > 0.0 else 0.0)
+    phi, psi = material.angles(history)
     c, tension = material.present_strength(history)
     values, axes = np.linalg.eigh(s)
     new = koiter_return(values[None], phi, psi, c, material.K, material.G, tension=tension)[0]
@@ -546,7 +552,7 @@ def _apex(material: ReferenceMaterial, history: Array) -> float:
     if material.tension is not None:
         return material.present_strength(history)[1]
     eps = history[0] if material.rate > 0.0 else 0.0
-    phi, _ = material.angles(eps)
+    phi, _ = material.angles(history)
     return material.cohesion(eps) / np.tan(phi) if material.c > 0.0 else 0.0
 
 
@@ -580,7 +586,7 @@ def _stress_of(
     elif material.tension is not None:
         sigma, at_apex = cut_off_return(trial, material, history)
     else:
-        phi, psi = material.angles(history[0] if material.rate > 0.0 else 0.0)
+        phi, psi = material.angles(history)
         sigma, at_apex = mohr_coulomb(trial, phi, psi, p_apex, material.K, material.G)
     if at_apex and scheme.opening_strain:
         e_o = max(0.0, (np.trace(trial) / 3.0 - p_apex) / material.K)

@@ -31,6 +31,7 @@ SMALL_CASES = {  # name -> shipped case and overrides, to be cut short with SHOR
     "granular bed": ("granular-bed", "grid.spacing=0.015"),
     "mu(I)": ("mu-i-cylinder", "grid.spacing=0.0194", "grid.points_per_cell=4", *BRITTLE),
     "failure in tension": ("cohesive-column", "grid.spacing=0.125", "material.failure_strain=1e-3"),
+    "random field": ("random-friction", "grid.spacing=0.2", "geometry.aspect=1", "grid.points_per_cell=4"),
     "quarter": ("quarter", "grid.spacing=0.0194", "geometry.aspect=0.4", "stages.initial_stress=k0"),
     "friction": (
         "frictional-floor",

@@ -21,8 +21,8 @@ THREE = (f"{FRICTION}=normal:33,1.5", f"{DENSITY}=uniform:1500,1700", f"{ASPECT}
 
 def inputs_of(*options: str) -> list[UncertainInput]:
     """Inputs from valid options."""
-    inputs, problems = parse_inputs(options)
-    assert not problems, problems
+    inputs, seeds, problems = parse_inputs(options)
+    assert not problems and not seeds, problems
     return inputs
 
 

@@ -5,7 +5,14 @@ from __future__ import annotations
 from collections.abc import Hashable
 from typing import Any, Protocol
 
-from mpmcol.mpm.constitutive import drucker_prager, elastic, mohr_coulomb, mohr_coulomb_softening, mu_i
+from mpmcol.mpm.constitutive import (
+    drucker_prager,
+    elastic,
+    mohr_coulomb,
+    mohr_coulomb_random,
+    mohr_coulomb_softening,
+    mu_i,
+)
 from mpmcol.mpm.constitutive.elastic import Derived, Elasticity
 
 
@@ -22,7 +29,11 @@ class ConstitutiveLaw(Hashable, Protocol):
 
     @property
     def STATE(self) -> tuple[str, ...]:
-        """Names of the history variables, at most two; their initial values are zero."""
+        """Names of the history variables, at most two.
+
+        The first may only grow with strain, the second is constant; `Material.initial_history` gives their initial
+        values, by default zero.
+        """
 
     @property
     def INVARIANTS(self) -> bool:
@@ -78,6 +89,7 @@ LAWS: dict[str, ConstitutiveLaw] = {
     "elastic": elastic,
     "mohr-coulomb": mohr_coulomb,
     "mohr-coulomb-softening": mohr_coulomb_softening,
+    "mohr-coulomb-random": mohr_coulomb_random,
     "drucker-prager": drucker_prager,
     "mu-i": mu_i,
 }

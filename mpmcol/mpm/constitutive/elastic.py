@@ -39,6 +39,10 @@ class Elasticity(Table):
         """Speed of compression waves at the initial density, Eq. 36, m/s."""
         return float(((self.bulk_modulus + 4.0 / 3.0 * self.shear_modulus) / self.density) ** 0.5)
 
+    def initial_history(self, x: np.ndarray) -> np.ndarray:
+        """History variables (n, 2) of points at positions x (n, d), m, before the first step: zero."""
+        return np.zeros((len(x), 2))
+
 
 class Material(Elasticity):
     """[material] with law = "elastic"."""

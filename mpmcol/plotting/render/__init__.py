@@ -59,8 +59,8 @@ def render(
         results_folder: of the run.
         gif, mp4: also write the animation, beside the PNG, in this format.
         view: "side", "3d" or "top", if the model of the run has it (default: "side" in 2D, "3d" in 3D).
-        color: quantity by which the points are coloured: "displacement", "velocity", "pressure", "shear", or
-            "inertial" with the law mu-i.
+        color: quantity by which the points are coloured: "displacement", "velocity", "pressure", "shear",
+            "inertial" (law mu-i) or "friction" (law mohr-coulomb-random).
         snapshot: index of the snapshot; negative indices count from the end.
         size: width and height, pixels (default: 1280 wide; in the side view as high as needed, else 720).
         out: the PNG (default: `snapshot-<number>.png`, or `topview.png`, in the results folder). The animation takes

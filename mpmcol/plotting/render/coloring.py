@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +12,8 @@ from mpmcol.io.snapshot import Meta, Snapshot
 from mpmcol.mpm.constitutive import LAWS
 from mpmcol.units import FACTORS
 
+Limits = tuple[float, float]  # values at both ends of a colour scale
+
 
 @dataclass(frozen=True)
 class Coloring:
@@ -19,7 +21,8 @@ class Coloring:
 
     name: for the colour bar. units: from the smallest, for the colour bar. values: (n,) of a snapshot, SI units.
     percentile: of the values of the column, at the upper end of the colour scale. least: smallest upper end, SI units,
-    or the name of the datum of the run that it equals.
+    or the name of the datum of the run that it equals. from_zero: whether the colour scale begins at zero, else at the
+    opposite percentile.
     """
 
     name: str
@@ -27,17 +30,21 @@ class Coloring:
     values: Callable[[Snapshot], np.ndarray]
     percentile: float = 100.0
     least: float | str = 1e-9
+    from_zero: bool = True
 
-    def limit(self, snapshot: Snapshot, meta: Meta) -> float:
-        """Value at the upper end of the colour scale of this snapshot, SI units. Raises OutputError."""
+    def limits(self, snapshot: Snapshot, meta: Meta) -> Limits:
+        """Values at the ends of the colour scale of this snapshot, SI units. Raises OutputError."""
         values = self.values(snapshot)[snapshot.column]
         least = float(meta[self.least]) if isinstance(self.least, str) else self.least
-        return max(float(np.percentile(values, self.percentile)), least)
+        low = 0.0 if self.from_zero else float(np.percentile(values, 100.0 - self.percentile))
+        return low, max(float(np.percentile(values, self.percentile)), low + least)
 
-    def scale(self, limit: float) -> tuple[str, float]:
-        """Label of a colour bar up to `limit` (SI units), with the unit that suits it, and the factor to that unit."""
-        unit = next((unit for unit in reversed(self.units) if limit >= FACTORS[unit][1]), self.units[0])
-        return f"{self.name} ({unit})" if unit else self.name, 1.0 / FACTORS[unit][1]
+    def scale(self, limits: Limits) -> tuple[str, Limits]:
+        """Label of a colour bar with these ends (SI units), with the unit that suits it, and the ends in that unit."""
+        low, high = limits
+        unit = next((unit for unit in reversed(self.units) if high >= FACTORS[unit][1]), self.units[0])
+        factor = 1.0 / FACTORS[unit][1]
+        return f"{self.name} ({unit})" if unit else self.name, (factor * low, factor * high)
 
 
 def _stored(name: str) -> Callable[[Snapshot], np.ndarray]:
@@ -74,4 +81,11 @@ COLORINGS = {
     "pressure": Coloring("pressure, mean of the cell", STRESS, _stored("pressure"), 99.5),
     "shear": Coloring("shear stress sqrt(J2), mean of the cell", STRESS, _stored("shear_stress"), 99.5),
     "inertial": Coloring("inertial number I", ("",), _stored("inertial_number"), 99.0),
+    "friction": Coloring("friction angle (deg)", ("",), _stored("friction_deg"), 99.0, from_zero=False),
 }
+
+
+def widest(limits: Sequence[Limits]) -> Limits:
+    """Ends of a colour scale that contains those of all snapshots."""
+    lows, highs = zip(*limits, strict=True)
+    return min(lows), max(highs)

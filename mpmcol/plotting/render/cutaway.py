@@ -18,7 +18,7 @@ from matplotlib.patches import Polygon
 from matplotlib.ticker import MaxNLocator
 
 from mpmcol.io.snapshot import Snapshot
-from mpmcol.plotting.render.coloring import Coloring
+from mpmcol.plotting.render.coloring import Coloring, widest
 from mpmcol.plotting.render.frame import (
     BASE_COLOR,
     PAGE,
@@ -99,7 +99,7 @@ def fit_view(
     size: of the page, pixels; None for that of PAGE. reach: distance (m) from the axis that is shown at least.
     """
     size = size or PAGE
-    limit = depth = 0.0
+    depth, limits = 0.0, []
     radius = BASE_MARGIN * reach
     corners = []
     for path in paths:
@@ -111,14 +111,14 @@ def fit_view(
         radius = max(radius, BASE_MARGIN * float(np.hypot(x[:, 0], x[:, 2]).max()))
         if not column.all():
             depth = max(depth, 0.5 * float(meta["point_size"]) - float(position[~column, 1].min()))
-        limit = max(limit, coloring.limit(snapshot, meta))
+        limits.append(coloring.limits(snapshot, meta))
     released = released_outline(snapshot, meta, VIEWER)
     rims = np.concatenate([circle(radius, 0.0), circle(radius, -depth)])
     walls, _ = wall_surface(wall_boxes(meta, radius), float(meta["point_size"]), radius)
     corners += [*released, *(walls @ VIEWER[:2].T), *(rims[_behind_cut(rims)] @ VIEWER[:2].T)]
     (left, bottom), (right, top) = np.min(corners, axis=0), np.max(corners, axis=0)
     extent = fit((left, right, bottom, top), canvas_size(size))
-    return CutawayView(extent, coloring, limit, size, meta, radius, depth, released)
+    return CutawayView(extent, coloring, widest(limits), size, meta, radius, depth, released)
 
 
 def _base_faces(radius: float, depth: float) -> Iterator[tuple[np.ndarray, float]]:

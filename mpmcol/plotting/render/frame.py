@@ -21,7 +21,7 @@ from PIL import Image, ImageDraw, ImageFont
 from mpmcol.errors import OutputError
 from mpmcol.io.snapshot import Meta, Snapshot, read_with_meta
 from mpmcol.plotting.captions import geometry_of_snapshot, heading_of_snapshot
-from mpmcol.plotting.render.coloring import Coloring
+from mpmcol.plotting.render.coloring import Coloring, Limits
 from mpmcol.plotting.render.projection import circle, complete_by_symmetry, silhouette
 
 COLORMAP = "viridis"
@@ -73,13 +73,13 @@ def fitting_page(flatness: float) -> tuple[int, int]:
 class View(ABC):
     """A view of a run, the same for every frame of an animation.
 
-    extent: part of the view plane that is shown, m. coloring: quantity by which points are coloured; limit: its value
-    at the upper end of the colour scale. size: width and height of the page, pixels.
+    extent: part of the view plane that is shown, m. coloring: quantity by which points are coloured; limits: its values
+    at the ends of the colour scale. size: width and height of the page, pixels.
     """
 
     extent: Extent
     coloring: Coloring
-    limit: float
+    limits: Limits
     size: tuple[int, int]
     meta: Meta
 
@@ -108,7 +108,8 @@ class View(ABC):
 
     def colors(self, snapshot: Snapshot) -> np.ndarray:
         """Red, green and blue (n, 3), 0 to 1, of all points."""
-        return colormaps[COLORMAP](self.coloring.values(snapshot) / self.limit)[:, :3]
+        low, high = self.limits
+        return colormaps[COLORMAP]((self.coloring.values(snapshot) - low) / (high - low))[:, :3]
 
 
 class Page:
@@ -223,11 +224,12 @@ def add_time(page: Image.Image, snapshot: Snapshot) -> None:
 
 
 def _add_color_bar(figure: Figure, view: View) -> None:
-    label, factor = view.coloring.scale(view.limit)
-    scale = ScalarMappable(Normalize(0, factor * view.limit), colormaps[COLORMAP])
+    label, ends = view.coloring.scale(view.limits)
+    scale = ScalarMappable(Normalize(*ends), colormaps[COLORMAP])
     low, thickness = (inches / figure.get_figheight() for inches in BAR)
     axes = figure.add_axes((0.28, low, 0.5, thickness))
-    extend = "max" if view.coloring.percentile < 100.0 else "neither"  # larger values have the last colour
+    beyond = "max" if view.coloring.from_zero else "both"
+    extend = beyond if view.coloring.percentile < 100.0 else "neither"  # values beyond an end have its colour
     bar = figure.colorbar(scale, cax=axes, orientation="horizontal", ticks=MaxNLocator(6), extend=extend)
     bar.ax.tick_params(labelsize=SMALL_SIZE)
     bar.set_label(label, size=SMALL_SIZE)

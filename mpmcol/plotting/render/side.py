@@ -18,7 +18,7 @@ from mpmcol.experiments import OUTLINE
 from mpmcol.io.snapshot import Snapshot
 from mpmcol.plotting.captions import geometry_of_snapshot, tables_of_snapshot
 from mpmcol.plotting.profiles import draw_gravity, draw_walls, with_walls
-from mpmcol.plotting.render.coloring import Coloring
+from mpmcol.plotting.render.coloring import Coloring, widest
 from mpmcol.plotting.render.frame import (
     BASE_COLOR,
     EDGE,
@@ -143,18 +143,18 @@ def fit_view(paths: Iterable[Path], size: tuple[int, int] | None, coloring: Colo
     size: of the page, pixels; None for one whose height suits the material. reach: distance (m) from the wall or axis
     that is shown at least.
     """
-    boxes, limit = [], 0.0
+    boxes, limits = [], []
     for path in paths:
         snapshot, meta = read_for_rendering(path)
         column = snapshot.x[snapshot.column]
         base = -snapshot.x[~snapshot.column, 1].min(initial=0.0) + 0.5 * float(meta["point_size"])
         boxes.append([*column.max(axis=0), 0.0 if snapshot.column.all() else base])
-        limit = max(limit, coloring.limit(snapshot, meta))
+        limits.append(coloring.limits(snapshot, meta))
         boxes.append([max(float(meta["r_i"]), reach), float(meta["h_i"]), 0.0])
     right, top, depth = np.max(boxes, axis=0).astype(float)
     right = _with_walls(right, [(wall["from"], wall.get("to", np.inf)) for wall in walls_on_grid(meta)])
     size = size or fitting_page((top + depth) / right * _RIGHT / _UP)
-    return SideView(_fit(right, top, depth, canvas_size(size)), coloring, limit, size, meta, depth)
+    return SideView(_fit(right, top, depth, canvas_size(size)), coloring, widest(limits), size, meta, depth)
 
 
 def _with_walls(reach: float, walls: Sequence[tuple[float, float]]) -> float:

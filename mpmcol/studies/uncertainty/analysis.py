@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -76,7 +76,7 @@ def analyse(plan: UncertaintyPlan, outcomes: Sequence[Outcome], distances: Seque
     done = [i for i, outcome in enumerate(outcomes) if outcome.status == "done"]
     results = [read_status(outcomes[i].run.folder).result or {} for i in done]
     measured = [_corrected(plan, i, _measured(result)) for i, result in zip(done, results, strict=True)]
-    x = np.column_stack([plan.sample.numbers(one.key) for one in plan.inputs])[done]
+    x = np.array([plan.sample.numbers(one.key) for one in plan.inputs]).reshape(-1, len(outcomes)).T[done]
     names = dict.fromkeys(name for one in measured for name in one)
     columns = {name: np.array([one.get(name, np.nan) for one in measured], dtype=np.float64) for name in names}
     return Analysis(
@@ -131,12 +131,14 @@ def _wall_names(result: Mapping[str, Any]) -> Iterator[str]:
 def _quantity(plan: UncertaintyPlan, name: str, x: np.ndarray, y: np.ndarray) -> Quantity:
     found = np.isfinite(y)
     statistics = statistics_of(y[found])
-    error = _grid_error(plan, name)
+    error, shares = _grid_error(plan, name), variance_shares(plan.inputs, x[found], y[found], plan.seed)
+    if shares and plan.seeds:  # neighbouring runs have different fields
+        shares = replace(shares, scatter=None)
     return Quantity(
         name=name,
         unit=unit_of(RESULT, name, plan.means.geometry.model) or "",
         values=y[found],
         statistics=statistics,
-        shares=variance_shares(plan.inputs, x[found], y[found], plan.seed),
+        shares=shares,
         grid_deviation=None if error is None else error / NORMAL_90 * abs(statistics.mean),
     )

@@ -118,7 +118,7 @@ def _draw_shares(axes: Axes, shown: Sequence[Quantity], analysis: Analysis) -> d
     positions = np.arange(len(shown))[::-1]
     ends = np.zeros(len(shown))
     handles: dict[str, Any] = {}
-    for text, shares, style in _layers(shown, names):
+    for text, shares, style in _layers(shown, names, analysis.plan.residual):
         bars = axes.barh(positions, shares, left=ends, height=0.62, **style)
         texts = [f"{share:.0%}" if share >= NOTED else "" for share in shares]
         background: dict[str, Any] = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
@@ -140,8 +140,10 @@ def bar_label(one: Quantity) -> str:
     return LABELS.get(one.name, label(one)) + remark
 
 
-def _layers(shown: Sequence[Quantity], names: dict[str, str]) -> list[tuple[str, np.ndarray, dict[str, Any]]]:
-    """Legend text, share of each quantity, and style of the parts of the bars.
+def _layers(
+    shown: Sequence[Quantity], names: dict[str, str], rest_name: str
+) -> list[tuple[str, np.ndarray, dict[str, Any]]]:
+    """Legend text, share of each quantity, and style of the parts of the bars; the last is the residual.
 
     Inputs beyond those that a legend can hold are one part.
     """
@@ -158,4 +160,4 @@ def _layers(shown: Sequence[Quantity], names: dict[str, str]) -> list[tuple[str,
         layers.append(("other inputs", np.sum(rest, axis=0), EDGES | {"color": "0.7"}))
     if len(names) > 1:
         layers.append(("interactions", interactions, INTERACTIONS))
-    return [*layers, ("scatter and terms that the surface omits", residual, SCATTER)]
+    return [*layers, (rest_name, residual, SCATTER)]

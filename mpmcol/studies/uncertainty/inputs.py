@@ -1,9 +1,13 @@
-"""Uncertain inputs: keys of the case with their distributions, read from the options of the command line."""
+"""Uncertain inputs: keys of the case with their distributions, read from the options of the command line.
+
+The seed of a random field has no distribution: with the word REALIZATIONS each run has a seed of its own.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from mpmcol.case import Problem, key_names
 from mpmcol.case.fields import number_of, shortened
@@ -13,7 +17,7 @@ from mpmcol.studies.runs import CFL
 from mpmcol.studies.uncertainty.distributions import Distribution, parse_distribution
 from mpmcol.units import Number
 
-OPTION = "--uncertain"
+OPTION, REALIZATIONS, SEED = "--uncertain", "realizations", "seed"
 
 
 @dataclass(frozen=True)
@@ -30,22 +34,49 @@ class UncertainInput:
         return f"{OPTION} {self.key}={self.distribution}"
 
 
-def parse_inputs(options: Sequence[str]) -> tuple[list[UncertainInput], list[Problem]]:
-    """Inputs from texts such as "material.friction_deg=normal:33,1.5", and the problems of invalid ones."""
+class ParsedInputs(NamedTuple):
+    """Uncertain inputs, keys of the seeds of random fields, and the problems of invalid options."""
+
+    inputs: list[UncertainInput]
+    seeds: list[str]
+    problems: list[Problem]
+
+
+def parse_inputs(options: Sequence[str]) -> ParsedInputs:
+    """Inputs from texts such as "material.friction_deg=normal:33,1.5" and "material.seed=realizations"."""
     inputs: dict[str, UncertainInput] = {}
+    seeds: list[str] = []
     problems: list[Problem] = []
     for option in options:
         key, text = split_setting(option)
         try:
             if "=" not in option:
                 raise ValueError("expected KEY=DISTRIBUTION, for example material.friction_deg=normal:33,1.5")
-            if key in inputs:
+            if key in inputs or key in seeds:
                 raise ValueError(f"{key} is given twice; give one distribution for each key")
-            number = _number_at(key)
-            inputs[key] = UncertainInput(key, number, parse_distribution(text, number))
+            if _is_seed(key, text):
+                seeds.append(key)
+            else:
+                number = _number_at(key)
+                inputs[key] = UncertainInput(key, number, parse_distribution(text, number))
         except ValueError as error:
             problems.append(Problem(f"{OPTION} {shortened(option)}", None, key, str(error), "", about=_about(key)))
-    return list(inputs.values()), problems
+    return ParsedInputs(list(inputs.values()), seeds, problems)
+
+
+def realizations_option(key: str) -> str:
+    """The option with which each run has a realization of its own."""
+    return f"{OPTION} {key}={REALIZATIONS}"
+
+
+def _is_seed(key: str, text: str) -> bool:
+    """Whether an option asks for realizations; ValueError if its key is no seed, or its text no REALIZATIONS."""
+    is_seed = _about(key) != "" and key.rpartition(".")[2] == SEED
+    if is_seed != (text.strip() == REALIZATIONS):
+        if is_seed:
+            raise ValueError(f"expected {key}={REALIZATIONS}, with which each run has a seed of its own")
+        raise ValueError(f"{REALIZATIONS} are for the seed of a random field, material.{SEED}")
+    return is_seed
 
 
 def _number_at(key: str) -> Number:

@@ -8,11 +8,12 @@ from pathlib import Path
 
 from mpmcol.case import Case, Problem, load_case
 from mpmcol.case.problem import case_error, set_option
+from mpmcol.case.values import leaf_values
 from mpmcol.errors import CaseError, UsageError
 from mpmcol.studies.definition import Value, as_overrides, as_text
 from mpmcol.studies.pareto.recommend import Recommendation, recommend
 from mpmcol.studies.runs import CFL
-from mpmcol.studies.uncertainty.inputs import UncertainInput
+from mpmcol.studies.uncertainty.inputs import UncertainInput, realizations_option
 from mpmcol.studies.uncertainty.sampling import Sample, draw_sample
 from mpmcol.sweep.axes import Axis
 from mpmcol.sweep.names import safe_name, sweep_name
@@ -33,11 +34,18 @@ class UncertaintyPlan:
     recommendation: Recommendation | None  # of the grid; None without an accuracy
     accuracy: float | None
     corrected: bool = False  # runout and height are corrected for the error of the grid
+    seeds: Sequence[str] = ()  # keys of those of random fields, which differ between the runs
 
     @property
     def remarks(self) -> list[str]:
-        """What the statistics of the runs contain besides the runs themselves."""
-        return ["runout, front and height corrected for the error of the grid"] if self.corrected else []
+        """What the statistics of the runs contain besides the inputs."""
+        fields = ["each run has a realization of its own of the random field"] if self.seeds else []
+        return fields + ["runout, front and height corrected for the error of the grid"] * self.corrected
+
+    @property
+    def residual(self) -> str:
+        """What the variance contains besides the shares of the inputs."""
+        return "realizations of the field, " * bool(self.seeds) + "scatter and terms that the surface omits"
 
     def lines(self) -> list[str]:
         """The configuration for all runs, where it was not studied, and warnings about the runs."""
@@ -56,9 +64,10 @@ def study_name(
     inputs: Sequence[UncertainInput],
     accuracy: float | None = None,
     corrected: bool = False,
+    seeds: Sequence[str] = (),
 ) -> str:
     """Name of the default folder: the case, fixed values and uncertain keys."""
-    uncertain = [Axis(one.key, ("uncertain", "")) for one in inputs]
+    uncertain = [Axis(key, ("uncertain", "")) for key in (*(one.key for one in inputs), *seeds)]
     return safe_name(f"{sweep_name(source, [*fixed, *uncertain], accuracy, corrected)}-uncertain")
 
 
@@ -72,6 +81,7 @@ def plan_study(
     seed: int,
     accuracy: float | None = None,
     corrected: bool = False,
+    seeds: Sequence[str] = (),
     problems: Sequence[Problem] = (),
 ) -> UncertaintyPlan:
     """Draw the sample and plan its runs.
@@ -83,6 +93,7 @@ def plan_study(
         fixed: keys with a value for all runs.
         out: folder of the sweep.
         corrected: the accuracy is that of runout and height corrected for the error of the grid.
+        seeds: keys of those of random fields, of which each run has one of its own.
         problems: of the options, reported first.
 
     Raises:
@@ -90,11 +101,12 @@ def plan_study(
         UsageError: samples, seed or accuracy are out of range, or no configuration has the accuracy.
     """
     _require_valid(samples, seed, accuracy, corrected)
-    if found := [*problems, *_conflicts(fixed, inputs)]:
+    if found := [*problems, *_conflicts(fixed, [*(one.key for one in inputs), *seeds])]:
         raise case_error(found)
     overrides = [f"{axis.key}={axis.values[0]}" for axis in fixed]
     base = load_case(source, overrides)  # reports problems that do not depend on the sample
-    sample = draw_sample(inputs, base.time.cfl, samples, seed)
+    _require_fields(base, seeds)
+    sample = draw_sample(inputs, base.time.cfl, samples, seed, seeds)
     configuration: dict[str, Value] = {}
     try:
         at_means = [*overrides, *(f"{one.key}={one.distribution.mean:.6g}" for one in inputs)]
@@ -102,18 +114,18 @@ def plan_study(
         configuration |= advice.values if advice else {}
         _require_free(inputs, configuration)
         means = load_case(source, [*at_means, *as_overrides(configuration)])
-        sample = draw_sample(inputs, means.time.cfl, samples, seed)
+        sample = draw_sample(inputs, means.time.cfl, samples, seed, seeds)
         runs = plan_runs(source, _axes(fixed, sample, configuration), out, zipped=True)
     except CaseError as error:
         raise _refused(source, [*overrides, *as_overrides(configuration)], inputs, sample) or error from None
-    return UncertaintyPlan(inputs, sample, seed, runs, means, advice, accuracy, corrected)
+    return UncertaintyPlan(inputs, sample, seed, runs, means, advice, accuracy, corrected, seeds)
 
 
 def _axes(fixed: Sequence[Axis], sample: Sample, configuration: Mapping[str, Value]) -> list[Axis]:
-    """The keys of all runs: fixed and configured ones have one value, uncertain ones and time.cfl those sampled."""
+    """The keys of all runs: fixed and configured ones have one value, the others those sampled."""
     values = {axis.key: axis.values for axis in fixed}
     values |= {key: (as_text(value),) for key, value in configuration.items()}
-    return [Axis(key, texts) for key, texts in (values | sample.values | {CFL: sample.cfl}).items()]
+    return [Axis(key, texts) for key, texts in (values | sample.values | sample.seeds | {CFL: sample.cfl}).items()]
 
 
 def _require_valid(samples: int, seed: int, accuracy: float | None, corrected: bool) -> None:
@@ -127,9 +139,19 @@ def _require_valid(samples: int, seed: int, accuracy: float | None, corrected: b
         raise UsageError("corrected values require an accuracy, which chooses the grid")
 
 
-def _conflicts(fixed: Sequence[Axis], inputs: Sequence[UncertainInput]) -> list[Problem]:
+def _require_fields(case: Case, seeds: Sequence[str]) -> None:
+    """Refuse seeds of materials without a random field."""
+    known = leaf_values(case)
+    hint = 'set its law to "mohr-coulomb-random", whose keys are in `mpmcol explain material`, or remove the option'
+    if missing := [
+        Problem(realizations_option(key), None, key, f"the material has no random field, and no key {key}", hint)
+        for key in seeds if key not in known
+    ]:  # fmt: skip
+        raise case_error(missing)
+
+
+def _conflicts(fixed: Sequence[Axis], keys: Sequence[str]) -> list[Problem]:
     """Keys with several values, and keys that are both fixed and uncertain."""
-    keys = [one.key for one in inputs]
     several = [
         Problem(
             _location(axis), None, axis.key, "expected one value beside uncertain keys",

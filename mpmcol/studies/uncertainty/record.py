@@ -38,6 +38,7 @@ def as_record(analysis: Analysis) -> dict[str, Any]:
             }
             for one in plan.inputs
         ],
+        "realizations": list(plan.seeds),
         "configuration": advice
         and {
             "variant": advice.variant,
@@ -138,6 +139,9 @@ def _share_lines(analysis: Analysis, width: int) -> Iterator[str]:
     """A table of the shares of the variance, with the fit of the surface and the error of the grid."""
     names = short_names(one.key for one in analysis.plan.inputs)
     split = [(one, one.shares) for one in analysis.quantities if one.shares]
+    if not names:
+        yield "the variance is that of the realizations and of the scatter of the runs"
+        return
     if not split:
         yield "the variance is not split: the runs are too few, or all equal"
         return
@@ -155,6 +159,7 @@ def _share_lines(analysis: Analysis, width: int) -> Iterator[str]:
             f"  {shares.adjusted_r2:12.2f}  {shares.cross_validated_r2:15.2f}  {grid}"
         )
     yield from (f"  {label(one)}: {shares.note}" for one, shares in split if shares.note)
-    yield "  of each input alone (with interactions); residual: scatter of the runs and terms that the surface omits,"
-    yield "  which are separated for a single input only;"
+    yield f"  of each input alone (with interactions); residual: {analysis.plan.residual};"
+    if not analysis.plan.seeds:
+        yield "  the scatter is known for a single input only;"
     yield "  grid: variance of its error by the study, over its sum with the variance of the sample"

@@ -66,8 +66,10 @@ def variance_shares(inputs: Sequence[UncertainInput], x: np.ndarray, y: np.ndarr
         seed: of the random numbers of the indices.
 
     Returns:
-        None if the runs are too few for a linear surface, or all values are equal.
+        None without inputs, if the runs are too few for a linear surface, or if all values are equal.
     """
+    if not inputs:
+        return None
     z = np.column_stack([one.distribution.standardised(column) for one, column in zip(inputs, x.T, strict=True)])
     surface = next((name for name in (QUADRATIC, LINEAR) if len(y) >= RUNS_PER_TERM * _terms(z[:1], name).shape[1]), "")
     if not surface or not differ(y):

@@ -49,6 +49,7 @@ LAWS = {
     "mohr-coulomb": "friction_deg = 33.0, dilatancy_deg = 3.0, cohesion = 100.0",
     "mohr-coulomb-softening": "friction_peak_deg = 50.0, friction_residual_deg = 33.0, dilatancy_peak_deg = 25.0, "
     "dilatancy_residual_deg = 0.0, softening_rate = 5.0, cohesion = 0.0",
+    "mohr-coulomb-random": "friction_deg = 33.0, friction_variation = 0.2, correlation_length = 0.05, cohesion = 100.0",
     "drucker-prager": "friction_deg = 33.0, cohesion = 100.0",
     "mu-i": "mu_s = 0.48, mu_2 = 0.73, I_0 = 0.279, grain_diameter = 0.7e-3, grain_density = 2800.0, cohesion = 100.0",
     "elastic": "",

@@ -38,7 +38,7 @@ SECONDS = 3.0  # longest duration of a case on one core
 PACE = {2: 40e-9, 3: 150e-9}  # approximate time per point and step, s
 TRIES = 10  # number of spacings before all other values are drawn again
 RADIUS = 0.1  # m
-CONES = ("drucker-prager", "mu-i")
+CONES, RANDOM = ("drucker-prager", "mu-i"), "mohr-coulomb-random"
 MOST_ZETA = 4.0  # times the largest runout of the experiments
 STRAY = 1.0  # r_i: distance of detached particles from the pile, in addition to the runout of the pile
 MOST_BETA = 1.1
@@ -184,7 +184,9 @@ def _layers(draw: random.Random, height: float) -> str:
 
 def _material(draw: random.Random) -> str:
     """The material as an inline table."""
-    law = draw.choice(("mohr-coulomb", "mohr-coulomb", "mohr-coulomb", "mohr-coulomb-softening", "elastic", *CONES))
+    law = draw.choice(
+        ("mohr-coulomb", "mohr-coulomb", "mohr-coulomb", "mohr-coulomb-softening", RANDOM, "elastic", *CONES)
+    )
     values: dict[str, Any] = {
         "law": f'"{law}"', "density": draw.uniform(1400.0, 2700.0), "poissons_ratio": draw.uniform(0.0, 0.49),
         "youngs_modulus": _log_uniform(draw, 1e5, 1e8),
@@ -199,6 +201,11 @@ def _material(draw: random.Random) -> str:
         values |= {"softening_rate": draw.uniform(1.0, 20.0), "cohesion": cohesion}
         values |= {"cohesion_residual": draw.uniform(0.0, cohesion)}
         values |= {"tension": draw.uniform(0.0, cohesion)} if cohesion and draw.random() < 0.4 else {}
+    if law == RANDOM:
+        values |= {"friction_deg": friction, "dilatancy_deg": dilatancy, "cohesion": cohesion}
+        values |= {"friction_variation": draw.uniform(0.0, 0.5), "seed": draw.randrange(1000)}
+        values |= {"correlation_length": _log_uniform(draw, 0.01, 10.0)}
+        values |= draw.choice(({}, {"correlation_length_vertical": _log_uniform(draw, 0.01, 1.0)}))
     if law == "drucker-prager":
         match = draw.choice(("plane-strain", "compression", "tangent"))
         values |= {"friction_deg": friction, "match": f'"{match}"', "cohesion": cohesion}

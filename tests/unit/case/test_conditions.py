@@ -24,6 +24,10 @@ from tests.support.synthetic_run import SyntheticRun
 
 FLOOR = ("geometry.base=rigid", "method.wall_impulse=true")
 BED = ("geometry.base=granular", "geometry.base_thickness=0.03", "method.wall_impulse=true")
+RANDOM_FIELD = (
+    "material={ law = 'mohr-coulomb-random', density = 2650, youngs_modulus = 10e6, poissons_ratio = 0.2, "
+    "friction_deg = 33, friction_variation = 0.15, correlation_length = 0.05 }"
+)
 REFUSED = {  # what no published experiment had -> a part of the reason
     ("material.friction_deg=8",): "here it is 8 deg",
     ("material.cohesion=500",): "for grains without cohesion",
@@ -36,6 +40,7 @@ REFUSED = {  # what no published experiment had -> a part of the reason
     ("stages.gate_speed=0.05",): "for a sudden release; here the gate moves at 0.053 sqrt(g h_i)",
     ("stages.gate=false",): "here it stands free",
     (*FLOOR, "walls=[{ from = 0.2 }]"): "here walls stand in its way",
+    (RANDOM_FIELD,): "for uniform material; here the friction varies by 15 %",
     ("layers=[{ to = 0.05, material = { friction_deg = 30 } }]",): "here it has layers",
 }
 ALLOWED = [

@@ -29,6 +29,7 @@ SHIPPED = [
     "mu-i-cylinder",
     "quarter",
     "quickstart",
+    "random-friction",
 ]
 
 

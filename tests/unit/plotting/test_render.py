@@ -347,7 +347,7 @@ def test_points_at_non_finite_positions_are_omitted(folder: Path, tmp_path: Path
     snapshot.arrays["position"][::50] = np.nan
     snapshot.arrays["displacement"][::50] = np.nan
     write_snapshot(tmp_path, 0, replace(snapshot, stage="failed"), META)
-    assert fit_view(list_snapshots(tmp_path), SIZE, DISPLACEMENT).limit == fit_view([last], SIZE, DISPLACEMENT).limit
+    assert fit_view(list_snapshots(tmp_path), SIZE, DISPLACEMENT).limits == fit_view([last], SIZE, DISPLACEMENT).limits
     render(tmp_path, gif=False, size=SIZE)
     assert coloured(pixels(tmp_path / "snapshot-000000.png")).any()
 

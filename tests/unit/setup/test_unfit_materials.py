@@ -55,3 +55,23 @@ def test_undrained_clay_has_no_note_on_its_friction() -> None:
     overrides = [f"material={{{clay}, cohesion = 1e3}}", "geometry.base=rigid", "friction.floor=0.3"]
     case = mpmcol.load_case("coarse-channel", [*overrides, "method.wall_impulse=true"])
     assert not any("friction" in warning for warning in setting_warnings(case, 0.005))
+
+
+def field_warnings(*overrides: str) -> list[str]:
+    case = mpmcol.load_case("random-friction", overrides)
+    return [warning for warning in setting_warnings(case, case.grid.spacing) if "field" in warning]
+
+
+def test_a_field_that_the_grid_does_not_resolve_is_noted() -> None:
+    assert field_warnings() == []
+    (note,) = field_warnings("grid.spacing=0.1")
+    assert note.startswith("material.correlation_length_vertical = 250 mm is only 2.5 cells") and "62.5 mm" in note
+    (note,) = field_warnings("material.correlation_length=0.1", "material.correlation_length_vertical=1")
+    assert note.startswith("material.correlation_length = 100 mm is only 2 cells")
+    layer = "layers=[{from=0, to=0.5, material={correlation_length_vertical=0.1}}]"
+    assert field_warnings(layer)[0].startswith("layers.0.material.correlation_length_vertical = 100 mm")
+
+
+def test_a_field_around_an_axis_is_noted() -> None:
+    (note,) = field_warnings("geometry.model=axisymmetric")
+    assert "the friction is the same all around the axis" in note and 'geometry.model = "full"' in note

@@ -86,12 +86,12 @@ def test_standardised_values_have_the_standard_distribution(option: str) -> None
     ],
 )
 def test_bad_options_are_refused(option: str, message: str) -> None:
-    inputs, (problem,) = parse_inputs([option])
-    assert not inputs and message in str(problem) and str(problem).startswith("--uncertain ")
+    inputs, seeds, (problem,) = parse_inputs([option])
+    assert not inputs and not seeds and message in str(problem) and str(problem).startswith("--uncertain ")
 
 
 def test_a_key_has_one_distribution() -> None:
-    _, (problem,) = parse_inputs([f"{FRICTION}=normal:33,1", f"{FRICTION}=normal:30,1"])
+    problem = parse_inputs([f"{FRICTION}=normal:33,1", f"{FRICTION}=normal:30,1"]).problems[0]
     assert f"{FRICTION} is given twice" in str(problem)
 
 
