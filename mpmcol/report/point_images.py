@@ -25,6 +25,7 @@ from mpmcol.io.snapshot import Snapshot, read_snapshot
 from mpmcol.plotting.render import FIT_VIEW
 from mpmcol.plotting.render.coloring import COLORINGS
 from mpmcol.plotting.render.frame import COLORMAP, View, as_image, page_around
+from mpmcol.plotting.render.gaps import fill_gaps
 
 WIDTH = 800  # pixels
 LEFT, RIGHT, TOP, BOTTOM = 90, 24, 48, 160  # margins around the material, pixels
@@ -100,7 +101,7 @@ class PointImages:
 
 
 def paint_points(image: np.ndarray, x: np.ndarray, colors: np.ndarray, extent: tuple[float, ...], side: float) -> None:
-    """Add squares to an image; later points and those nearer to the viewer cover others.
+    """Add squares to an image, where points nearer to the viewer cover others, and fill the gaps between them.
 
     Args:
         image: (rows, columns, 3), 0 to 255, changed in place.
@@ -123,6 +124,7 @@ def paint_points(image: np.ndarray, x: np.ndarray, colors: np.ndarray, extent: t
     nearest = nearest.reshape(rows + 1, columns + 1)[:rows, :columns]
     covered = nearest >= 0
     image[covered] = np.rint(255.0 * colors[order]).astype(np.uint8)[nearest[covered]]
+    fill_gaps(image, covered, side)
 
 
 def encode_animation(images: Sequence[Image.Image]) -> bytes:

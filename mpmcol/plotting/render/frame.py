@@ -16,12 +16,13 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.font_manager import findfont
 from matplotlib.ticker import MaxNLocator
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image, ImageDraw, ImageFilter, ImageFont
 
 from mpmcol.errors import OutputError
 from mpmcol.io.snapshot import Meta, Snapshot, read_with_meta
 from mpmcol.plotting.captions import geometry_of_snapshot, heading_of_snapshot
 from mpmcol.plotting.render.coloring import Coloring, Limits
+from mpmcol.plotting.render.gaps import fill_gaps
 from mpmcol.plotting.render.projection import circle, complete_by_symmetry, silhouette
 
 COLORMAP = "viridis"
@@ -134,6 +135,7 @@ class Page:
             points, corner = self._scatter(snapshot), (0, 0)
         else:
             points, corner = Image.open(points_image), canvas_box(self._view.size)[:2]
+        points = without_gaps(points, self._view.point_pixels)
         page.paste(points, corner, points)
         page.paste(self._before, (0, 0), self._before)
         add_time(page, snapshot)
@@ -157,6 +159,16 @@ class Page:
         area = (self._view.point_pixels * 72 / figure.dpi) ** 2
         axes.scatter(x[order, 0], x[order, 1], s=area, c=colors[order], marker="s", linewidths=0)
         return as_image(figure, self._view.size, "RGBA")
+
+
+def without_gaps(points: Image.Image, diameter: float) -> Image.Image:
+    """An image of points (RGBA) with the gaps between them filled."""
+    pixels = np.array(points)
+    alpha = pixels[:, :, 3]
+    filled = Image.fromarray(fill_gaps(pixels[:, :, :3], alpha > 0, diameter).astype(np.uint8))
+    inside = np.array(filled.filter(ImageFilter.MinFilter(3))) > 0  # the edge remains smooth
+    alpha[inside] = 255
+    return Image.fromarray(pixels)
 
 
 def read_for_rendering(path: Path) -> tuple[Snapshot, Meta]:

@@ -49,9 +49,10 @@ def uncertainty_chart(path: Path, analysis: Analysis) -> list[Path]:
     shown = analysis.quantities[:MOST_PANELS]
     columns = min(len(shown), PANELS_PER_ROW)
     rows = -(-len(shown) // columns)
-    figure = Figure(figsize=(3.1 * columns + 1.0, 2.7 * rows + 0.5 + 0.45 * len(shown)), layout="constrained")
-    parts: Any = figure.subfigures(2, 1, height_ratios=[2.7 * rows, 0.9 + 0.45 * len(shown)])
-    upper, lower = parts
+    split = [one for one in shown if one.shares and one.shares.is_given]
+    heights = [2.7 * rows, *([0.9 + 0.45 * len(split)] if split else [])]
+    figure = Figure(figsize=(3.1 * columns + 1.0, 0.5 + sum(heights)), layout="constrained")
+    upper, *lower = figure.subfigures(len(heights), 1, height_ratios=heights, squeeze=False).flat
     panels = np.ravel(upper.subplots(rows, columns, squeeze=False))
     for axes, one in zip(panels, shown, strict=False):
         _draw_histogram(axes, one, analysis.passes if one.name == FRONT else ())
@@ -59,10 +60,9 @@ def uncertainty_chart(path: Path, analysis: Analysis) -> list[Path]:
         axes.set_axis_off()
     for axes in panels[::columns]:
         axes.set_ylabel("runs")
-    handles = {
-        **_statistics_handles(),
-        **_draw_shares(lower.subplots(), [one for one in shown if one.shares and one.shares.is_given], analysis),
-    }
+    handles = _statistics_handles()
+    for part in lower:
+        handles |= _draw_shares(part.subplots(), split, analysis)
     legend_below(figure, list(handles.values()), list(handles), columns=3)
     plan = analysis.plan
     heading = common_heading(
@@ -111,9 +111,6 @@ def _statistics_handles() -> dict[str, Any]:
 
 def _draw_shares(axes: Axes, shown: Sequence[Quantity], analysis: Analysis) -> dict[str, Any]:
     """A stacked bar for each quantity; returns the handles of the legend by their labels."""
-    if not shown:
-        axes.set_axis_off()
-        return {}
     names = short_names(one.key for one in analysis.plan.inputs)
     positions = np.arange(len(shown))[::-1]
     ends = np.zeros(len(shown))

@@ -15,7 +15,7 @@ from tests.support.documents import ROOT, blocks
 
 PAGE = ROOT / "mpmcol/mpm/README.md"
 MATERIAL = "material={law='von-mises', density=1600.0, youngs_modulus=1e6, poissons_ratio=0.2, cohesion=250.0}"
-IMPORT, ENTRY = "from mpmcol.mpm.constitutive import drucker_prager,", "LAWS: dict[str, ConstitutiveLaw] = {\n"
+IMPORT, ENTRY = "    mu_i,\n", "LAWS: dict[str, ConstitutiveLaw] = {\n"
 
 
 @pytest.fixture(scope="module")
@@ -29,7 +29,7 @@ def package(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (laws / "von_mises.py").write_text(module.text)
     text = (laws / "__init__.py").read_text()
     assert text.count(IMPORT) == text.count(ENTRY) == 1
-    text = text.replace(IMPORT, f"{IMPORT} von_mises,").replace(ENTRY, f'{ENTRY}    "von-mises": von_mises,\n')
+    text = text.replace(IMPORT, f"{IMPORT}    von_mises,\n").replace(ENTRY, f'{ENTRY}    "von-mises": von_mises,\n')
     (laws / "__init__.py").write_text(text)
     return folder
 
