@@ -61,6 +61,14 @@ def add_heading(axes: Axes, heading: Heading) -> None:
     axes.set_title(heading.title, pad=6.0 + 12.0 * len(lines), parse_math=False)
 
 
+def with_heading(figure: Figure, heading: Heading) -> Any:
+    """Write title, caption and note above all panels of a figure with constrained layout; returns their SubFigure."""
+    figure.suptitle(heading.title, parse_math=False)
+    panels: Any = figure.subfigures()
+    panels.suptitle("\n".join(filter(None, (heading.caption, heading.note))), fontsize=LABEL_SIZE, color="0.3")
+    return panels
+
+
 def use_plain_ticks(axis: Axis) -> None:
     """Label a logarithmic axis with plain numbers (0.5, 1, 2, 5, 10); call it when the limits are final.
 

@@ -66,7 +66,8 @@ def set_up_axes(
     if bed:
         axes.axhspan(-bed, 0.0, **BED_STYLE)
     if not shape.has_sectors:
-        draw_walls(axes, [(one.low_x, one.high_x, one.height) for one in shape.obstacles], factor)
+        # over the surfaces, whose lines end in the bin behind the last point
+        draw_walls(axes, [(one.low_x, one.high_x, one.height) for one in shape.obstacles], factor, zorder=3.0)
     return float((top + bed) / length)
 
 

@@ -16,7 +16,7 @@ from mpmcol.case.walls import BACK_WALL, FLOOR, GATE_WALL
 from mpmcol.io.glossary import FORCE_UNITS
 from mpmcol.measure import Array, ColumnShape
 from mpmcol.measure.wall_forces import AXES, column
-from mpmcol.plotting.figures import LABEL_SIZE, Heading, add_heading, save_figure
+from mpmcol.plotting.figures import LABEL_SIZE, Heading, save_figure, with_heading
 from mpmcol.plotting.styles import POINT_MARKERS, RUN_COLOURS
 from mpmcol.units import length_scale
 
@@ -83,7 +83,7 @@ def wall_chart(
     if not walls:
         return []
     figure = Figure(figsize=(10.0, 4.6), layout="constrained")
-    left, right = figure.subplots(1, 2, width_ratios=[3, 2])
+    left, right = with_heading(figure, heading).subplots(1, 2, width_ratios=[3, 2])
     tau = history["time"] / shape.fall_time(gravity)
     styles = {
         wall: {"color": colour, "marker": marker, "markersize": 4.5}
@@ -100,7 +100,6 @@ def wall_chart(
     for axes in (left, right):
         axes.grid(color="0.9")
         axes.legend(edgecolor="none", fontsize=LABEL_SIZE)
-    add_heading(left, heading)
     return save_figure(figure, path, svg)
 
 
