@@ -39,7 +39,7 @@ def points_at(x, v=None, sigma=None, grad_v=None):
         opening=np.zeros(n),
         m=np.linspace(1.0, 2.0, n),
         V0=np.full(n, 1e-3),
-        history=np.zeros((n, 1)),
+        history=np.zeros((n, 2)),
         material=np.zeros(n, int),
     )
 
@@ -289,15 +289,22 @@ def test_softening_strain_is_the_path_length_in_tensor_shear():
     np.testing.assert_allclose(there.history[0, 0], 0.1 / np.sqrt(3.0), rtol=5e-3)
     back = driven(there, soft, -shear, steps=1000)
     np.testing.assert_allclose(back.history[0, 0], 0.2 / np.sqrt(3.0), rtol=5e-3)
-    s, phi = np.linalg.eigvalsh(back.sigma[0]), soft.angles(back.history[0, 0])[0]
+    s, phi = np.linalg.eigvalsh(back.sigma[0]), soft.angles(back.history[0])[0]
     np.testing.assert_allclose(s[2] / s[0], (1 - np.sin(phi)) / (1 + np.sin(phi)), rtol=1e-3)
 
 
 def test_angles_decay_from_peak_to_residual_with_the_softening_strain():
     soft = ReferenceMaterial(E, NU, phi=0.9, psi=0.4, phi_residual=0.6, psi_residual=0.1, rate=5.0)
-    np.testing.assert_allclose(soft.angles(0.0), (0.9, 0.4))
-    np.testing.assert_allclose(soft.angles(np.log(2.0) / 5.0), (0.75, 0.25))
-    np.testing.assert_allclose(soft.angles(100.0), (0.6, 0.1))
+    np.testing.assert_allclose(soft.angles(np.zeros(2)), (0.9, 0.4))
+    np.testing.assert_allclose(soft.angles(np.array([np.log(2.0) / 5.0, 0.0])), (0.75, 0.25))
+    np.testing.assert_allclose(soft.angles(np.array([100.0, 0.0])), (0.6, 0.1))
+
+
+def test_a_point_of_a_random_field_has_its_own_friction_and_no_more_dilatancy() -> None:
+    sand = ReferenceMaterial(1e6, 0.25, 0.6, 0.5)
+    np.testing.assert_allclose(np.tan(sand.angles(np.array([0.0, 0.5]))[0]), 1.5 * np.tan(0.6))
+    phi, psi = sand.angles(np.array([0.0, -0.5]))
+    assert psi == phi == np.arctan(0.5 * np.tan(0.6))
 
 
 # -------------------------------------------------------------------------------------------- opening
