@@ -8,6 +8,7 @@ from math import hypot, sqrt
 
 from mpmcol.errors import UsageError
 from mpmcol.studies.convergence import NORMAL_90
+from mpmcol.studies.pareto.score import BETA
 from mpmcol.studies.pareto.shipped import (
     QUANTITIES,
     ColumnParameters,
@@ -22,6 +23,7 @@ SAME_SPACING = 1.02  # ratio of r_i / h up to which spacings count as equal
 NEIGHBOURS = 1.5  # ratio of r_i / h up to which configurations have a common scatter: those next to each other
 RATIO_ERROR = 0.25  # of the ratio of errors at two friction angles, relative
 LARGEST_RATIO = 2.0  # of these errors: those of fine grids are small, and their ratio is not known
+HEIGHT_RESOLUTION = 0.25  # cells: half the distance of the points, with which a height is known, with four in a cell
 OF_A_RUN = sqrt(1.5)  # scatter of a run about the mean of the two of a configuration, in that of one run
 
 
@@ -42,6 +44,11 @@ class ErrorInterval:
         """Half-width of the interval of the grid-converged value, relative to its middle."""
         return 0.5 * (1.0 / (1.0 + self.low) - 1.0 / (1.0 + self.high)) / self.factor
 
+    def at_least(self, half_width: float) -> ErrorInterval:
+        """The interval, or one about its middle with this half-width if it is narrower."""
+        middle = 0.5 * (self.low + self.high)
+        return ErrorInterval(min(self.low, middle - half_width), max(self.high, middle + half_width))
+
     def __str__(self) -> str:
         return f"{self.low:+.1%} to {self.high:+.1%}"
 
@@ -59,7 +66,8 @@ def error_intervals(variant: str, cells: float, column: ColumnParameters) -> dic
     on finer grids than the finest one of a case, all down to zero. On either side it is wider by the scatter of a run
     between neighbouring spacings (Student's t, for the few runs that it is known from), the uncertainty of the
     grid-converged value and, where the error was not studied at this aspect ratio with this friction, that of the ratio
-    of errors at the two friction angles.
+    of errors at the two friction angles. That of the height is at least HEIGHT_RESOLUTION wide on either side: errors
+    that happen to vanish on a grid are not known better.
 
     Neighbouring columns of which this variant was not studied are left out.
 
@@ -68,7 +76,8 @@ def error_intervals(variant: str, cells: float, column: ColumnParameters) -> dic
     neighbours = [one for one in neighbouring_columns(column) if all(_studied(case, variant) for case in one if case)]
     if not neighbours:
         raise UsageError(f'the study has no runs of "{variant}" for columns like this one; use --accuracy')
-    return {quantity: hull(_of_columns(quantity, variant, cells, neighbours)) for quantity in QUANTITIES}
+    found = {quantity: hull(_of_columns(quantity, variant, cells, neighbours)) for quantity in QUANTITIES}
+    return found | {BETA: found[BETA].at_least(HEIGHT_RESOLUTION / (cells * column.a))}
 
 
 def _of_columns(
