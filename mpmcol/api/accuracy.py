@@ -7,7 +7,7 @@ from pathlib import Path
 
 from mpmcol.errors import UsageError
 from mpmcol.io.results import Results
-from mpmcol.studies.pareto.recommend import Recommendation, recommend
+from mpmcol.studies.pareto.recommend import Recommendation, recommend, require_free
 from mpmcol.studies.statement import make_statement
 from mpmcol.studies.statement_text import write_statement
 from mpmcol.sweep.engine import Outcome
@@ -29,9 +29,10 @@ class Recommendations:
     def __call__(self, overrides: Sequence[str]) -> list[str]:
         """The overrides that configure a run with these overrides.
 
-        Raises UsageError if no configuration of the study has the accuracy.
+        Raises UsageError if no configuration of the study has the accuracy, or if it sets a key of the overrides.
         """
         advice = recommend(self.case, overrides, self.accuracy, self.corrected)
+        require_free(advice, overrides)
         self.found[", ".join(overrides)] = advice
         return advice.overrides
 

@@ -19,15 +19,11 @@ if TYPE_CHECKING:
 
 def recommend(case: str, overrides: Sequence[str], accuracy: float, *, corrected: bool, silent: bool) -> Recommendation:
     """The cheapest configuration for a case within an accuracy; prints which one and why on stderr unless `silent`."""
-    from mpmcol.case.overrides import split_setting
     from mpmcol.studies.pareto.recommend import recommend as find_cheapest
+    from mpmcol.studies.pareto.recommend import require_free
 
     advice = find_cheapest(case, overrides, accuracy, corrected)
-    chosen = dict(text.split("=", 1) for text in advice.overrides)
-    for text in overrides:
-        key, value = split_setting(text)
-        if chosen.get(key, value) != value:
-            raise click.UsageError(f"--accuracy chooses {key} = {chosen[key]}; remove --set {text}, or --accuracy")
+    require_free(advice, overrides)
     if not silent:
         of_what = ", corrected for the error of the grid" * corrected
         click.echo(f"cheapest within {100.0 * accuracy:.3g}%{of_what}: {advice}", err=True)

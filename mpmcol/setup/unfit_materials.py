@@ -14,7 +14,7 @@ from mpmcol.mpm.constitutive import mohr_coulomb, mohr_coulomb_random, mu_i
 from mpmcol.units import length_text
 
 RIGHT_ANGLE = pi / 2.0
-FEWEST_CELLS = 4.0  # in a correlation length
+FEWEST_CELLS, LONGEST = 4.0, 10.0  # correlation lengths: in cells, and over the size of the column
 LEAST_DENSITY = 23.0  # kg/m3; a smaller number is a density in g/cm3, of which no element has more than 22.6
 MOST_DILATANCY = 5.0  # degrees, constant during the flow
 # height with which a vertical cut stands, rho g H / (c tan(45 deg + phi/2)): without horizontal stress, for which it
@@ -86,6 +86,19 @@ def short_correlation(case: Case, h: float) -> str | None:
                     f"{key}.correlation_length{suffix} = {length_text(length)} is only {length / h:.2g} cells, and the "
                     f"grid does not resolve the field; set grid.spacing = {length_text(length / FEWEST_CELLS)} or less"
                 )
+    return None
+
+
+def long_correlation(case: Case, h: float) -> str | None:
+    """A field that hardly varies within the column, often a length in another unit."""
+    size = max(case.geometry.r_i, case.geometry.h_i)
+    for key, material in _with_field(case):
+        length = min(material.correlation_length, material.vertical_length)
+        if length > LONGEST * size:
+            return (
+                f"{key}.correlation_length = {length:g} m is much longer than the column: the friction hardly varies "
+                f'within it; if it is in mm, set "{length:g} mm"'
+            )
     return None
 
 

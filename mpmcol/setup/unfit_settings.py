@@ -28,6 +28,7 @@ from mpmcol.setup.unfit_materials import (
     friction_in_radians,
     large_grains,
     light_grains,
+    long_correlation,
     short_correlation,
     standing_column,
 )
@@ -210,6 +211,7 @@ CHECKS: tuple[Callable[[Case, float], str | None], ...] = (
     large_grains,
     light_grains,
     short_correlation,
+    long_correlation,
     field_of_rings,
     short_collapse,
     large_damping,

@@ -66,14 +66,17 @@ def run(
         notify: called with each message for the user, one line.
 
     Raises:
-        UsageError: the folder holds a run of another case, or an unfinished one that differs in version, or the case
-            cannot be run; or this process was forked from one that had already computed.
+        UsageError: `case` is none of `load_case`; the folder holds a run of another case, or an unfinished one that
+            differs in version, or the case cannot be run; or this process was forked from one that had already
+            computed.
         NumericalFailure: the run diverged; the folder holds everything up to the failure.
         OutputError: a file cannot be written, or another run writes to the folder.
         Interrupted: a signal (`mpmcol.simulation.interrupt`) or `max_wall` stopped the run; the same call resumes it. A
             second signal aborts it at once with KeyboardInterrupt. A handler that the caller has installed for the
             signal is called when the state is saved. In a thread that is not the main one, only `max_wall` stops a run.
     """
+    if not isinstance(case, Case):
+        raise UsageError(f"case = {case!r:.60}: expected a case of mpmcol.load_case, as in run(load_case(...), folder)")
     if on_instability not in ("stop", "retry"):
         raise UsageError(f'on_instability = "{on_instability}": expected "stop" or "retry"')
     folder = Path(folder)

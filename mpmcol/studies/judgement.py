@@ -21,12 +21,17 @@ STILL_MOVING = "the column still moved at the end: not compared with experiments
 
 
 def judge(results: Results, with_grid: bool = True) -> list[str]:
-    """Lines on runout and height of a run that is done; `with_grid` also on the error of the grid."""
+    """Lines on runout and height of a run that is done; `with_grid` also on the error of the grid.
+
+    Without these lines there is no verdict that this error leaves undecided: a statement of accuracy follows.
+    """
     error = studied_error(results.case)
     experiment, reason = experiment_or_reason(results.case)
     if not results.summary["at_rest"]:
         experiment, reason = None, STILL_MOVING
-    lines = [_quantity_line(results.summary, quantity, results.case, experiment, error) for quantity in NAMES]
+    lines = [
+        _quantity_line(results.summary, quantity, results.case, experiment, error, with_grid) for quantity in NAMES
+    ]
     causes = [*_grid_lines(results.case, error), *_model_lines(experiment, error)] if with_grid else []
     return [*lines, *([reason] if reason else []), *causes]
 
@@ -38,7 +43,12 @@ def experiment_or_reason(case: Case) -> tuple[Experiment | None, str]:
 
 
 def _quantity_line(
-    summary: Mapping[str, Any], quantity: str, case: Case, experiment: Experiment | None, error: StudiedError | None
+    summary: Mapping[str, Any],
+    quantity: str,
+    case: Case,
+    experiment: Experiment | None,
+    error: StudiedError | None,
+    with_grid: bool,
 ) -> str:
     length, value = measured_value(summary, quantity, case.geometry.r_i)
     unit, factor = length_scale(max(case.geometry.r_i, case.geometry.h_i))  # as in the table of a run
@@ -53,7 +63,7 @@ def _quantity_line(
     source = f"{experiment.citation}{mark(law.verified) if law else ''}"
     text += f": {difference:+.1%} against {source} ({expected[0]:.3f}, scatter {scatter:.0%})"
     if error is None:
-        return f"{text}, {verdict(difference, scatter, None)}"
+        return f"{text}, {verdict(difference, scatter, None)}" if with_grid or abs(difference) <= scatter else text
     interval = error.intervals[IN_STUDY[quantity]]
     ratio = interval.factor * (1.0 + difference)  # of what finer grids give over the experiment
     return f"{text}, {ratio - 1.0:+.1%} on finer grids, {verdict(ratio - 1.0, scatter, interval.relative * ratio)}"

@@ -43,7 +43,7 @@ def statement_lines(record: Mapping[str, Any]) -> list[str]:
     """The statement in words, from its record: five lines."""
     outside = record["outside_study"]
     return [
-        *(line for name in NAMES for line in _quantity_lines(name, record[name])),
+        *(line for name in NAMES for line in _quantity_lines(name, record[name], record["corrected"])),
         f"confidence {record['confidence']:.0%}; {_source(record)}"
         + (f"; outside the study, intervals may be too narrow: {'; '.join(outside)}" if outside else ""),
     ]
@@ -56,12 +56,13 @@ def _source(record: Mapping[str, Any]) -> str:
     return f"error bars of runs up to r_i/h = {record['cells']:g}, values extrapolated to zero spacing"
 
 
-def _quantity_lines(name: str, record: Mapping[str, Any]) -> list[str]:
-    error = record["error"]
+def _quantity_lines(name: str, record: Mapping[str, Any], corrected: bool) -> list[str]:
+    error, finer = record["error"], record["finer_grids"]
+    middle = f", corrected {0.5 * (finer['low'] + finer['high']):.3f}" * corrected
     grid = f"error bar {record['grid']:.1%}" if error is None else f"error of this one {ErrorInterval(**error)}"
     return [
         f"{NAMES[name]} {length_text(record['length'])}, {name} = {record['value']:.3f}; finer grids: "
-        f"{_interval_text(record['finer_grids'])}, {grid}",
+        f"{_interval_text(finer)}{middle}, {grid}",
         f"  experiments: {_experiments_text(record)}",
     ]
 

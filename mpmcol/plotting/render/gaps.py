@@ -22,7 +22,9 @@ def fill_gaps(colors: np.ndarray, covered: np.ndarray, diameter: float) -> np.nd
 
     size = round(WIDEST_GAP * diameter) // 2 * 2 + 1  # odd
     mask = covered.astype(np.uint8)
-    closed = minimum_filter(maximum_filter(mask, size, mode="constant"), size, mode="constant", cval=1) > 0
+    # beyond the image there is no material: a dilation that reached its border would stay
+    closed = minimum_filter(maximum_filter(mask, size, mode="constant"), size, mode="constant") > 0
+    closed |= covered
     gaps = closed & ~covered
     if gaps.any():
         rows, columns = (slice(max(found.min() - size, 0), found.max() + size + 1) for found in np.nonzero(gaps))

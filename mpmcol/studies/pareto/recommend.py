@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 from mpmcol.case import Case, load_case
 from mpmcol.case.fields import shown
+from mpmcol.case.overrides import split_setting
 from mpmcol.case.values import leaf_values
 from mpmcol.errors import UsageError
 from mpmcol.studies.definition import Value, as_overrides
@@ -118,6 +119,15 @@ def recommend(source: str | Path, overrides: Sequence[str], accuracy: float, cor
     return min(accurate, key=lambda one: one.core_seconds)
 
 
+def require_free(advice: Recommendation, overrides: Sequence[str]) -> None:
+    """Raise UsageError if an override is another value of a key that the configuration sets."""
+    chosen = dict(text.split("=", 1) for text in advice.overrides)
+    for text in overrides:
+        key, value = split_setting(text)
+        if chosen.get(key, value) != value:
+            raise UsageError(f"--accuracy chooses {key} = {chosen[key]}; remove --set {text}, or --accuracy")
+
+
 def _out_of_reach(candidates: Sequence[Recommendation], accuracy: float, corrected: bool) -> str:
     """Why no configuration is recommended."""
     if not candidates:
@@ -147,7 +157,8 @@ def options(
 
     corrected: the accuracy is that of values corrected for the error of the grid.
 
-    Those that would cause warnings are omitted, for example grids with few cells in the height of a flat column.
+    Those that would cause warnings are omitted, for example grids with few cells in the height of a flat column, and
+    variants that were studied on another base than that of the case.
     """
     case = load_case(source, overrides)
     column = parameters_of(case)
@@ -161,6 +172,8 @@ def options(
         if values is None:
             continue
         configured = load_case(source, [*overrides, *as_overrides(values)])
+        if configured.geometry.base != study_case(cases[0], variant).geometry.base:
+            continue
         pace = max(one.seconds_per_point_step for one in group)
         cost = pace * PlannedRun({}, configured, Path()).work
         differences = differences_from_study(configured, variant, cases)

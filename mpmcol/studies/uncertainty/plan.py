@@ -11,7 +11,7 @@ from mpmcol.case.problem import case_error, set_option
 from mpmcol.case.values import leaf_values
 from mpmcol.errors import CaseError, UsageError
 from mpmcol.studies.definition import Value, as_overrides, as_text
-from mpmcol.studies.pareto.recommend import Recommendation, recommend
+from mpmcol.studies.pareto.recommend import Recommendation, recommend, require_free
 from mpmcol.studies.runs import CFL
 from mpmcol.studies.uncertainty.inputs import UncertainInput, realizations_option
 from mpmcol.studies.uncertainty.sampling import Sample, draw_sample
@@ -111,8 +111,10 @@ def plan_study(
     try:
         at_means = [*overrides, *(f"{one.key}={one.distribution.mean:.6g}" for one in inputs)]
         advice = None if accuracy is None else recommend(source, at_means, accuracy, corrected)
-        configuration |= advice.values if advice else {}
-        _require_free(inputs, configuration)
+        if advice:
+            configuration |= advice.values
+            require_free(advice, overrides)
+        _require_chosen_once(inputs, configuration)
         means = load_case(source, [*at_means, *as_overrides(configuration)])
         sample = draw_sample(inputs, means.time.cfl, samples, seed, seeds)
         runs = plan_runs(source, _axes(fixed, sample, configuration), out, zipped=True)
@@ -170,7 +172,7 @@ def _location(axis: Axis) -> str:
     return set_option(f"{axis.key}={','.join(axis.values)}")
 
 
-def _require_free(inputs: Sequence[UncertainInput], configuration: Mapping[str, Value]) -> None:
+def _require_chosen_once(inputs: Sequence[UncertainInput], configuration: Mapping[str, Value]) -> None:
     """Refuse uncertain keys that the configuration sets."""
     hint = "remove --accuracy and set the grid by --set grid.spacing=..., or remove the distribution"
     if chosen := [one for one in inputs if one.key in configuration]:

@@ -48,3 +48,9 @@ def test_points_at_the_border_of_the_image_remain() -> None:
     colors, covered = np.full((20, 30, 3), 255, np.uint8), np.zeros((20, 30), bool)
     covered[:, :5] = covered[:3] = True
     assert (fill_gaps(colors, covered, 2) >= covered).all()
+
+
+def test_nothing_is_added_between_points_and_a_border_of_the_image_near_them() -> None:
+    colors, covered = np.full((40, 60, 3), 255, np.uint8), np.zeros((40, 60), bool)
+    covered[10:36, 10:50] = True
+    assert np.array_equal(fill_gaps(colors, covered, 10), covered) and np.all(colors == 255)

@@ -59,7 +59,11 @@ def test_undrained_clay_has_no_note_on_its_friction() -> None:
 
 def field_warnings(*overrides: str) -> list[str]:
     case = mpmcol.load_case("random-friction", overrides)
-    return [warning for warning in setting_warnings(case, case.grid.spacing) if "field" in warning]
+    return [
+        warning
+        for warning in setting_warnings(case, case.grid.spacing)
+        if "field" in warning or "correlation" in warning
+    ]
 
 
 def test_a_field_that_the_grid_does_not_resolve_is_noted() -> None:
@@ -70,6 +74,13 @@ def test_a_field_that_the_grid_does_not_resolve_is_noted() -> None:
     assert note.startswith("material.correlation_length = 100 mm is only 2 cells")
     layer = "layers=[{from=0, to=0.5, material={correlation_length_vertical=0.1}}]"
     assert field_warnings(layer)[0].startswith("layers.0.material.correlation_length_vertical = 100 mm")
+
+
+def test_a_length_in_another_unit_is_noted() -> None:
+    lengths = ("material.correlation_length=20", "material.correlation_length_vertical=20")
+    (note,) = field_warnings(*lengths)
+    assert note.startswith("material.correlation_length = 20 m is much longer than the column") and '"20 mm"' in note
+    assert field_warnings(lengths[0]) == []  # a layered soil
 
 
 def test_a_field_around_an_axis_is_noted() -> None:
