@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any
 
 from pydantic.fields import FieldInfo
@@ -97,13 +97,18 @@ def _value(tables: dict[str, Any], table: str, key: str) -> Any:
 
 def _key_path(error: ErrorDetails) -> KeyPath:
     """Key of an error, without the law that pydantic inserts into the keys of materials."""
-    parts = list(error["loc"])
+    parts = error["loc"]
     while isinstance(parts[-1], int):  # an item of an array of values
-        parts.pop()
-    before = [None, *parts]
-    location = tuple(str(part) for last, part in zip(before, parts, strict=False) if last not in _WITH_LAW)
-    inside = error.get("ctx", {}).get("inside", ())  # of an array of tables that is checked as a whole
-    return (*location, "law") if error["type"].startswith("union_tag") else (*location, *inside)
+        parts = parts[:-1]
+    inside = error["ctx"].get("inside", ()) if "ctx" in error else ()  # of an array of tables checked as a whole
+    return _without_law(parts, ("law",) if error["type"].startswith("union_tag") else inside)
+
+
+@lru_cache(maxsize=256)  # an array can have thousands of invalid items
+def _without_law(parts: tuple[int | str, ...], inside: KeyPath) -> KeyPath:
+    before = (None, *parts)
+    location = (str(part) for last, part in zip(before, parts, strict=False) if last not in _WITH_LAW)
+    return *location, *inside
 
 
 def _nearest_key(key: KeyPath, law: str) -> KeyPath | None:

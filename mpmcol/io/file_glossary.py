@@ -19,7 +19,7 @@ SNAPSHOT: dict[str, tuple[str, str]] = {  # in 2D, masses and volumes are per me
     "id": ("", "number of a material point, the same in all snapshots"),
     "plastic_shear_strain": ("", "plastic shear strain, of the law mohr-coulomb-softening"),
     "inertial_number": ("", "inertial number I, of the law mu-i"),
-    "friction_deg": ("deg", "friction angle of a material point, of the law mohr-coulomb-random"),
+    "local_friction_angle": ("deg", "friction angle of a material point, of the law mohr-coulomb-random"),
 }
 FILES: dict[str, tuple[str, str]] = {
     names.GIVEN_CASE_FILE: ("", "the case as given"),

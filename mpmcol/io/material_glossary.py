@@ -39,5 +39,5 @@ ELEMENT_NAMES = {
     "mobilised_deg": ("deg", "friction angle that the stress mobilises: sin(phi) = (s1 - s3) / -(s1 + s3)"),
     "plastic_shear_strain": ("", "plastic shear strain, of the law mohr-coulomb-softening"),
     "inertial_number": ("", "inertial number I, of the law mu-i"),
-    "friction_deg": ("deg", "friction angle, of the law mohr-coulomb-random the mean"),
+    "local_friction_angle": ("deg", "friction angle, of the law mohr-coulomb-random the mean"),
 }

@@ -29,7 +29,7 @@ def test_a_field_of_infinite_length_is_a_uniform_material(tmp_path: Path) -> Non
     long = run(tmp_path / "long", "material.correlation_length=1e9", "material.correlation_length_vertical=1e9")
     ((_, variation),) = long.case.material.initial_history(np.zeros((1, 2)))
     angle = degrees(atan(tan(radians(33.0)) * (1.0 + float(variation))))
-    np.testing.assert_allclose(long.snapshot(-1).arrays["friction_deg"], angle, rtol=1e-6)
+    np.testing.assert_allclose(long.snapshot(-1).arrays["local_friction_angle"], angle, rtol=1e-6)
     assert abs(angle - 33.0) > 0.5
     uniform = run(
         tmp_path / "uniform", f"material={{{SAND}, friction_deg = {angle!r}}}", f"stages.k0={long.case.stages.k0!r}"
@@ -41,23 +41,25 @@ def test_a_field_of_infinite_length_is_a_uniform_material(tmp_path: Path) -> Non
 def test_points_keep_their_friction(field: Results) -> None:
     first, last = (field.snapshot(k).arrays for k in (0, -1))
     order, later = np.argsort(first["id"]), np.argsort(last["id"])
-    np.testing.assert_array_equal(first["friction_deg"][order], last["friction_deg"][later])
+    np.testing.assert_array_equal(first["local_friction_angle"][order], last["local_friction_angle"][later])
     assert np.abs(first["position"][order] - last["position"][later]).max() > 0.2
     material = field.case.material
     variation = material.initial_history(first["position"][:, :2] - first["displacement"][:, :2])[:, 1]
     expected = np.degrees(np.arctan(tan(radians(33.0)) * (1.0 + variation)))
-    np.testing.assert_allclose(first["friction_deg"], expected, atol=0.5)  # the equilibration moves points a little
+    np.testing.assert_allclose(
+        first["local_friction_angle"], expected, atol=0.5
+    )  # the equilibration moves points a little
 
 
 def test_realizations_differ(field: Results, tmp_path: Path) -> None:
     other = run(tmp_path / "other", "material.seed=1")
     assert abs(other.summary["zeta"]["front_height"] - field.summary["zeta"]["front_height"]) > 0.01
     mean = tan(radians(33.0)) * (1.0 - 0.2)
-    assert other.snapshot(-1).arrays["friction_deg"].min() < degrees(atan(mean))
+    assert other.snapshot(-1).arrays["local_friction_angle"].min() < degrees(atan(mean))
 
 
 def test_a_layer_and_a_bed_have_a_field_of_their_own_parameters(tmp_path: Path) -> None:
     overrides = ("layers=[{from = 0.0, to = 0.4, material = {friction_variation = 0.0, friction_deg = 25.0}}]",)
     found = run(tmp_path / "layer", *overrides).snapshot(-1).arrays
-    assert set(np.round(found["friction_deg"][found["material"] == 2], 9)) == {25.0}
-    assert np.ptp(found["friction_deg"][found["material"] == 0]) > 5.0
+    assert set(np.round(found["local_friction_angle"][found["material"] == 2], 9)) == {25.0}
+    assert np.ptp(found["local_friction_angle"][found["material"] == 0]) > 5.0

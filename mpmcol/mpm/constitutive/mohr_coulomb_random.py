@@ -127,10 +127,12 @@ def return_map(s1, s2, s3, history, params, dt):
     return t1 + a, t2 + a, t3 + a, history, released, k * (s1 - a) - (s3 - a)
 
 
-def friction_deg(mean: np.ndarray, shear: np.ndarray, history: np.ndarray, params: RandomFrictionParams) -> np.ndarray:
+def friction_angle(
+    mean: np.ndarray, shear: np.ndarray, history: np.ndarray, params: RandomFrictionParams
+) -> np.ndarray:
     """Friction angle of the points (n,), deg."""
     angle: np.ndarray = np.degrees(np.arctan(params.tan_phi * (1.0 + history[1])))
     return angle
 
 
-DERIVED: dict[str, Derived] = {"friction_deg": friction_deg}
+DERIVED: dict[str, Derived] = {"local_friction_angle": friction_angle}

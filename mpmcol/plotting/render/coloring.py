@@ -81,7 +81,7 @@ COLORINGS = {
     "pressure": Coloring("pressure, mean of the cell", STRESS, _stored("pressure"), 99.5),
     "shear": Coloring("shear stress sqrt(J2), mean of the cell", STRESS, _stored("shear_stress"), 99.5),
     "inertial": Coloring("inertial number I", ("",), _stored("inertial_number"), 99.0),
-    "friction": Coloring("friction angle (deg)", ("",), _stored("friction_deg"), 99.0, from_zero=False),
+    "friction": Coloring("friction angle (deg)", ("",), _stored("local_friction_angle"), 99.0, from_zero=False),
 }
 
 

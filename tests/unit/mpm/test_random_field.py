@@ -122,5 +122,5 @@ def test_a_point_yields_as_mohr_coulomb_with_its_friction_angle(variation: float
 
 def test_the_friction_angle_of_points_is_reported_in_degrees() -> None:
     params, history = mohr_coulomb_random.make_params(material()), np.array([[0.0, 0.0], [0.0, -0.25]])
-    found = mohr_coulomb_random.friction_deg(np.zeros(2), np.zeros(2), history, params)
+    found = mohr_coulomb_random.friction_angle(np.zeros(2), np.zeros(2), history, params)
     np.testing.assert_allclose(found, [33.0, degrees(atan(0.75 * tan(radians(33.0))))])
