@@ -124,7 +124,7 @@ def paint_points(image: np.ndarray, x: np.ndarray, colors: np.ndarray, extent: t
     nearest = nearest.reshape(rows + 1, columns + 1)[:rows, :columns]
     covered = nearest >= 0
     image[covered] = np.rint(255.0 * colors[order]).astype(np.uint8)[nearest[covered]]
-    fill_gaps(image, covered, side)
+    fill_gaps(image, covered, len(offset))
 
 
 def encode_animation(images: Sequence[Image.Image]) -> bytes:

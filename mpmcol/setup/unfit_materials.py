@@ -7,12 +7,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import degrees, pi, radians, sqrt, tan
+from typing import TypeVar
 
 from mpmcol.case import Case
 from mpmcol.case.materials import Material
 from mpmcol.mpm.constitutive import mohr_coulomb, mohr_coulomb_random, mu_i
+from mpmcol.mpm.constitutive.elastic import Elasticity
 from mpmcol.units import length_text
 
+Law = TypeVar("Law", bound=Elasticity)
 RIGHT_ANGLE = pi / 2.0
 FEWEST_CELLS, LONGEST = 4.0, 10.0  # correlation lengths: in cells, and over the size of the column
 LEAST_DENSITY = 23.0  # kg/m3; a smaller number is a density in g/cm3, of which no element has more than 22.6
@@ -29,16 +32,16 @@ def _materials(case: Case) -> Iterator[tuple[str, Material]]:
     yield from zip(keys, case.materials, strict=True)
 
 
-def _with_rate(case: Case) -> Iterator[tuple[str, mu_i.Material]]:
-    """Key and material of column, base and layers with the mu(I) law."""
+def _of_law(case: Case, kind: type[Law]) -> Iterator[tuple[str, Law]]:
+    """Key and material of column, base and layers that have this law."""
     for key, material in _materials(case):
-        if isinstance(material, mu_i.Material):
+        if isinstance(material, kind):
             yield key, material
 
 
 def constant_friction(case: Case, h: float) -> str | None:
     """The mu(I) law does not depend on the rate."""
-    for key, material in _with_rate(case):
+    for key, material in _of_law(case, mu_i.Material):
         if material.mu_2 <= material.mu_s:
             return (
                 f"{key}.mu_2 = mu_s = {material.mu_s:.4g}: friction does not depend on the rate, and the law is "
@@ -49,7 +52,7 @@ def constant_friction(case: Case, h: float) -> str | None:
 
 def large_grains(case: Case, h: float) -> str | None:
     """A continuum needs several grains in a cell."""
-    for key, material in _with_rate(case):
+    for key, material in _of_law(case, mu_i.Material):
         if material.grain_diameter > h:
             return (
                 f"{key}.grain_diameter = {length_text(material.grain_diameter)} is larger than a cell of "
@@ -60,7 +63,7 @@ def large_grains(case: Case, h: float) -> str | None:
 
 def light_grains(case: Case, h: float) -> str | None:
     """The density of grains was mistaken for that of the bulk material."""
-    for key, material in _with_rate(case):
+    for key, material in _of_law(case, mu_i.Material):
         if material.grain_density <= material.density:
             return (
                 f"{key}.density = {material.density:g} kg/m3 is that of the material with its pores, but the grains "
@@ -69,49 +72,40 @@ def light_grains(case: Case, h: float) -> str | None:
     return None
 
 
-def _with_field(case: Case) -> Iterator[tuple[str, mohr_coulomb_random.Material]]:
-    """Key and material of column, base and layers with a random field of friction."""
-    for key, material in _materials(case):
-        if isinstance(material, mohr_coulomb_random.Material):
-            yield key, material
-
-
 def short_correlation(case: Case, h: float) -> str | None:
     """Variation within a few cells has no effect of its own: the grid smooths it."""
-    for key, material in _with_field(case):
-        lengths = {"": material.correlation_length, "_vertical": material.vertical_length}
-        for suffix, length in lengths.items():
-            if length < FEWEST_CELLS * h:
-                return (
-                    f"{key}.correlation_length{suffix} = {length_text(length)} is only {length / h:.2g} cells, and the "
-                    f"grid does not resolve the field; set grid.spacing = {length_text(length / FEWEST_CELLS)} or less"
-                )
+    for key, material in _of_law(case, mohr_coulomb_random.Material):
+        name, length = min(material.correlation_lengths.items(), key=lambda one: one[1])
+        if length < FEWEST_CELLS * h:
+            return (
+                f"{key}.{name} = {length_text(length)} is only {length / h:.2g} cells, and the grid does not resolve "
+                f"the field; set grid.spacing = {length_text(length / FEWEST_CELLS)} or less"
+            )
     return None
 
 
 def long_correlation(case: Case, h: float) -> str | None:
     """A field that hardly varies within the column, often a length in another unit."""
     size = max(case.geometry.r_i, case.geometry.h_i)
-    for key, material in _with_field(case):
-        length = min(material.correlation_length, material.vertical_length)
+    for key, material in _of_law(case, mohr_coulomb_random.Material):
+        name, length = min(material.correlation_lengths.items(), key=lambda one: one[1])
         if length > LONGEST * size:
             return (
-                f"{key}.correlation_length = {length:g} m is much longer than the column: the friction hardly varies "
-                f'within it; if it is in mm, set "{length:g} mm"'
+                f"{key}.{name} = {length:g} m is much longer than the column: the friction hardly varies within it; "
+                f'if it is in mm, set "{length:g} mm"'
             )
     return None
 
 
 def field_of_rings(case: Case, h: float) -> str | None:
     """A field in the plane of r and y."""
-    if case.geometry.model != "axisymmetric":
+    fields = [key for key, _ in _of_law(case, mohr_coulomb_random.Material)]
+    if not fields or case.geometry.model != "axisymmetric":
         return None
-    for key, material in _with_field(case):
-        return (
-            f'{key}.law = "{material.law}" with geometry.model = "axisymmetric": the friction is the same all around '
-            'the axis; for a field that varies in all directions, set geometry.model = "full"'
-        )
-    return None
+    return (
+        f'{fields[0]}: with geometry.model = "axisymmetric" the friction is the same all around the axis; for a field '
+        'that varies in all directions, set geometry.model = "full"'
+    )
 
 
 def friction_in_radians(case: Case, h: float) -> str | None:

@@ -52,6 +52,7 @@ def test_corrected_values_need_a_coarser_grid(tmp_path: Path) -> None:
     for name in ("zeta", "beta"):
         low, high = (record[name]["finer_grids"][end] for end in ("low", "high"))
         assert (high - low) / (high + low) <= 0.1
+        assert f", corrected {0.5 * (low + high):.3f}, error of this one " in done.stdout
     assert record["zeta"]["value"] < record["zeta"]["finer_grids"]["low"]
 
 

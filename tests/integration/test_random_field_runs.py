@@ -10,6 +10,8 @@ import pytest
 
 import mpmcol
 from mpmcol.io.results import Results
+from mpmcol.mpm.particles import BASE
+from mpmcol.setup.model import build_model
 
 COARSE = ("grid.spacing=0.2", "grid.points_per_cell=4", "geometry.aspect=1", "output.snapshots=2")
 SAND = "law = 'mohr-coulomb', density = 1700.0, youngs_modulus = 12e6, poissons_ratio = 0.2"
@@ -46,9 +48,19 @@ def test_points_keep_their_friction(field: Results) -> None:
     material = field.case.material
     variation = material.initial_history(first["position"][:, :2] - first["displacement"][:, :2])[:, 1]
     expected = np.degrees(np.arctan(tan(radians(33.0)) * (1.0 + variation)))
-    np.testing.assert_allclose(
-        first["local_friction_angle"], expected, atol=0.5
-    )  # the equilibration moves points a little
+    # the equilibration moves points a little
+    np.testing.assert_allclose(first["local_friction_angle"], expected, atol=0.5)
+
+
+def test_a_bed_continues_the_field_of_the_column() -> None:
+    bed = ("geometry.base=granular", "geometry.base_thickness=0.4")
+    points = build_model(mpmcol.load_case("random-friction", [*COARSE, *bed])).points
+    below = points.kind == BASE
+    assert below.any() and np.ptp(points.history[below, 1]) > 0.1
+    material = mpmcol.load_case("random-friction", COARSE).material
+    np.testing.assert_array_equal(points.history, material.initial_history(points.x))
+    elastic = build_model(mpmcol.load_case("random-friction", [*COARSE, "geometry.base=elastic", bed[1]])).points
+    assert np.all(elastic.history[elastic.kind == BASE] == 0.0)  # an elastic base has no friction
 
 
 def test_realizations_differ(field: Results, tmp_path: Path) -> None:
@@ -58,7 +70,7 @@ def test_realizations_differ(field: Results, tmp_path: Path) -> None:
     assert other.snapshot(-1).arrays["local_friction_angle"].min() < degrees(atan(mean))
 
 
-def test_a_layer_and_a_bed_have_a_field_of_their_own_parameters(tmp_path: Path) -> None:
+def test_a_layer_has_a_field_of_its_own_parameters(tmp_path: Path) -> None:
     overrides = ("layers=[{from = 0.0, to = 0.4, material = {friction_variation = 0.0, friction_deg = 25.0}}]",)
     found = run(tmp_path / "layer", *overrides).snapshot(-1).arrays
     assert set(np.round(found["local_friction_angle"][found["material"] == 2], 9)) == {25.0}

@@ -10,7 +10,7 @@ without friction, which has no apex, are in `pyramid`.
 from __future__ import annotations
 
 from math import cos, inf, radians, sin, sqrt, tan
-from typing import Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from mpmcol.mpm.constitutive.elastic import Derived, Elasticity
 from mpmcol.mpm.constitutive.failure import after_opening as after_opening
@@ -27,7 +27,25 @@ DOUBLED = 1.0  # plastic volumetric strain of material whose volume has doubled
 UNLIMITED = 1e30  # Pa, tensile strength of material without friction; finite, so that no difference is NaN
 
 
-class Material(Elasticity):
+class ConstantAngles:
+    """Ratios of stresses of a material with constant angles of friction and dilatancy."""
+
+    if TYPE_CHECKING:  # keys of the material
+        friction_deg: float
+        dilatancy_deg: float
+
+    @property
+    def active_pressure_ratio(self) -> float:
+        """K_a = 1 / N_phi, the ratio of horizontal to vertical stress at active yield."""
+        return 1.0 / flow_number(sin(radians(self.friction_deg)))
+
+    @property
+    def mobilised_friction(self) -> float:
+        """Ratio of shear to normal stress of a layer in shear."""
+        return shear_friction(self.friction_deg, self.dilatancy_deg)
+
+
+class Material(ConstantAngles, Elasticity):
     """[material] with law = "mohr-coulomb"."""
 
     law: Literal["mohr-coulomb"] = option("constitutive law", "mohr-coulomb")
@@ -47,16 +65,6 @@ class Material(Elasticity):
     def apex(self) -> float:
         """Mean stress at the apex, c cot(phi), Pa; inf without friction."""
         return self.cohesion / tan(radians(self.friction_deg)) if self.friction_deg > 0.0 else inf
-
-    @property
-    def active_pressure_ratio(self) -> float:
-        """K_a = 1 / N_phi, the ratio of horizontal to vertical stress at active yield."""
-        return 1.0 / flow_number(sin(radians(self.friction_deg)))
-
-    @property
-    def mobilised_friction(self) -> float:
-        """Ratio of shear to normal stress of a layer in shear."""
-        return shear_friction(self.friction_deg, self.dilatancy_deg)
 
 
 class MohrCoulombParams(NamedTuple):

@@ -15,7 +15,7 @@ from pydantic import Field
 
 from mpmcol.mpm.constitutive.elastic import Derived, Elasticity
 from mpmcol.mpm.constitutive.elastic import after_opening as after_opening
-from mpmcol.mpm.constitutive.mohr_coulomb import MOST_DEGREES, flow_number, shear_friction
+from mpmcol.mpm.constitutive.mohr_coulomb import MOST_DEGREES, ConstantAngles, flow_number
 from mpmcol.mpm.constitutive.pyramid import return_to_cone
 from mpmcol.mpm.constitutive.random_field import gaussian_field, lognormal_variation
 from mpmcol.mpm.jit import device
@@ -27,8 +27,8 @@ INVARIANTS = False
 DIGITS = 6  # of tan(phi) over its mean: the last bits of cosines, which differ between machines, have no effect
 
 
-class Material(Elasticity):
-    """[material] with law = "mohr-coulomb-random"."""
+class Material(ConstantAngles, Elasticity):
+    """[material] with law = "mohr-coulomb-random"; ratios of stresses are those of the mean."""
 
     law: Literal["mohr-coulomb-random"] = option("constitutive law", "mohr-coulomb-random")
     friction_deg: float = quantity(
@@ -50,23 +50,15 @@ class Material(Elasticity):
     cohesion: float = quantity("cohesion c, the same at all points", "Pa", 0.0, ge=0.0)
 
     @property
-    def active_pressure_ratio(self) -> float:
-        """K_a = 1 / N_phi of the mean, the ratio of horizontal to vertical stress at active yield."""
-        return 1.0 / flow_number(sin(radians(self.friction_deg)))
-
-    @property
-    def mobilised_friction(self) -> float:
-        """Ratio of shear to normal stress of a layer in shear, of the mean."""
-        return shear_friction(self.friction_deg, self.dilatancy_deg)
-
-    @property
-    def vertical_length(self) -> float:
-        """Vertical correlation length, m."""
-        return self.correlation_length_vertical or self.correlation_length
+    def correlation_lengths(self) -> dict[str, float]:
+        """Horizontal and vertical correlation length by their keys, m."""
+        vertical = self.correlation_length_vertical or self.correlation_length
+        return {"correlation_length": self.correlation_length, "correlation_length_vertical": vertical}
 
     def initial_history(self, x: np.ndarray) -> np.ndarray:
         """History (n, 2) of points at positions x (n, d), m: tan(phi) over its mean, minus one, as second variable."""
-        field = gaussian_field(x, self.correlation_length, self.vertical_length, self.seed)
+        horizontal, vertical = self.correlation_lengths.values()
+        field = gaussian_field(x, horizontal, vertical, self.seed)
         history = np.zeros((len(x), 2))
         history[:, 1] = np.round(lognormal_variation(field, self.friction_variation), DIGITS)
         return history

@@ -166,6 +166,11 @@ def test_notes_of_a_sweep_are_warnings(outcomes: list[str], tmp_path: Path) -> N
         (lambda: mpmcol.sweep("coarse-channel", aspect="3:1"), UsageError, "geometry.aspect: 3:1: the end of a range"),
         (lambda: mpmcol.sweep("coarse-channel", aspect=1, accuracy=5), UsageError, "between 0 and 1, for example 0.05"),
         (lambda: mpmcol.sweep("coarse-channel", {"grid.spacng": [1]}), MpmcolError, 'did you mean "spacing"'),
+        (
+            lambda: mpmcol.run("quickstart", "nowhere"),
+            UsageError,
+            "case = 'quickstart': expected a case of mpmcol.load_case",
+        ),
         (lambda: mpmcol.measure("nowhere"), OutputError, "expected the results folder of a run"),
         (lambda: mpmcol.plot("nowhere"), OutputError, "expected the results folder of a run"),
         (lambda: mpmcol.render("nowhere"), OutputError, "expected the results folder of a run"),

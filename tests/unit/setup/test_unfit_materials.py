@@ -81,6 +81,8 @@ def test_a_length_in_another_unit_is_noted() -> None:
     (note,) = field_warnings(*lengths)
     assert note.startswith("material.correlation_length = 20 m is much longer than the column") and '"20 mm"' in note
     assert field_warnings(lengths[0]) == []  # a layered soil
+    (note,) = field_warnings("material.correlation_length=100", lengths[1])
+    assert note.startswith("material.correlation_length_vertical = 20 m")
 
 
 def test_a_field_around_an_axis_is_noted() -> None:

@@ -26,6 +26,7 @@ def lines(
     error: float | None = None,
     cases: Sequence[str] = (),
     at_rest: bool = True,
+    with_grid: bool = True,
 ) -> list[str]:
     """The judgement of a run with this result."""
     case = load_case(name, overrides)
@@ -38,7 +39,7 @@ def lines(
     studied = None if error is None else of_grid(error, cases)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(judgement, "studied_error", lambda case: studied)
-        return judgement.judge(results)
+        return judgement.judge(results, with_grid)
 
 
 def of_grid(error: float, cases: Sequence[str]) -> StudiedError:
@@ -88,6 +89,12 @@ def test_without_an_error_of_the_grid_no_difference_is_certain() -> None:
     assert runout.endswith("scatter 10%), undecided: beyond the scatter, but the error of the grid is not known")
     assert grid == "error of the grid: not studied for these settings; --accuracy 5% chooses studied ones"
     assert lines("coarse-channel", 1.6, 1.0)[0].endswith("agrees within the scatter")
+
+
+def test_beside_a_statement_of_accuracy_nothing_is_undecided_for_want_of_an_error() -> None:
+    far, _ = lines("coarse-channel", 1.0, 1.0, with_grid=False)
+    assert far.endswith("-37.5% against Lube et al. 2007 (1.600, scatter 10%)")
+    assert lines("coarse-channel", 1.6, 1.0, with_grid=False)[0].endswith("agrees within the scatter")
 
 
 @pytest.mark.parametrize(

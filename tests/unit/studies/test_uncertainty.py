@@ -327,6 +327,12 @@ def test_numbers_out_of_range_are_refused(values: dict[str, Any], message: str, 
         plan_study("coarse-channel", [], inputs_of(THREE[0]), tmp_path, **{"samples": 8, "seed": 0, **values})
 
 
+def test_a_fixed_value_of_what_the_accuracy_chooses_is_refused(tmp_path: Path) -> None:
+    axes = [Axis("grid.spacing", ("0.01",))]
+    with pytest.raises(UsageError, match="--accuracy chooses grid.spacing = .*; remove --set grid.spacing=0.01"):
+        plan_study("coarse-channel", axes, inputs_of(THREE[0]), tmp_path, samples=8, seed=0, accuracy=0.1)
+
+
 def linear_result(inputs: Any) -> dict[str, Any]:
     """A run whose runout decreases linearly with the friction angle."""
     zeta = 1.6 - 0.02 * (inputs[FRICTION] - 33.0)
