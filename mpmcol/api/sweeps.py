@@ -18,10 +18,11 @@ from mpmcol.io.results import Results
 from mpmcol.sweep.axes import ASPECT, Axis, parse_values
 from mpmcol.sweep.fits import Slope
 from mpmcol.sweep.names import UNSAFE, sweep_name
+from mpmcol.sweep.notes import notes_on_plan
 from mpmcol.sweep.replaced import runs_that_leave
 from mpmcol.sweep.report import write_report
 from mpmcol.sweep.runner import SweepObserver, run_sweep
-from mpmcol.sweep.runs import PlannedRun, no_configuration, notes, plan_runs
+from mpmcol.sweep.runs import PlannedRun, no_configuration, plan_runs
 
 if TYPE_CHECKING:
     from mpmcol.api.accuracy import Recommendations
@@ -126,6 +127,8 @@ def sweep(
     if chosen:
         chosen.state(outcomes)
     report = write_report(outcomes, folder)
+    for note in report.notes:
+        notify(f"note: {note}")
     return SweepResults(folder, report.rows, report.slopes, report.files)
 
 
@@ -146,7 +149,7 @@ def planned_runs(
     Raises CaseError with all problems of all runs, after the given `problems`.
     """
     runs = plan_runs(source, axes, out, zipped, problems, chosen or no_configuration)
-    for line in [*(chosen.lines() if chosen else []), *(f"note: {note}" for note in notes(runs))]:
+    for line in [*(chosen.lines() if chosen else []), *(f"note: {note}" for note in notes_on_plan(runs))]:
         notify(line)
     return runs
 

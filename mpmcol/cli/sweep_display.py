@@ -135,6 +135,7 @@ def as_record(report: SweepReport) -> dict[str, Any]:
         "runs": report.rows,
         "slopes": [asdict(slope) for slope in report.slopes],
         "files": [str(path) for path in report.files],
+        "notes": report.notes,
     }
 
 
@@ -151,6 +152,7 @@ def summary_lines(report: SweepReport) -> Iterator[str]:
         yield f"... and {len(rows) - MOST_ROWS} more"
     yield from (f"{slope.series + ': ' if slope.series else ''}{slope}" for slope in report.slopes)
     yield from failures(report)
+    yield from (f"note: {note}" for note in report.notes)
     yield f"in {report.folder}: " + ", ".join(path.name for path in report.files)
 
 

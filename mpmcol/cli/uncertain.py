@@ -77,10 +77,11 @@ class UncertainOptions:
         lines = [
             *summary_lines(analysis),
             *failures(report),
+            *(f"note: {note}" for note in report.notes),
             f"in {report.folder}: " + ", ".join(path.name for path in files),
         ]
-        record = {**written.record, "folder": str(report.folder), "files": [str(path) for path in files]}
-        return record, lines
+        more = {"notes": report.notes, "folder": str(report.folder), "files": [str(path) for path in files]}
+        return {**written.record, **more}, lines
 
 
 def uncertain_options(command: Any) -> Any:

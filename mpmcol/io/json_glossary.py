@@ -87,6 +87,7 @@ _SWEEP: Names = {
     "folder": ("", "folder of the sweep"),
     "runs": ("", "rows of table.csv, which have also the values of the keys that vary"),
     "slopes": ("", "rows of slopes.csv"),
+    "notes": ("", "warnings in the results, each once, with the number of its runs"),
     **_FILES,
 }
 _VERIFY: Names = {
@@ -276,7 +277,7 @@ OUTPUTS: dict[str, Names] = {  # command or file -> its names
     "sweep --json": _SWEEP,
     "sweep --dry-run --json": _FORECAST,
     "fit --dry-run --json": _FORECAST,
-    "sweep --uncertain --json": {**RECORD_NAMES, "folder": _SWEEP["folder"], **_FILES},
+    "sweep --uncertain --json": {**RECORD_NAMES, **{name: _SWEEP[name] for name in ("folder", "notes")}, **_FILES},
     "uncertainty.json": RECORD_NAMES,
     "sweep.json": _PLAN_FILE,
     "fit --json": FIT,

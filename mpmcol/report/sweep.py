@@ -10,17 +10,15 @@ import numpy as np
 
 from mpmcol.errors import OutputError
 from mpmcol.experiments import EXPERIMENTS
-from mpmcol.io.names import RESULT_FILE
-from mpmcol.io.run_status import read_result
 from mpmcol.report.model import Page, Section, Table
 from mpmcol.report.pictures import file_picture
 from mpmcol.report.provenance import with_unit
 from mpmcol.report.uncertainty import uncertainty_sections
 from mpmcol.sweep.axes import ASPECT
 from mpmcol.sweep.fits import SLOPES_FILE
+from mpmcol.sweep.notes import counted_warnings, stored_warnings
 from mpmcol.sweep.plan import read_plan
 from mpmcol.sweep.report import CHARTED
-from mpmcol.sweep.runs import counted_warnings
 from mpmcol.sweep.table import AGAIN, CSV_FILE, FINER_GRIDS, read_table, unit_of
 
 RUNOUT, HEIGHT = "zeta.front_height", "beta"
@@ -56,7 +54,7 @@ def sweep_page(folder: Path) -> Page:
     charts = [path for quantity in CHARTED for path in sorted(folder.glob(f"{quantity}*.png"))]
     pictures = [file_picture(path, f"Chart: {_caption(path)}", _caption(path)) for path in charts]
     failures = [f"{_name(row)} {row['status']}: {row['message']}" for row in rows if row["status"] != "done"]
-    warnings = counted_warnings([_warnings(folder / row["folder"]) for row in rows])
+    warnings = counted_warnings([stored_warnings(folder / row["folder"]) for row in rows])
     return Page(
         title=plan.title or "Untitled sweep",
         kind="mpmcol: report of a sweep",
@@ -71,14 +69,6 @@ def sweep_page(folder: Path) -> Page:
             Section("Versions", tables=[_version_table(rows)]),
         ],
     )
-
-
-def _warnings(run: Path) -> list[str]:
-    """The warnings in the result of a run; none if its folder was removed."""
-    result, problem = read_result(run / RESULT_FILE)
-    if problem:
-        raise OutputError(f"{run / RESULT_FILE}: {problem}; {AGAIN}")
-    return list((result or {}).get("warnings", ()))
 
 
 def _judgement(rows: Sequence[Row]) -> Iterator[str]:

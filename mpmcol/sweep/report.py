@@ -13,6 +13,7 @@ from mpmcol.io.atomic import atomic_write
 from mpmcol.setup.column_shape import column_shape
 from mpmcol.sweep.engine import Outcome
 from mpmcol.sweep.fits import SLOPES_FILE, Slope, fit_slopes, write_slopes
+from mpmcol.sweep.notes import notes_on_results
 from mpmcol.sweep.runs import PlannedRun
 from mpmcol.sweep.series import ASPECT_COLUMN, Series, choose_axis, group_rows
 from mpmcol.sweep.table import CSV_FILE, HDF5_FILE, Row, make_rows, table_text, write_hdf5
@@ -26,12 +27,13 @@ FRONT_OF_MANY = "zeta.front_connected"  # the only front with fitted lines in a 
 
 @dataclass(frozen=True)
 class SweepReport:
-    """Rows of all runs, fitted slopes, and the files that contain them."""
+    """Rows of all runs, fitted slopes, the files that contain them, and notes on the results."""
 
     folder: Path
     rows: list[Row]
     slopes: list[Slope]
     files: list[Path]
+    notes: list[str]
 
 
 @dataclass(frozen=True)
@@ -67,7 +69,7 @@ def write_report(outcomes: Sequence[Outcome], out: Path) -> SweepReport:
         for path, (quantity, group) in charts.items():
             _draw(path, quantity, group)
         atomic_write(out / CSV_FILE, text)
-    return SweepReport(out, rows, slopes, files)
+    return SweepReport(out, rows, slopes, files, notes_on_results(outcomes))
 
 
 def _chart_groups(outcomes: Sequence[Outcome], rows: Sequence[Row]) -> list[ChartGroup]:

@@ -22,7 +22,7 @@ from mpmcol.setup.cost import durations, relative_pace
 from mpmcol.setup.discretization import Discretization, discretize, require_thick_outline
 from mpmcol.setup.durations import time_step
 from mpmcol.setup.memory import require_memory_for
-from mpmcol.setup.unfit_settings import kind_of, require_stiff_column
+from mpmcol.setup.unfit_settings import require_stiff_column
 from mpmcol.sweep.axes import MOST_VALUES, Axis
 from mpmcol.sweep.names import LONGEST_NAME, UNSAFE, member_name, short_names
 
@@ -146,28 +146,6 @@ def combine(axes: Sequence[Axis], zipped: bool) -> list[Combination]:
         raise ValueError(f"--zip requires axes with equal numbers of values, or with one value; found: {counts}")
     columns = [axis.values if len(axis.values) == count else axis.values * count for axis in axes]
     return [tuple(zip(lengths, values, strict=True)) for values in zip(*columns, strict=True)]
-
-
-def notes(runs: Sequence[PlannedRun]) -> list[str]:
-    """Warnings about planned runs, as `counted_warnings`."""
-    return counted_warnings([run.discretization.warnings for run in runs])
-
-
-def counted_warnings(by_run: Sequence[Sequence[str]]) -> list[str]:
-    """The warnings of several runs with the number of runs that they apply to; of those of one kind, the first."""
-    kinds: dict[str, dict[int, str]] = {}
-    for run, warnings in enumerate(by_run):
-        for warning in warnings:
-            kinds.setdefault(kind_of(warning), {}).setdefault(run, warning)
-    return [_counted(list(alike.values()), len(by_run)) for alike in kinds.values()]
-
-
-def _counted(alike: Sequence[str], count: int) -> str:
-    """The first of some warnings, with the number of runs unless it is the same for all."""
-    if len(alike) == count and len(set(alike)) == 1:
-        return alike[0]
-    others = "" if len(set(alike)) == 1 else ", with the numbers of the first"
-    return f"{alike[0]} ({len(alike)} of {count} runs{others})"
 
 
 def _checked(

@@ -17,7 +17,8 @@ from mpmcol.studies.uncertainty.inputs import UncertainInput, realizations_optio
 from mpmcol.studies.uncertainty.sampling import Sample, draw_sample
 from mpmcol.sweep.axes import Axis
 from mpmcol.sweep.names import safe_name, sweep_name
-from mpmcol.sweep.runs import PlannedRun, notes, plan_runs
+from mpmcol.sweep.notes import notes_on_plan
+from mpmcol.sweep.runs import PlannedRun, plan_runs
 
 LEAST_SAMPLES, MOST_SAMPLES = 5, 10_000  # with five, the median is in the range of the sample with 94 %
 
@@ -55,7 +56,7 @@ class UncertaintyPlan:
             f'for the means of the inputs: "{advice.variant}" at r_i/h = {advice.cells:g}, for all runs',
             *(f"note: these errors may not apply: {difference}" for difference in advice.differences),
         ]  # fmt: skip
-        return [*chosen, *(f"note: {note}" for note in notes(self.runs))]
+        return [*chosen, *(f"note: {note}" for note in notes_on_plan(self.runs))]
 
 
 def study_name(

@@ -17,8 +17,9 @@ from mpmcol.sweep import runs as sweep_runs
 from mpmcol.sweep.axes import parse_axes
 from mpmcol.sweep.compile_cache import kernel_variant
 from mpmcol.sweep.names import run_name, safe_name, short_names, sweep_name
+from mpmcol.sweep.notes import counted_warnings, notes_on_plan
 from mpmcol.sweep.plan import PLAN_FILE, PLAN_SCHEMA, read_plan
-from mpmcol.sweep.runs import PlannedRun, counted_warnings, notes, plan_runs, write_case
+from mpmcol.sweep.runs import PlannedRun, plan_runs, write_case
 from mpmcol.sweep.scheduling import Allocation, allocate
 from mpmcol.sweep.series import choose_axis, group_rows
 
@@ -140,13 +141,13 @@ def test_invalid_sweeps_are_refused(settings: tuple[str, ...], options: dict, me
 
 
 def test_notes_state_the_number_of_runs_they_apply_to() -> None:
-    lines = notes(plan("grid.spacing=0.0097,0.02", aspect="1"))
+    lines = notes_on_plan(plan("grid.spacing=0.0097,0.02", aspect="1"))
     assert any("0.0194 m" in note and note.endswith("(1 of 2 runs)") for note in lines)
-    assert all("runs)" not in note for note in notes(plan("grid.spacing=0.02", aspect="1,2")))
+    assert all("runs)" not in note for note in notes_on_plan(plan("grid.spacing=0.02", aspect="1,2")))
 
 
 def test_warnings_that_differ_in_numbers_are_reported_once() -> None:
-    (line,) = notes(
+    (line,) = notes_on_plan(
         plan(
             "material.dilatancy_deg=0,8,12",
             "grid.spacing=0.0097",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from mpmcol.case import load_case
+from mpmcol.cli.sweep_display import as_record, summary_lines
 from mpmcol.errors import OutputError
 from mpmcol.experiments import score
 from mpmcol.io.run_folder import write_result
@@ -30,7 +32,7 @@ from mpmcol.sweep.task import TaskResult
 FRONTS = ("front_max", "front_connected", "front_height")
 
 
-def finish(run: PlannedRun, at_rest: bool = True) -> Outcome:
+def finish(run: PlannedRun, at_rest: bool = True, warnings: Sequence[str] = ()) -> Outcome:
     """Write a result whose runout is 5 % above the law by front_max and equal to it by front_height."""
     geometry = run.case.geometry
     law = 1.24 * geometry.a if geometry.a < 1.7 else 1.6 * geometry.a**0.5
@@ -43,7 +45,7 @@ def finish(run: PlannedRun, at_rest: bool = True) -> Outcome:
         "schema": 1, "status": "done", "zeta": zeta, "beta": measured["beta"], "height": 0.05, "at_rest": at_rest,
         "undisturbed_radius": None, "errors": errors, "profile_scores": [], "points": 848, "steps": 7997,
         "wall_s": {"compile": 2.0, "collapse": 5.0}, "ns_per_point_step": 50.5, "threads": 1, "r_i": 0.097,
-        "versions": {"mpmcol": "0.1.0+00000000", "numpy": "2.0"},
+        "versions": {"mpmcol": "0.1.0+00000000", "numpy": "2.0"}, "warnings": list(warnings),
     }  # fmt: skip
     run.folder.mkdir(parents=True, exist_ok=True)
     write_result(run.folder, result)
@@ -109,6 +111,18 @@ def test_the_mean_in_3d_has_the_same_name_as_the_value_in_2d(tmp_path: Path) -> 
     assert rows[0]["zeta.front_max"] == pytest.approx(rows[1]["zeta.front_max"])
     assert rows[0]["zeta.front_max.min"] is None
     assert rows[1]["zeta.front_max.max"] - rows[1]["zeta.front_max.min"] == pytest.approx(0.2)
+
+
+def test_notes_are_on_results_and_have_the_number_of_their_runs(tmp_path: Path) -> None:
+    """What was said of the plan before the runs is not repeated."""
+    runs = plan(tmp_path, "grid.spacing=0.02", aspect="1,2,3")
+    planned = [run.discretization.warnings for run in runs]
+    more = [(), ("damping took 30 %",), ("damping took 31 %",)]
+    found = [[*known, *new] for known, new in zip(planned, more, strict=True)]
+    assert all(planned)
+    report = write_report([finish(run, warnings=one) for run, one in zip(runs, found, strict=True)], tmp_path)
+    assert report.notes == ["damping took 30 % (2 of 3 runs, with the numbers of the first)"]
+    assert f"note: {report.notes[0]}" in list(summary_lines(report)) and as_record(report)["notes"] == report.notes
 
 
 def test_csv_and_hdf5_have_the_same_content(tmp_path: Path) -> None:
