@@ -27,6 +27,8 @@ FACTORS: dict[str, tuple[str, float]] = {
     "": ("", 1.0), "%": ("", 1e-2),
 }  # fmt: skip
 
+_UNIT_WEIGHTS = {"N/m3": 1.0, "kN/m3": 1e3, "MN/m3": 1e6}  # N/m3, given instead of a density
+
 # Limits of the magnitude of a quantity: no column needs more, and products of larger numbers could overflow.
 SMALLEST, LARGEST = 1e-30, 1e30
 # possessive quantifiers (++, *+): the time is linear in the length of the text
@@ -140,6 +142,10 @@ def to_unit(text: str, unit: str) -> float:
     if match is None:
         raise ValueError("not a number with a unit")
     number, written = float(match[1]), match[2] or unit
+    if unit == "kg/m3" and (weight := _UNIT_WEIGHTS.get(written)):
+        raise ValueError(
+            f'"{written}" is a unit weight; the density is that over g: "{number * weight / 9.81:.4g} kg/m3"'
+        )
     if written not in FACTORS:
         raise ValueError(f'unknown unit "{written[:20]}"{_known(unit)}')
     (base, factor), (target, divisor) = FACTORS[written], FACTORS[unit]

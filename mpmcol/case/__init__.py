@@ -12,7 +12,7 @@ from mpmcol.case.conditions import (
 from mpmcol.case.load import flattened_text, load_case, resolved_toml
 from mpmcol.case.markdown import markdown_reference
 from mpmcol.case.problem import Problem
-from mpmcol.case.reference import explain, hint_for, json_schema, key_names
+from mpmcol.case.reference import explain, hint_for, json_schema, key_names, keys_with
 from mpmcol.case.schema import Case
 from mpmcol.case.source import shipped_cases
 from mpmcol.case.values import case_hash
@@ -31,6 +31,7 @@ __all__ = [
     "hint_for",
     "json_schema",
     "key_names",
+    "keys_with",
     "load_case",
     "markdown_reference",
     "resolved_toml",

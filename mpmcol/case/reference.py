@@ -116,6 +116,13 @@ def explain(key: str = "") -> str:
     return "\n".join([*lines, *(line for name in inside for line in _indented(name))])
 
 
+def keys_with(text: str) -> dict[str, str]:
+    """Keys that contain a text, or whose description does, and their descriptions; underscores are spaces."""
+    words = text.replace("_", " ").lower()
+    described = {name: field_at(tuple(name.split(".")), "").description or "" for name in key_names()}
+    return {name: about for name, about in described.items() if words in f"{name.replace('_', ' ')}; {about}".lower()}
+
+
 def hint_for(key: str) -> str:
     """Why there is no such key, or the key with the most similar last part; "" if there is neither."""
     names = key_names()

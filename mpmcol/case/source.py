@@ -34,6 +34,7 @@ _LINE_HINTS = {
     r"[^=]*=\s*[-+]?\d+\.(?!\d)": "write a digit after the decimal point",
     r'\s*(- |---|\{|(- )?"?[\w-]+"?\s*:(\s|$))': _OTHER_FORMAT,
     r'[^=]*=\s*"[^"]*\\': "write paths with / or in single quotes",
+    r"""[^="']*=\s*("[^"]*|'[^']*)$""": "close the quotes at the end of the value",
     r"(?i)[^=]*=\s*(yes|no|on|off|true|false)\b": "write true or false, in small letters",
 }
 _SYNTAX_HINTS = {

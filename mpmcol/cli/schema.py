@@ -42,11 +42,29 @@ def _explanation(key: str) -> str:
     found += [text for text in [explain_name(key)] if key and text]
     if found and (answer := answer_to(tuple(key.split(".")))) and key not in key_names():
         found.append(f"In a case file, {answer}.")
-    if not found and not hint_for(key):
-        found = [text for text in [explain_word(key)] if text]
     if not found and key in shipped_cases():
         raise click.UsageError(f"{key} is a shipped case, not a key; mpmcol init {key} prints it")
+    if not found and not hint_for(key):
+        found = [explain_word(key) or _places_of(key)]
     return "\n\n".join(found) or explain_key(key)  # which raises
+
+
+def _places_of(text: str) -> str:
+    """The keys and the names in results that contain a text, or whose explanations do. Raises UsageError."""
+    from mpmcol.case import keys_with
+    from mpmcol.case.fields import nearest, shown
+    from mpmcol.errors import UsageError
+    from mpmcol.io.columns import names_with
+
+    if not (places := keys_with(text) | names_with(text)):
+        name = nearest(text, (full.rpartition(".")[2] for full in names_with("")))
+        near = f' Did you mean "{name}"?' if name else ""
+        raise UsageError(
+            f"there is no key or name {shown(text)}.{near} (mpmcol explain lists all keys, mpmcol explain results all "
+            "names in results)"
+        )
+    listed = "\n".join(f"  {name}\n      {meaning}" for name, meaning in places.items())
+    return f"there is no key or name {shown(text)}; it occurs in:\n{listed}"
 
 
 @click.command()

@@ -48,6 +48,20 @@ def explain_word(name: str) -> str:
     return next(filter(None, map(explain_name, name.split("_"))), "")
 
 
+def names_with(text: str) -> dict[str, str]:
+    """Names in results that contain a text, or whose meaning does, and their meanings; all for "".
+
+    Underscores are spaces.
+    """
+    words = text.replace("_", " ").lower()
+    return {
+        name: meaning
+        for names in ALL_NAMES.values()
+        for name, (_, meaning) in names.items()
+        if words in f"{name.replace('_', ' ')}; {meaning}".lower()
+    }
+
+
 def explain_names() -> str:
     """All names in results, by the file or the command in which they occur."""
     return "\n\n".join("\n".join([f"[{where}]", *_listed(names)]) for where, names in ALL_NAMES.items())

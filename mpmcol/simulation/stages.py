@@ -185,7 +185,7 @@ class Stages:
         solver.settings = setup.settings._replace(cfl=progress.cfl_factor * setup.settings.cfl)
         solver.bodies = (setup.column, self.model.base, *setup.layers)
         solver.margin = setup.margin
-        self.simulation.show_progress(f"{name}: preparing kernels (compiled once, then cached)", 0.0)
+        self.simulation.show_progress(f"{name}: preparing kernels (in the first run of a kind of case 10 to 60 s)", 0.0)
         with progress.timed("compile"):
             solver.prepare()
 

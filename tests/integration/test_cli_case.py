@@ -112,6 +112,25 @@ def test_explain() -> None:
     assert 'Did you mean "grid.spacing"?' in result.stderr
 
 
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        ("repose", ("repose_angle_deg", "friction_from_repose_deg")),
+        ("angle of repose", ("repose_angle_deg",)),
+        ("dilatancy angle", ("material.dilatancy_deg", "base_material.dilatancy_peak_deg")),
+    ],
+)
+def test_explain_finds_words_of_names_and_meanings(text: str, found: tuple[str, ...]) -> None:
+    result = invoke("explain", text)
+    assert result.exit_code == 0 and all(f"\n  {name}\n" in result.stdout for name in found)
+    assert "grid.spacing" not in result.stdout
+
+
+def test_explain_of_an_unknown_word_names_the_nearest_name_in_results() -> None:
+    result = invoke("explain", "zetta")
+    assert result.exit_code == 2 and 'there is no key or name "zetta". Did you mean "zeta"?' in result.stderr
+
+
 def test_explain_finds_percentiles_without_their_number_and_adds_the_key_of_the_case() -> None:
     number, friction = (invoke("explain", name).stdout for name in ("I", "mu"))
     assert "flow.I_p5" in number and "flow.I_median" in number and "flow.I_p95" in number and "mu_" not in number

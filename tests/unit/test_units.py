@@ -68,6 +68,8 @@ def test_a_unit_converts_to_itself_exactly(unit: str) -> None:
         ("", "m", "not a number"),
         ("nan m", "m", "not a number"),
         ("2 Mm", "m", "unknown unit"),
+        ("16 kN/m3", "kg/m3", '"kN/m3" is a unit weight; the density is that over g: "1631 kg/m3"'),
+        ("16 kN/m3", "Pa", "unknown unit"),
     ],
 )
 def test_an_invalid_string_is_reported_with_the_reason(text: str, unit: str, reason: str) -> None:
