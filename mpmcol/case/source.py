@@ -34,12 +34,13 @@ _LINE_HINTS = {
     r"[^=]*=\s*[-+]?\d+\.(?!\d)": "write a digit after the decimal point",
     r'\s*(- |---|\{|(- )?"?[\w-]+"?\s*:(\s|$))': _OTHER_FORMAT,
     r'[^=]*=\s*"[^"]*\\': "write paths with / or in single quotes",
-    r"""[^="']*=\s*("[^"]*|'[^']*)$""": "close the quotes at the end of the value",
+    r'[^="]*=\s*"[^"]*$': "close the quotes at the end of the value",
     r"(?i)[^=]*=\s*(yes|no|on|off|true|false)\b": "write true or false, in small letters",
 }
 _SYNTAX_HINTS = {
     "Invalid value": "put strings in quotes",
     "Expected newline or end of document after a statement": "put strings and numbers with a unit in quotes",
+    """Expected "'\"""": "close the single quotes at the end of a value",
     "Cannot overwrite a value": "remove one of the two: this key is given twice",
 }
 

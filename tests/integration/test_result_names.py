@@ -209,7 +209,7 @@ def test_names_are_explained_by_the_command(name: str, parts: list[str]) -> None
         ("base_friction", "Friction with floor and walls is given in the table friction"),
         ("friction_deg", 'Did you mean "material.friction_deg"?'),
         ("", None),
-        ("nonsense", 'there is no key "nonsense". (mpmcol explain'),
+        ("nonsense", 'there is no key or name "nonsense". (mpmcol explain'),
     ],
 )
 def test_keys_of_a_case_come_before_words_of_names(name: str, message: str | None) -> None:

@@ -163,7 +163,7 @@ def test_windows_line_ends_and_a_byte_order_mark_are_accepted(write: Write) -> N
         ("friction_deg = -0,5 # x", "the decimal separator is a point"),
         ("friction_deg = .5", "write a digit before the decimal point"),
         ('friction_deg = "33 deg', "close the quotes at the end of the value"),
-        ("friction_deg = '33 deg", "close the quotes at the end of the value"),
+        ("friction_deg = '33 deg", "close the single quotes at the end of a value"),
         ("friction_deg = 33.", "write a digit after the decimal point"),
         ("youngs_modulus = 5.e6 # Pa", "write a digit after the decimal point"),
         ("grid:", "a case file is TOML: [table], then key = value"),
