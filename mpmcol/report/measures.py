@@ -104,12 +104,20 @@ def energy_measures(results: Results) -> list[Measure]:
     ]
 
 
-def key_figures(results: Results) -> list[Figure]:
-    """What a reader looks for first."""
+def key_figures(results: Results, corrected: Mapping[str, tuple[float, float]]) -> list[Figure]:
+    """What a reader looks for first; corrected: length in m and value of quantities that replace measured ones."""
     end = "At rest after" if results.summary["at_rest"] else "Still moving after"
     labels = {FRONT_NAMES["front_height"]: "Runout", HEIGHT: "Height", ANGLE: ANGLE, END: end}
     shown = [one for one in measures(results) if one.name in labels and one.value]
-    return [Figure(labels[one.name], one.value, one.normalised) for one in shown]
+    return [_corrected_figure(labels[one.name], one, corrected) for one in shown]
+
+
+def _corrected_figure(name: str, measure: Measure, corrected: Mapping[str, tuple[float, float]]) -> Figure:
+    quantity = measure.normalised.partition(" ")[0]
+    if quantity not in corrected:
+        return Figure(name, measure.value, measure.normalised)
+    length, value = corrected[quantity]
+    return Figure(f"{name}, corrected", length_text(length), f"{quantity} = {value:.3f}")
 
 
 def measure_table(rows: Sequence[Measure], caption: str) -> Table:

@@ -22,7 +22,7 @@ from mpmcol.report.pictures import animation, chart_pictures, comparison_picture
 from mpmcol.report.provenance import case_differences, case_files, version_table
 from mpmcol.report.walls import compared_forces, force_tables
 from mpmcol.studies.judgement import judge
-from mpmcol.studies.statement_text import stored_lines
+from mpmcol.studies.statement_text import corrected_values, stored_lines
 from mpmcol.units import length_text
 
 MEASURES, COST, ENERGY = "Deposit", "Size and cost", "Energy and stresses"
@@ -38,7 +38,7 @@ def run_page(results: Results) -> Page:
         title=_title(results),
         kind="mpmcol: report of a run",
         facts=_facts(results),
-        figures=key_figures(results),
+        figures=key_figures(results, corrected_values(results.folder)),
         sections=[
             Section("Judgement", lines=[line[:1].upper() + line[1:] for line in _judgement(results)]),
             *_warnings([results], [""]),

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from mpmcol.errors import OutputError
 from mpmcol.io.atomic import atomic_write, read_bytes
@@ -14,6 +14,8 @@ from mpmcol.io.values import to_json
 from mpmcol.studies.judgement import NAMES
 from mpmcol.studies.pareto.error_interval import ErrorInterval
 from mpmcol.units import length_scale, length_text
+
+Content = TypeVar("Content")
 
 
 def write_statement(folder: Path, record: Mapping[str, Any]) -> None:
@@ -28,11 +30,34 @@ def stored_lines(folder: Path) -> list[str]:
 
     Raises OutputError if its file is damaged.
     """
+    return _from_record(folder, statement_lines) or []
+
+
+def corrected_values(folder: Path) -> dict[str, tuple[float, float]]:
+    """Length in m and value, corrected for the error of the grid, by quantity; of a run by `--corrected`.
+
+    Empty for other runs. Raises OutputError if the file of the statement is damaged.
+    """
+    return _from_record(folder, _corrected) or {}
+
+
+def _corrected(record: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
+    return {name: _middle(record[name]["finer_grids"]) for name in NAMES if record["corrected"]}
+
+
+def _middle(interval: Mapping[str, float]) -> tuple[float, float]:
+    """Length in m and value in the middle of an interval."""
+    length = 0.5 * (interval["low_length"] + interval["high_length"])
+    return length, 0.5 * (interval["low"] + interval["high"])
+
+
+def _from_record(folder: Path, read: Callable[[Mapping[str, Any]], Content]) -> Content | None:
+    """What `read` finds in the record of a statement; None without one. Raises OutputError if it is damaged."""
     path = folder / ACCURACY_FILE
     if not path.exists():
-        return []
+        return None
     try:
-        return statement_lines(json.loads(path.read_text("utf-8")))
+        return read(json.loads(path.read_text("utf-8")))
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise OutputError(
             f"{path} is damaged ({type(error).__name__}: {error}); repeat the command of the run, which writes it again"
@@ -58,7 +83,7 @@ def _source(record: Mapping[str, Any]) -> str:
 
 def _quantity_lines(name: str, record: Mapping[str, Any], corrected: bool) -> list[str]:
     error, finer = record["error"], record["finer_grids"]
-    middle = f", corrected {0.5 * (finer['low'] + finer['high']):.3f}" * corrected
+    middle = f", corrected {_middle(finer)[1]:.3f}" * corrected
     grid = f"error bar {record['grid']:.1%}" if error is None else f"error of this one {ErrorInterval(**error)}"
     return [
         f"{NAMES[name]} {length_text(record['length'])}, {name} = {record['value']:.3f}; finer grids: "

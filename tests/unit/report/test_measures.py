@@ -10,7 +10,8 @@ import pytest
 
 from mpmcol.cli.measure_text import text_of
 from mpmcol.measure import Erosion
-from mpmcol.report.measures import ANGLE, comparison_table, energy_measures, measures
+from mpmcol.report.measures import ANGLE, comparison_table, energy_measures, key_figures, measures
+from mpmcol.report.model import Figure
 from tests.support.synthetic_run import SHAPE, deposit
 
 EROSION = Erosion(eroded_mass=3.2, eroded_depth=0.006, surface_drop=0.002, deposit_front=2.5 * SHAPE.r_i)
@@ -81,3 +82,10 @@ def test_runs_with_and_without_a_bed_have_one_table() -> None:
     assert len(table.rows) == len(with_bed) == len(plain) + 4
     (row,) = [row for row in table.rows if row[0].startswith("Mass of the bed")]
     assert row[1:] == ["none", "3.2 kg"]
+
+
+def test_key_figures_are_the_corrected_values_where_there_are_any() -> None:
+    plain, corrected = (key_figures(results(), values) for values in ({}, {"zeta": (0.2786, 2.873)}))
+    assert [one.name for one in plain][:2] == ["Runout", "Height"]
+    assert corrected[0] == Figure("Runout, corrected", "278.6 mm", "zeta = 2.873")
+    assert corrected[1:] == plain[1:]

@@ -25,7 +25,7 @@ from mpmcol.studies.pareto.recommend import Difference, Recommendation
 from mpmcol.studies.pareto.score import BETA, ZETA
 from mpmcol.studies.pareto.shipped import ColumnParameters, converged_values
 from mpmcol.studies.statement import make_statement
-from mpmcol.studies.statement_text import statement_lines, stored_lines, write_statement
+from mpmcol.studies.statement_text import corrected_values, statement_lines, stored_lines, write_statement
 
 ROOT = Path(__file__).parents[3]
 Z90 = 1.645
@@ -179,6 +179,10 @@ def test_the_stored_statement_is_the_same_and_is_written_once(tmp_path: Path) ->
     before = path.stat().st_ino
     write_statement(tmp_path, record)
     assert path.stat().st_ino == before
+    assert corrected_values(tmp_path) == {}
+    write_statement(tmp_path, record | {"corrected": True})
+    ends = record["zeta"]["finer_grids"]
+    assert corrected_values(tmp_path)["zeta"] == pytest.approx((0.14529, 0.5 * (ends["low"] + ends["high"])), rel=1e-3)
     for damaged in ("{", "[]", "{}", path.read_text().replace('"error"', '"eror"')):
         path.write_text(damaged)
         with pytest.raises(OutputError, match=r"accuracy.json is damaged .*; repeat the command of the run"):
