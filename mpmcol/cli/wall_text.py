@@ -20,5 +20,6 @@ def wall_lines(wall_forces: Mapping[str, Any] | None, model: str) -> Iterator[st
             moment = f", moment at most {force['moment']:.3g} {moment_unit}" if "moment" in force else ""
             yield (
                 f"force on {wall}: at most {force['peak']:.3g} {force_unit} at {force['time']:.3g} s (mean over "
-                f"{1e3 * force['window']:.2g} ms){sustained}, {force['at_end']:.3g} at the end{moment}"
+                f"{1e3 * force['window']:.2g} ms, with elastic waves){sustained}, {force['at_end']:.3g} at the end"
+                f"{moment}"
             )

@@ -101,7 +101,7 @@ _DISSIPATION: Names = {
 }
 _WALL_FORCES: Names = {
     "at_release": (FORCE, "magnitude of the force before the opening of the gate"),
-    "peak": (FORCE, "largest magnitude of the mean force over `window` since the release"),
+    "peak": (FORCE, "largest magnitude of the mean force over `window` after the release, with elastic waves"),
     "time": ("s", "time since release at the end of that window"),
     "window": ("s", "time over which the peak force is averaged: at least 5 h/c and a row of the history"),
     "sustained": (FORCE, "as the peak, of the mean over 0.2 sqrt(h_i/g); null if the collapse is shorter"),

@@ -82,7 +82,7 @@ def wall_chart(
     walls.pop(FLOOR, None)
     if not walls:
         return []
-    figure = Figure(figsize=(10.0, 4.6), layout="constrained")
+    figure = Figure(figsize=(10.0, 5.2), layout="constrained")
     left, right = with_heading(figure, heading).subplots(1, 2, width_ratios=[3, 2])
     tau = history["time"] / shape.fall_time(gravity)
     styles = {
@@ -99,7 +99,7 @@ def wall_chart(
     _draw_profiles(right, shape, list(wall_profiles(pressures)), styles, friction_deg, gravity)
     for axes in (left, right):
         axes.grid(color="0.9")
-        axes.legend(edgecolor="none", fontsize=LABEL_SIZE)
+        axes.legend(edgecolor="none", fontsize=LABEL_SIZE, loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2)
     return save_figure(figure, path, svg)
 
 

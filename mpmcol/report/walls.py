@@ -9,7 +9,7 @@ from mpmcol.io.results import Results
 from mpmcol.report.measures import Measure, comparison_table
 from mpmcol.report.model import Table
 
-CAPTION = "Forces on walls"
+CAPTION = "Forces on walls (peaks with elastic waves)"
 FORCES = {  # entries of wall_forces in result.json -> heading
     "at_release": "at release", "peak": "peak", "sustained": "sustained over 0.2 sqrt(h_i/g)", "at_end": "at the end",
 }  # fmt: skip
