@@ -13,6 +13,7 @@ import pytest
 from matplotlib.figure import Figure
 
 import mpmcol
+from mpmcol.io.results import Results
 from mpmcol.io.run_status import read_status
 from mpmcol.studies.fit import carry_out_fit, chart
 from mpmcol.studies.fit.quantities import parse_targets
@@ -95,7 +96,11 @@ def test_the_chart_of_the_profile_names_the_run_that_it_shows(fitted: Path, monk
     (answer,) = (
         text for text in captions if text.startswith(f"answer: friction_deg {fitted_values(fit)[0].value:.4g} ")
     )
-    assert " +- " in answer and answer.endswith(" deg")
+    assert " +- " in answer and answer.endswith(" deg; lines as computed")
+    runout, height = ([float(xy[0]) for xy in bar.lines[0].get_data()] for bar in axes.containers)
+    shape, zeta, beta = Results(fit.solution.last.folders[0]).shape, *(target.values[0] for target in targets[:2])
+    assert runout == pytest.approx([1e3 * shape.r_i * (1.0 + zeta), 0.0])
+    assert height == pytest.approx([0.0, 1e3 * shape.h_i * beta])
     title = "Fit: Channel on a coarse grid, a = 1"
     assert axes.get_title() == title
     chart.response_chart(fit, fitted / "fit.png")

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,7 +13,7 @@ from matplotlib.figure import Figure
 from mpmcol.case import load_case
 from mpmcol.case.title import title_of
 from mpmcol.io.results import Results
-from mpmcol.measure import Measurement
+from mpmcol.measure import ColumnShape, Measurement
 from mpmcol.plotting.figures import Heading, add_heading, legend_below, save_figure
 from mpmcol.plotting.profiles import LengthAxes, set_up_axes
 from mpmcol.studies.fit import Fit
@@ -48,12 +49,14 @@ def response_chart(fit: Fit, path: Path) -> list[Path]:
 
 
 def profile_chart(fit: Fit, path: Path) -> list[Path]:
-    """The deposit in the middle of the ranges and that of the run nearest to the answer, and the measured profile."""
+    """The deposit in the middle of the ranges and that of the run nearest to the answer, as computed; what is measured.
+
+    Drawn are a measured profile, runout and height.
+    """
     before, after = _middle(fit), _nearest(fit)
-    shape, reach = Results(after.folders[0]).shape, 0.0
-    profiles = [target for target in fit.targets if target.name == PROFILE]
-    if profiles:
-        reach = float(profiles[0].x.max())
+    shape = Results(after.folders[0]).shape
+    measured = list(_measured_points(fit, shape))
+    reach = max((float(np.max(one.x + one.x_error)) for one in measured), default=0.0)
     unit, factor = length_scale(max(after.deposits[0].max_distance, reach))
     figure = Figure(figsize=(9.0, 4.2), layout="constrained")
     target = LengthAxes(figure.subplots(), unit, factor)
@@ -68,14 +71,37 @@ def profile_chart(fit: Fit, path: Path) -> list[Path]:
             factor * deposit.profile_x, factor * deposit.profile_y, style, color="C1" if style == "-" else "C0",
             label=f"{label}: {values}",
         )  # fmt: skip
-    for measured in profiles:
+    for number, points in enumerate(measured):
         target.axes.errorbar(
-            factor * measured.x, factor * measured.values, factor * measured.errors, fmt="o", color="black", ms=4,
-            capsize=2, label="measured",
+            factor * points.x, factor * points.y, factor * points.y_error, factor * points.x_error, fmt="o",
+            color="black", ms=4, capsize=2, clip_on=False, zorder=3, label="" if number else "measured",
         )  # fmt: skip
-    add_heading(target.axes, Heading(_title(fit), "answer: " + ", ".join(map(_answer, fitted_values(fit)))))
+    add_heading(
+        target.axes, Heading(_title(fit), f"answer: {', '.join(map(_answer, fitted_values(fit)))}; lines as computed")
+    )
     legend_below(figure, *target.axes.get_legend_handles_labels(), columns=2)
     return save_figure(figure, path, svg=False)
+
+
+class _Points(NamedTuple):
+    """Measured points of a deposit with their standard errors, (n,), m."""
+
+    x: np.ndarray
+    y: np.ndarray
+    x_error: float | np.ndarray = 0.0
+    y_error: float | np.ndarray = 0.0
+
+
+def _measured_points(fit: Fit, shape: ColumnShape) -> Iterator[_Points]:
+    """Points of a measured profile, the end of a measured runout and the top of a measured height."""
+    origin = np.zeros(1)
+    for target in fit.targets:
+        if target.name == PROFILE:
+            yield _Points(target.x, target.values, y_error=target.errors)
+        elif target.name == "zeta":
+            yield _Points(shape.r_i * (1.0 + target.values), origin, x_error=shape.r_i * target.errors)
+        elif target.name == "beta":
+            yield _Points(origin, shape.h_i * target.values, y_error=shape.h_i * target.errors)
 
 
 def _response(axes: Axes, fit: Fit, number: int, target: Target, k: int) -> None:
