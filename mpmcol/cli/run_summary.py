@@ -25,7 +25,7 @@ FRONT_TEXT = {
 def summary_table(results: Results, accuracy: Sequence[str] = ()) -> str:
     """Runout and height with their errors, the cost of the run, its judgement, and its statement of accuracy if any."""
     judged = judge(results, with_grid=not accuracy)
-    return "\n".join([*_measured(results), "", *_cost(results.summary), "", *judged, *accuracy])
+    return "\n".join([*_measured(results), "", *_cost(results), "", *judged, *accuracy])
 
 
 def _measured(results: Results) -> Iterator[str]:
@@ -79,7 +79,8 @@ def _comparison(score: dict[str, Any] | None) -> str:
     return f"{score['expected']:.3f} ({score['error']:+.1%}, scatter {score['scatter']:.0%}){mark(score['verified'])}"
 
 
-def _cost(summary: dict[str, Any]) -> Iterator[str]:
+def _cost(results: Results) -> Iterator[str]:
+    summary = results.summary
     wall, total = summary["wall_s"], sum(summary["wall_s"].values())
     ledger = summary["ledger"]
     ended = "at rest" if summary["at_rest"] else "stopped, not at rest,"
@@ -94,13 +95,13 @@ def _cost(summary: dict[str, Any]) -> Iterator[str]:
         f"{summary['worst_J'][1]:.3f}; energy residual {ledger['residual']:+.2e} "
         f"{summary.get('energy_unit', 'J')}"
     )
-    yield from _quality(summary)
+    yield from _quality(summary, results.shape.potential_energy(results.case.geometry.gravity))
 
 
-def _quality(summary: dict[str, Any]) -> Iterator[str]:
-    """Where the energy went, and how quiet the stresses are."""
+def _quality(summary: dict[str, Any], at_release: float) -> Iterator[str]:
+    """Where the energy went, and how quiet the stresses are; at_release: potential energy of the column, J."""
     if shares := summary.get("dissipation"):
-        yield energy_line(shares, summary.get("energy_unit", "J"))
+        yield energy_line(shares, at_release, summary.get("energy_unit", "J"))
     if stress := summary.get("stress"):
         yield (
             f"pressures, relative to the weight of the deposit at its foot: 99 % below {stress['pressure_p99']:.2f}, "
@@ -108,8 +109,11 @@ def _quality(summary: dict[str, Any]) -> Iterator[str]:
         )
 
 
-def energy_line(shares: Mapping[str, float], unit: str) -> str:
-    """Where the released potential energy went; of walls and transfer the sum where one gives what the other takes."""
+def energy_line(shares: Mapping[str, float], at_release: float, unit: str) -> str:
+    """Where the released potential energy went; of walls and transfer the sum where one gives what the other takes.
+
+    at_release: potential energy of the column at its release, J, of which the chart of the energies shows per cents.
+    """
     together = walls_and_transfer(shares)
     walls = ("wall_friction",) if shares.get("wall_friction") else ()
     named = {name: shares[name] for name in ("friction", *walls, "damping")}
@@ -119,4 +123,5 @@ def energy_line(shares: Mapping[str, float], unit: str) -> str:
         named["walls and transfer together"] = together
     named["filter"] = shares["filter"]
     parts = ", ".join(f"{name.replace('_', ' ')} {100.0 * share:.1f} %" for name, share in named.items())
-    return f"energy released, {shares['released']:.3g} {unit}: {parts}"
+    share = 100.0 * shares["released"] / at_release
+    return f"energy released, {shares['released']:.3g} {unit}, {share:.1f} % of the potential energy: {parts}"

@@ -39,11 +39,12 @@ def test_the_filter_quiets_the_stresses_of_a_run(tmp_path: Path) -> None:
 
 def test_walls_and_transfer_that_cancel_are_one_share() -> None:
     shares = {"released": 2.0, "friction": 0.9, "damping": 0.03, "walls": 0.29, "transfer": -0.24, "filter": 0.02}
-    line = energy_line(shares, "J")
-    assert (
-        line == "energy released, 2 J: friction 90.0 %, damping 3.0 %, walls and transfer together 5.0 %, filter 2.0 %"
+    line = energy_line(shares, 4.0, "J")
+    assert line == (
+        "energy released, 2 J, 50.0 % of the potential energy: friction 90.0 %, damping 3.0 %, walls and transfer "
+        "together 5.0 %, filter 2.0 %"
     )
-    line = energy_line(shares | {"walls": 0.002, "transfer": 0.008, "wall_friction": 0.1}, "J")
+    line = energy_line(shares | {"walls": 0.002, "transfer": 0.008, "wall_friction": 0.1}, 1.0, "J")
     assert line.endswith(
         "friction 90.0 %, wall friction 10.0 %, damping 3.0 %, walls 0.2 %, transfer 0.8 %, filter 2.0 %"
     )
