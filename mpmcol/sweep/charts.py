@@ -117,7 +117,8 @@ def _draw_laws(
             axes.plot(a, value, label=label, **bold)
             scatter = law.scatter * value
             axes.fill_between(a, value - scatter, value + scatter, color=style.colour, alpha=0.13, linewidth=0)
-        for left, right in ((one.hi, two.lo) for one, two in pairwise(law.pieces) if one.hi < two.lo):
+        gaps = ((one.hi, two.lo) for one, two in pairwise(law.pieces))
+        for left, right in ((left, right) for left, right in gaps if max(left, low) < min(right, high)):
             label = f"{experiment.label(quantity)}: transition, no law"
             axes.axvspan(left, right, color="0.93", zorder=-2, label=label)
     ends = []

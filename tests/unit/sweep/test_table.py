@@ -207,6 +207,11 @@ def test_charts_have_laws_scatter_transition_and_fits(tmp_path: Path, figures: d
     assert [span.get_x(), span.get_x() + span.get_width()] == [1.0, 1.7]
 
 
+def test_a_transition_beyond_the_chart_is_not_in_its_legend(tmp_path: Path, figures: dict[str, Figure]) -> None:
+    write_report([finish(run) for run in plan(tmp_path, aspect="3,5,7")], tmp_path)
+    assert not any("transition" in label for label in labels(figures["beta.png"]))
+
+
 def test_only_laws_that_apply_to_every_run_are_drawn(tmp_path: Path, figures: dict[str, Figure]) -> None:
     write_report([finish(run) for run in plan(tmp_path, "material.friction_deg=8,33")], tmp_path)
     for figure in figures.values():
