@@ -19,6 +19,7 @@ sides of x = 0.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -44,6 +45,7 @@ __all__ = [
     "failure_line",
     "friction_bias",
     "friction_from_repose",
+    "fronts_and_height",
     "measure",
     "measure_erosion",
     "repose_angle",
@@ -110,9 +112,9 @@ def measure(x: Array, mass: Array, displacement: Array | None, shape: ColumnShap
     x, mass = x[finite], mass[finite]
     sections = split(x, mass, shape)
     profile_x, heights = profiles(sections, shape)
-    found = np.array([fronts(own, profile_x, height, shape) for own, height in zip(sections, heights, strict=True)])
+    found = _fronts_of_sections(sections, profile_x, heights, shape)
     profile_y, flanks = heights.mean(axis=0), _two_flanks(profile_x, heights, shape)
-    front = dict(zip(FRONTS, found.mean(axis=0).tolist(), strict=True))
+    front = _mean_fronts(found)
     zeta = {name: value / shape.r_i - 1.0 for name, value in front.items()}
     height = pile_height(sections, shape)
     still = None if displacement is None else undisturbed_radius(x, displacement[finite], shape)
@@ -132,6 +134,21 @@ def measure(x: Array, mass: Array, displacement: Array | None, shape: ColumnShap
         repose_low_x_deg=flanks[0],
         repose_high_x_deg=flanks[1],
     )
+
+
+def fronts_and_height(x: Array, mass: Array, shape: ColumnShape) -> tuple[dict[str, float], float]:
+    """Front by definition and height of the deposit, m, as of `measure` for finite positions, in half of its time."""
+    sections = split(x, mass, shape)
+    return _mean_fronts(_fronts_of_sections(sections, *profiles(sections, shape), shape)), pile_height(sections, shape)
+
+
+def _fronts_of_sections(sections: Sequence[Section], x: Array, heights: Array, shape: ColumnShape) -> Array:
+    """The fronts (sections, 3), m. x: bin centres, (bins,), m; heights: (sections, bins), m."""
+    return np.array([fronts(own, x, height, shape) for own, height in zip(sections, heights, strict=True)])
+
+
+def _mean_fronts(found: Array) -> dict[str, float]:
+    return dict(zip(FRONTS, found.mean(axis=0).tolist(), strict=True))
 
 
 def _two_flanks(x: Array, heights: Array, shape: ColumnShape) -> tuple[float | None, float | None]:

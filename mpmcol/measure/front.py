@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 
@@ -72,9 +73,16 @@ def _bin_area(bins: int, shape: ColumnShape) -> Array:
     It equals h, or r h, except for the first bin of a cylinder.
     """
     size = shape.point_size if shape.dimension == 2 else shape.spacing / SAMPLES_PER_CELL
-    lattice = size * (np.arange((bins + 1) * round(shape.spacing / size), dtype=np.float64) + 0.5)
-    area = size * lattice if shape.is_round else np.full_like(lattice, size)
-    return _distribute(lattice, area, shape.spacing, bins + 2)[:bins]
+    return _lattice_area(bins, size, shape.spacing, shape.is_round)
+
+
+@lru_cache(maxsize=64)  # the history of a run has hundreds of profiles
+def _lattice_area(bins: int, size: float, spacing: float, is_round: bool) -> Array:
+    lattice = size * (np.arange((bins + 1) * round(spacing / size), dtype=np.float64) + 0.5)
+    area = size * lattice if is_round else np.full_like(lattice, size)
+    shared = _distribute(lattice, area, spacing, bins + 2)[:bins]
+    shared.setflags(write=False)
+    return shared
 
 
 def _connected_front(distance: Array, shape: ColumnShape) -> float:
@@ -82,8 +90,9 @@ def _connected_front(distance: Array, shape: ColumnShape) -> float:
     if not distance.size:
         return 0.0
     ordered = np.sort(distance)[(distance.size - 1) // 2 :]
-    gap = np.diff(ordered, append=np.inf) - shape.point_size > shape.spacing
-    return float(ordered[np.argmax(gap)] + shape.point_size / 2.0)
+    gaps = np.flatnonzero(ordered[1:] - ordered[:-1] - shape.point_size > shape.spacing)
+    last = gaps[0] if gaps.size else -1
+    return float(ordered[last] + shape.point_size / 2.0)
 
 
 def front_by_height(profile_x: Array, profile_y: Array, shape: ColumnShape) -> float:

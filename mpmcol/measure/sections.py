@@ -77,9 +77,11 @@ def connected_to_base(y: Array, column: NDArray[np.intp], shape: ColumnShape) ->
     functions of both overlap there.
     """
     order = _upward_by_column(y, column)
-    first = np.diff(column[order], prepend=-1) != 0
-    bottom = y[order] - shape.point_size / 2.0
-    below = np.where(first, shape.spacing, np.roll(bottom, 1) + shape.point_size)
+    ordered, bottom = column[order], y[order] - shape.point_size / 2.0
+    first, below = np.ones(len(y), dtype=bool), np.empty(len(y))
+    first[1:] = ordered[1:] != ordered[:-1]
+    below[1:] = bottom[:-1] + shape.point_size
+    below[first] = shape.spacing
     gap = bottom - below > shape.spacing
     gaps_so_far = np.cumsum(gap)
     gaps_in_columns_before: NDArray[np.intp] = (gaps_so_far - gap)[first]

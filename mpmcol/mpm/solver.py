@@ -66,6 +66,7 @@ class Solver:
         self.clock = np.zeros(loop.CLOCK)
         self.ledger = np.zeros(loop.LEDGER)
         self.tiles: Tiles | None = None
+        self._shared: tuple[Tiles, int, np.ndarray] | None = None  # tiles, threads, and the tiles of each thread
         self.node_report, self.tile_report = np.zeros((0, NODE_REPORT)), np.zeros((0, TILE_REPORT))
         self.margin = 0  # tiles around the column beyond which the base is inactive; 0: all of it is active
         self.smallest_mass = float(points.m.min())
@@ -154,7 +155,7 @@ class Solver:
             spare=self.grid._replace(nodes=self.spare_nodes),
             contacts=self.contacts,
             tiles=tiles,
-            shares=share_tiles(tiles, threads_in_use()),
+            shares=self._shares(tiles),
             settings=self.settings,
             bodies=Bodies(
                 np.array([body.params for body in materials]),
@@ -168,6 +169,13 @@ class Solver:
             clock=self.clock,
             ledger=self.ledger,
         )
+
+    def _shares(self, tiles: Tiles) -> np.ndarray:
+        """The tiles of each thread, which change with the order of the points and with the number of threads only."""
+        threads = threads_in_use()
+        if self._shared is None or self._shared[0] is not tiles or self._shared[1] != threads:
+            self._shared = tiles, threads, share_tiles(tiles, threads)
+        return self._shared[2]
 
     def _laws(self) -> tuple[ConstitutiveLaw, ConstitutiveLaw]:
         return self.bodies[COLUMN].law, self.bodies[BASE].law

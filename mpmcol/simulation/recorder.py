@@ -18,7 +18,7 @@ from mpmcol.io.names import CASE_FILE, INDEX_FILES, RESUMED_AT
 from mpmcol.io.run_folder import write_history
 from mpmcol.io.snapshot import Snapshot, as_stored, describe_snapshot, list_snapshots, write_index, write_snapshot
 from mpmcol.io.vtkhdf import Step
-from mpmcol.measure import measure
+from mpmcol.measure import fronts_and_height
 from mpmcol.measure.stress import pressure_and_shear
 from mpmcol.mpm.kernels import loop
 from mpmcol.mpm.particles import BASE, Points
@@ -85,7 +85,7 @@ class Recorder:
         points, solver = self.solver.points, self.solver
         column = (points.kind != BASE) & np.isfinite(sum(points.x.T))  # after a failure some may not be finite
         mass = self.shape.uniform_mass(points.m[column], points.kind[column].astype(np.intp))
-        measured = measure(points.x[column], mass, None, self.shape)
+        front, height = fronts_and_height(points.x[column], mass, self.shape)
         J_min, J_max = points.J.min(), points.J.max()
         self.extreme_J = [min(self.extreme_J[0], J_min), max(self.extreme_J[1], J_max)]
         row: dict[str, Any] = {
@@ -94,8 +94,8 @@ class Recorder:
             "time": solver.clock[loop.TIME],
             "dt": solver.clock[loop.DT],
             **self.energy_ledger(),
-            **measured.front,
-            "height": measured.height,
+            **front,
+            "height": height,
             "J_min": J_min,
             "J_max": J_max,
             "open_points": int(np.sum(points.opening > 0.0)),

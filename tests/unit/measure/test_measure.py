@@ -9,7 +9,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mpmcol.measure import ColumnShape, Measurement, deposit_profile, measure, stop_time, undisturbed_radius
+from mpmcol.measure import (
+    ColumnShape,
+    Measurement,
+    deposit_profile,
+    fronts_and_height,
+    measure,
+    stop_time,
+    undisturbed_radius,
+)
 from mpmcol.measure.sections import connected_to_base
 
 H = 0.002
@@ -226,3 +234,12 @@ def test_the_connected_pile_is_that_of_each_column_taken_alone(columns: int) -> 
             gaps = np.diff(y[own][order], prepend=PLANE.spacing - 0.5 * PLANE.point_size) - PLANE.point_size
             reached = np.logical_and.accumulate(gaps <= PLANE.spacing)
             np.testing.assert_array_equal(together[own][order], reached)
+
+
+@pytest.mark.parametrize("shape", [PLANE, ROUND])
+def test_fronts_and_height_of_the_history_are_those_of_the_measurement(shape: ColumnShape) -> None:
+    flying = np.array([[0.3, 0.001], [0.05, 0.2]])
+    points = np.vstack((wedge(shape), flying))
+    result = measured(points, shape)
+    assert fronts_and_height(points, masses(points, shape), shape) == (result.front, result.height)
+    assert fronts_and_height(points[:0], masses(points[:0], shape), shape)[1] == 0.0
