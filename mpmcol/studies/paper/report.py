@@ -128,7 +128,11 @@ def write_figure(result: FigureResult, name: str, title: str, heading: str, out:
 
 def rounded_csv(rows: Sequence[Row]) -> str:
     """Format rows with equal columns as CSV, numbers with six digits; "" without rows."""
-    return csv_text([{name: _format(value, 6) for name, value in row.items()} for row in rows]) if rows else ""
+    return csv_text([{name: _rounded(value) for name, value in row.items()} for row in rows]) if rows else ""
+
+
+def _rounded(value: Any) -> Any:
+    return f"{value:.6g}" if isinstance(value, float) else value
 
 
 def markdown(result: FigureResult, title: str, heading: str) -> str:

@@ -65,6 +65,7 @@ def test_tables_have_all_rows() -> None:
     rows = [{"a": 1.0, "zeta": 1.23456789, "law": None}]
     result = FigureResult(rows, [Comparison("n", 2.0, unit="")], {"x.png": print})
     assert rounded_csv(rows) == "a,zeta,law\n1,1.23457,\n"
+    assert rounded_csv([{"a": 1, "at_rest": False}]) == "a,at_rest\n1,false\n"
     text = markdown(result, "Title", "heading")
     assert "* n: 2\n" in text and "| 1 | 1.235 |  |" in text and "![x](x.png)" in text
 
