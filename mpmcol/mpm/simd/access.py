@@ -87,9 +87,10 @@ def _scratch(typingctx, size):
     array_type = types.Array(types.float64, 1, "C")
 
     def codegen(context, builder, signature, args):
-        allocated = cgutils.alloca_once(builder, ir.ArrayType(DOUBLE, count + LANES))
-        address = builder.add(builder.ptrtoint(allocated, _LONG), _LONG(_CACHE_LINE - 1))
-        data = builder.inttoptr(builder.and_(address, _LONG(-_CACHE_LINE)), DOUBLE.as_pointer())
+        # An aligned variable aligns the stack: registers that LLVM saves on it then cross no cache lines.
+        allocated = cgutils.alloca_once(builder, ir.ArrayType(DOUBLE, count))
+        allocated.align = _CACHE_LINE
+        data = builder.bitcast(allocated, DOUBLE.as_pointer())
         array = context.make_array(array_type)(context, builder)
         shape, strides = (cgutils.pack_array(builder, [_LONG(each)]) for each in (count, 8))
         context.populate_array(array, data=data, shape=shape, strides=strides, itemsize=_LONG(8), meminfo=None)
