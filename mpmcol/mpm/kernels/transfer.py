@@ -13,14 +13,19 @@ import numpy as np
 
 from mpmcol.mpm.grid import Grid, Tiles
 from mpmcol.mpm.jit import device, phase, prange, subroutine, variant
-from mpmcol.mpm.kernels import transfer_generic, transfer_quadratic_2d, transfer_quadratic_3d
+from mpmcol.mpm.kernels import scatter_halves_2d, transfer_generic, transfer_quadratic_2d, transfer_quadratic_3d
 from mpmcol.mpm.kernels.interpolation import make_interpolate, save_columns
 from mpmcol.mpm.lanes import LANES, RECORD_SIZE, X, Y, Z
 from mpmcol.mpm.settings import Settings
 from mpmcol.mpm.shape_functions import SHAPE_FUNCTIONS
 from mpmcol.mpm.simd import extract, load
+from mpmcol.mpm.simd.registers import WHOLE
 
 QUADRATIC = {2: transfer_quadratic_2d, 3: transfer_quadratic_3d}
+SCATTER = {  # with quadratic shape functions
+    2: transfer_quadratic_2d.scatter_points if WHOLE else scatter_halves_2d.scatter_points,
+    3: transfer_quadratic_3d.scatter_points,
+}
 
 
 @cache
@@ -49,7 +54,7 @@ def make_p2g(dimension: int, basis: str) -> Callable[..., None]:
 def make_scatter_points(dimension: int, basis: str) -> Callable[..., None]:
     """P2G over a range of points, with the dimension and the shape functions frozen in."""
     if basis == "quadratic":
-        scatter = QUADRATIC[dimension].scatter_points
+        scatter = SCATTER[dimension]
     else:
         scatter = transfer_generic.make_scatter_points(dimension, SHAPE_FUNCTIONS[basis])
 

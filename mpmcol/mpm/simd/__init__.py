@@ -1,7 +1,8 @@
 """Vectors of eight doubles as a Numba type: kernels read like formulas and compile to SIMD instructions.
 
-LLVM splits the vectors on machines with narrower registers. Every function has a plain Python implementation on NumPy
-arrays of eight numbers (`vectors.py`), which runs under NUMBA_DISABLE_JIT=1, and a compiled one (`compiled.py`).
+LLVM splits the vectors on machines with narrower registers. There are also vectors of four doubles, halves of a vector,
+for code that needs one half at a time. Every function has a plain Python implementation on NumPy arrays (`vectors.py`),
+which runs under NUMBA_DISABLE_JIT=1, and a compiled one (`compiled.py`).
 `sqrt`, `where_positive`, `any_positive` and the operators also take single numbers, so that one formula serves both.
 """
 
@@ -13,8 +14,10 @@ from mpmcol.mpm.simd.vectors import (
     extract,
     floor,
     fma,
+    half_vector,
     load,
     load_eight,
+    load_half,
     maximum,
     prefetch,
     reduce_max,
@@ -22,6 +25,7 @@ from mpmcol.mpm.simd.vectors import (
     scratch,
     splat,
     spread,
+    spread_half,
     sqrt,
     store,
     store_eight,
@@ -39,8 +43,10 @@ __all__ = [
     "extract",
     "floor",
     "fma",
+    "half_vector",
     "load",
     "load_eight",
+    "load_half",
     "maximum",
     "prefetch",
     "reduce_max",
@@ -48,6 +54,7 @@ __all__ = [
     "scratch",
     "splat",
     "spread",
+    "spread_half",
     "sqrt",
     "store",
     "store_eight",

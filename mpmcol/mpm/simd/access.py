@@ -9,15 +9,31 @@ from llvmlite import ir
 from numba.core import cgutils, types
 from numba.extending import intrinsic
 
-from mpmcol.mpm.simd.vec8 import DOUBLE, EIGHT, INT, VECTOR, ZERO, declare, emit_splat, overloading, shuffle, vec8
+from mpmcol.mpm.simd.vec8 import (
+    DOUBLE,
+    EIGHT,
+    HALF,
+    HALF_VECTOR,
+    INT,
+    VECTOR,
+    ZERO,
+    declare,
+    emit_splat,
+    overloading,
+    shuffle,
+    vec4,
+    vec8,
+)
 from mpmcol.mpm.simd.vectors import (
     LANES,
     element,
     load,
     load_eight,
+    load_half,
     prefetch,
     scratch,
     spread,
+    spread_half,
     store,
     store_eight,
     strided,
@@ -27,8 +43,6 @@ from mpmcol.mpm.simd.vectors import (
 _LONG = ir.IntType(64)
 _BYTE = ir.IntType(8)
 _CACHE_LINE = 64  # bytes
-_HALF = LANES // 2
-_HALF_VECTOR = ir.VectorType(DOUBLE, _HALF)
 
 
 def _pointer(context, builder, array_type, array, index, kind=VECTOR):
@@ -37,13 +51,37 @@ def _pointer(context, builder, array_type, array, index, kind=VECTOR):
     return builder.bitcast(builder.gep(data, [index]), kind.as_pointer())
 
 
-@intrinsic
-def _load(typingctx, array, index):
-    def codegen(context, builder, signature, args):
-        position = context.cast(builder, args[1], signature.args[1], types.intp)
-        return builder.load(_pointer(context, builder, signature.args[0], args[0], position), align=8)
+def _load_of(result):
+    """An intrinsic that loads consecutive doubles."""
 
-    return vec8(array, index), codegen
+    @intrinsic
+    def operation(typingctx, array, index):
+        def codegen(context, builder, signature, args):
+            position = context.cast(builder, args[1], signature.args[1], types.intp)
+            kind = context.get_value_type(result)
+            return builder.load(_pointer(context, builder, signature.args[0], args[0], position, kind), align=8)
+
+        return result(array, index), codegen
+
+    return operation
+
+
+def _spread_of(result):
+    """An intrinsic that loads one double into all lanes."""
+
+    @intrinsic
+    def operation(typingctx, array, index):
+        def codegen(context, builder, signature, args):
+            position = context.cast(builder, args[1], signature.args[1], types.intp)
+            number = builder.load(_pointer(context, builder, signature.args[0], args[0], position, DOUBLE))
+            return emit_splat(builder, number, context.get_value_type(result))
+
+        return result(array, index), codegen
+
+    return operation
+
+
+_load, _load_half, _spread, _spread_half = _load_of(vec8), _load_of(vec4), _spread_of(vec8), _spread_of(vec4)
 
 
 @intrinsic
@@ -70,17 +108,6 @@ def _strided(typingctx, array, index, stride):
     return vec8(array, index, stride), codegen
 
 
-@intrinsic
-def _spread(typingctx, array, index):
-    def codegen(context, builder, signature, args):
-        position = context.cast(builder, args[1], signature.args[1], types.intp)
-        return emit_splat(
-            builder, builder.load(_pointer(context, builder, signature.args[0], args[0], position, DOUBLE))
-        )
-
-    return vec8(array, index), codegen
-
-
 @intrinsic(prefer_literal=True)
 def _scratch(typingctx, size):
     count = size.literal_value
@@ -103,7 +130,8 @@ def _scratch(typingctx, size):
 def _store(typingctx, array, index, value):
     def codegen(context, builder, signature, args):
         position = context.cast(builder, args[1], signature.args[1], types.intp)
-        builder.store(args[2], _pointer(context, builder, signature.args[0], args[0], position), align=8)
+        pointer = _pointer(context, builder, signature.args[0], args[0], position, args[2].type)
+        builder.store(args[2], pointer, align=8)
         return context.get_dummy_value()
 
     return types.void(array, index, value), codegen
@@ -145,17 +173,15 @@ def _load_eight(typingctx, array, index, stride):
     def codegen(context, builder, signature, args):
         first, step = (context.cast(builder, args[k], signature.args[k], types.intp) for k in (1, 2))
         lanes = []
-        for half in (0, _HALF):
+        for half in (0, HALF):
             quarters = []
             for k in range(LANES):
                 offset = builder.add(builder.mul(step, _LONG(k)), _LONG(half))
                 position = builder.add(first, offset)
                 quarters.append(
-                    builder.load(
-                        _pointer(context, builder, signature.args[0], args[0], position, _HALF_VECTOR), align=8
-                    )
+                    builder.load(_pointer(context, builder, signature.args[0], args[0], position, HALF_VECTOR), align=8)
                 )
-            rows = [shuffle(builder, quarters[k], quarters[k + _HALF], range(LANES)) for k in range(_HALF)]
+            rows = [shuffle(builder, quarters[k], quarters[k + HALF], range(LANES)) for k in range(HALF)]
             lanes += _transpose_halves(builder, rows)
         return context.make_tuple(builder, EIGHT, lanes)
 
@@ -166,15 +192,15 @@ def _load_eight(typingctx, array, index, stride):
 def _store_eight(typingctx, array, index, stride, r0, r1, r2, r3, r4, r5, r6, r7):
     def codegen(context, builder, signature, args):
         first, step = (context.cast(builder, args[k], signature.args[k], types.intp) for k in (1, 2))
-        for half in (0, _HALF):
-            rows = _transpose_halves(builder, args[3 + half : 3 + half + _HALF])
+        for half in (0, HALF):
+            rows = _transpose_halves(builder, args[3 + half : 3 + half + HALF])
             for k in range(LANES):
                 offset = builder.add(builder.mul(step, _LONG(k)), _LONG(half))
-                part = range(0, _HALF) if k < _HALF else range(_HALF, LANES)
-                value = shuffle(builder, rows[k % _HALF], rows[k % _HALF], part)
+                part = range(0, HALF) if k < HALF else range(HALF, LANES)
+                value = shuffle(builder, rows[k % HALF], rows[k % HALF], part)
                 position = builder.add(first, offset)
                 builder.store(
-                    value, _pointer(context, builder, signature.args[0], args[0], position, _HALF_VECTOR), align=8
+                    value, _pointer(context, builder, signature.args[0], args[0], position, HALF_VECTOR), align=8
                 )
         return context.get_dummy_value()
 
@@ -199,6 +225,8 @@ def _transpose_halves(builder, rows):
 
 
 declare(load, lambda array, index: lambda array, index: _load(array, index))
+declare(load_half, lambda array, index: lambda array, index: _load_half(array, index))
+declare(spread_half, lambda array, index: lambda array, index: _spread_half(array, index))
 declare(element, lambda array, index: lambda array, index: _element(array, index))
 declare(strided, lambda array, index, stride: lambda array, index, stride: _strided(array, index, stride))
 declare(spread, lambda array, index: lambda array, index: _spread(array, index))

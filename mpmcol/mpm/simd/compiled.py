@@ -15,7 +15,20 @@ from numba.core import cgutils, types
 from numba.extending import intrinsic
 
 from mpmcol.mpm.simd import access as access  # registers its implementations with Numba
-from mpmcol.mpm.simd.vec8 import INT, VECTOR, ZERO, declare, emit_splat, overloading, shuffle, vec8
+from mpmcol.mpm.simd.vec8 import (
+    HALF,
+    HALF_VECTOR,
+    INT,
+    ZERO,
+    VectorType,
+    declare,
+    emit_splat,
+    overloading,
+    shuffle,
+    vec4,
+    vec8,
+    zero_of,
+)
 from mpmcol.mpm.simd.vectors import (
     LANES,
     SWAPPED,
@@ -23,6 +36,7 @@ from mpmcol.mpm.simd.vectors import (
     extract,
     floor,
     fma,
+    half_vector,
     maximum,
     reduce_max,
     reduce_sum,
@@ -46,24 +60,36 @@ def _vector(typingctx, x0, x1, x2, x3, x4, x5, x6, x7):
 
 
 @intrinsic
+def _half_vector(typingctx, x0, x1, x2, x3):
+    def codegen(context, builder, signature, args):
+        value = zero_of(HALF_VECTOR)
+        for position, number in enumerate(args):
+            value = builder.insert_element(value, number, INT(position))
+        return value
+
+    return vec4(*[types.float64] * HALF), codegen
+
+
+@intrinsic
 def _extract(typingctx, value, index):
     def codegen(context, builder, signature, args):
         return builder.extract_element(args[0], context.cast(builder, args[1], signature.args[1], types.int32))
 
-    return types.float64(vec8, index), codegen
+    return types.float64(value, index), codegen
 
 
 def _call(builder, name, *args):
-    function = ir.FunctionType(VECTOR, [VECTOR] * len(args))
-    return builder.call(cgutils.get_or_insert_function(builder.module, function, name), args)
+    kind = args[0].type
+    function = ir.FunctionType(kind, [kind] * len(args))
+    return builder.call(cgutils.get_or_insert_function(builder.module, function, f"{name}.v{kind.count}f64"), args)
 
 
 def _is_positive(builder, a):
-    return builder.fcmp_ordered(">", a, ZERO)
+    return builder.fcmp_ordered(">", a, zero_of(a.type))
 
 
 def _emit_any(builder, a):
-    mask = ir.IntType(LANES)
+    mask = ir.IntType(a.type.count)
     return builder.icmp_unsigned("!=", builder.bitcast(_is_positive(builder, a), mask), mask(0))
 
 
@@ -83,47 +109,76 @@ def _emit_reduce_sum(builder, a):
     return builder.extract_element(a, INT(0))
 
 
-def _unary(emit: Callable[..., Any], result: Any = vec8, argument: Any = vec8) -> Any:
-    """An intrinsic of one vector (or number) from the function that emits its instructions."""
+def _unary(emit: Callable[..., Any], result: Any = None) -> Any:
+    """An intrinsic of one vector from the function that emits its instructions."""
 
     @intrinsic
     def operation(typingctx, a):
-        return result(argument), lambda context, builder, signature, args: emit(builder, *args)
+        return (result or a)(a), lambda context, builder, signature, args: emit(builder, *args)
 
     return operation
 
 
+def _has_vector(*arguments):
+    return any(isinstance(each, VectorType) for each in arguments)
+
+
+def _kind_of(*arguments):
+    """Type of the vectors among the arguments."""
+    return next(each for each in arguments if isinstance(each, VectorType))
+
+
+def _of_vectors(emit):
+    """Code generator of an operation on vectors of one kind, or on vectors and numbers, which fill all lanes."""
+
+    def codegen(context, builder, signature, args):
+        kind = context.get_value_type(_kind_of(*signature.args))
+
+        def widened(given, value):
+            if _has_vector(given):
+                return value
+            return emit_splat(builder, context.cast(builder, value, given, types.float64), kind)
+
+        return emit(builder, *map(widened, signature.args, args))
+
+    return codegen
+
+
 def _binary(emit: Callable[..., Any]) -> Any:
-    """An intrinsic of two vectors."""
+    """An intrinsic of two vectors, or of a vector and a number."""
 
     @intrinsic
     def operation(typingctx, a, b):
-        return vec8(vec8, vec8), lambda context, builder, signature, args: emit(builder, *args)
+        return _kind_of(a, b)(a, b), _of_vectors(emit)
 
     return operation
 
 
 def _ternary(emit: Callable[..., Any]) -> Any:
-    """An intrinsic of three vectors."""
+    """An intrinsic of three vectors, or of vectors and numbers."""
 
     @intrinsic
     def operation(typingctx, a, b, c):
-        return vec8(vec8, vec8, vec8), lambda context, builder, signature, args: emit(builder, *args)
+        return _kind_of(a, b, c)(a, b, c), _of_vectors(emit)
 
     return operation
 
 
-_splat = _unary(emit_splat, argument=types.float64)
+@intrinsic
+def _splat(typingctx, x):
+    return vec8(types.float64), lambda context, builder, signature, args: emit_splat(builder, *args)
+
+
 _swap_halves = _unary(lambda builder, a: shuffle(builder, a, a, SWAPPED))
-_sqrt = _unary(lambda builder, a: _call(builder, "llvm.sqrt.v8f64", a))
-_floor = _unary(lambda builder, a: _call(builder, "llvm.floor.v8f64", a))
-_magnitude = _unary(lambda builder, a: _call(builder, "llvm.fabs.v8f64", a))
+_sqrt = _unary(lambda builder, a: _call(builder, "llvm.sqrt", a))
+_floor = _unary(lambda builder, a: _call(builder, "llvm.floor", a))
+_magnitude = _unary(lambda builder, a: _call(builder, "llvm.fabs", a))
 _negative = _unary(lambda builder, a: builder.fneg(a))
 _any_positive = _unary(_emit_any, result=types.boolean)
 _maximum = _binary(_emit_maximum)
 _reduce_max = _unary(_emit_reduce_max, result=types.float64)
 _reduce_sum = _unary(_emit_reduce_sum, result=types.float64)
-_fma = _ternary(lambda builder, a, b, c: _call(builder, "llvm.fma.v8f64", a, b, c))
+_fma = _ternary(lambda builder, a, b, c: _call(builder, "llvm.fma", a, b, c))
 _select = _ternary(lambda builder, c, a, b: builder.select(_is_positive(builder, c), a, b))
 _ARITHMETIC = {
     operator.add: _binary(lambda builder, a, b: builder.fadd(a, b)),
@@ -133,29 +188,19 @@ _ARITHMETIC = {
 }
 
 
-def _wide(x: Any) -> Any:
-    """A vector unchanged, or a number in all lanes."""
-    raise NotImplementedError
-
-
-@overloading(_wide)
-def _wide_overload(x):
-    return (lambda x: x) if x == vec8 else (lambda x: _splat(float(x)))
-
-
-def _declare_arithmetic(operation: Callable[..., Any], operation8: Any) -> None:
+def _declare_arithmetic(operation: Callable[..., Any], emitted: Any) -> None:
     """An operator of two vectors, or of a vector and a number."""
 
     def typed(a, b):
-        return (lambda a, b: operation8(_wide(a), _wide(b))) if vec8 in (a, b) else None
+        return (lambda a, b: emitted(a, b)) if _has_vector(a, b) else None
 
     declare(operation, typed)
 
 
-for _operation, _operation8 in _ARITHMETIC.items():
-    _declare_arithmetic(_operation, _operation8)
-declare(operator.neg, lambda a: (lambda a: _negative(a)) if a == vec8 else None)
-declare(abs, lambda a: (lambda a: _magnitude(a)) if a == vec8 else None)
+for _operation, _emitted in _ARITHMETIC.items():
+    _declare_arithmetic(_operation, _emitted)
+declare(operator.neg, lambda a: (lambda a: _negative(a)) if _has_vector(a) else None)
+declare(abs, lambda a: (lambda a: _magnitude(a)) if _has_vector(a) else None)
 declare(splat, lambda x: lambda x: _splat(float(x)))
 declare(extract, lambda value, index: lambda value, index: _extract(value, index))
 declare(swap_halves, lambda value: lambda value: _swap_halves(value))
@@ -173,18 +218,25 @@ def _vector_overload(x0, x1, x2, x3, x4, x5, x6, x7):
     )
 
 
+@overloading(half_vector)
+def _half_vector_overload(x0, x1, x2, x3):
+    return lambda x0, x1, x2, x3: _half_vector(float(x0), float(x1), float(x2), float(x3))
+
+
 @overloading(sqrt)
 def _root_overload(a):
-    return (lambda a: _sqrt(a)) if a == vec8 else (lambda a: np.sqrt(a))
+    return (lambda a: _sqrt(a)) if _has_vector(a) else (lambda a: np.sqrt(a))
 
 
 @overloading(where_positive)
 def _where_overload(condition, a, b):
-    if condition == vec8:
-        return lambda condition, a, b: _select(condition, _wide(a), _wide(b))
+    if _has_vector(condition):
+        return lambda condition, a, b: _select(condition, a, b)
     return lambda condition, a, b: a if condition > 0.0 else b
 
 
 @overloading(any_positive)
 def _any_overload(condition):
-    return (lambda condition: _any_positive(condition)) if condition == vec8 else (lambda condition: condition > 0.0)
+    return (
+        (lambda condition: _any_positive(condition)) if _has_vector(condition) else (lambda condition: condition > 0.0)
+    )

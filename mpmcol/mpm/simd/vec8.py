@@ -18,31 +18,40 @@ DOUBLE = ir.DoubleType()
 INT = ir.IntType(32)
 VECTOR = ir.VectorType(DOUBLE, LANES)
 ZERO = ir.Constant(VECTOR, [0.0] * LANES)
+HALF = LANES // 2
+HALF_VECTOR = ir.VectorType(DOUBLE, HALF)
 
 
-class Vec8Type(types.Type):
-    """Numba type of `<8 x double>`."""
+class VectorType(types.Type):
+    """Numba type of a vector of doubles."""
 
-    def __init__(self) -> None:
-        super().__init__(name="Vec8")
+    def __init__(self, lanes: int) -> None:
+        super().__init__(name=f"Vec{lanes}")
+        self.lanes = lanes
 
 
-vec8 = Vec8Type()
+vec8, vec4 = VectorType(LANES), VectorType(HALF)
 EIGHT = types.UniTuple(vec8, LANES)
 
 
-@register_model(Vec8Type)
-class _Vec8Model(models.PrimitiveModel):
+@register_model(VectorType)
+class _VectorModel(models.PrimitiveModel):
     def __init__(self, manager, numba_type):
-        super().__init__(manager, numba_type, VECTOR)
+        super().__init__(manager, numba_type, ir.VectorType(DOUBLE, numba_type.lanes))
 
 
 def shuffle(builder, a, b, order):
     return builder.shuffle_vector(a, b, ir.Constant(ir.VectorType(INT, len(order)), list(order)))
 
 
-def emit_splat(builder, x):
-    return shuffle(builder, builder.insert_element(ZERO, x, INT(0)), ZERO, [0] * LANES)
+def zero_of(kind):
+    """Zero in all lanes of a vector type of LLVM."""
+    return ir.Constant(kind, [0.0] * kind.count)
+
+
+def emit_splat(builder, x, kind=VECTOR):
+    zero = zero_of(kind)
+    return shuffle(builder, builder.insert_element(zero, x, INT(0)), zero, [0] * kind.count)
 
 
 def declare(function: Callable[..., Any], implementation: Any) -> None:

@@ -17,6 +17,11 @@ def load(array: np.ndarray, index: int) -> np.ndarray:
     return np.pad(found, (0, LANES - len(found)))
 
 
+def load_half(array: np.ndarray, index: int) -> np.ndarray:
+    """Four consecutive doubles of a flat array from `index` on, as half a vector."""
+    return array[index : index + LANES // 2].copy()
+
+
 def element(array: np.ndarray, index: int) -> Any:
     """`array[index]` of a flat array, for an index that is not negative; undefined beyond the end of the array."""
     return array[index]
@@ -33,6 +38,11 @@ def spread(array: np.ndarray, index: int) -> np.ndarray:
     return np.full(LANES, array[index])
 
 
+def spread_half(array: np.ndarray, index: int) -> np.ndarray:
+    """One double of a flat array in all lanes of half a vector."""
+    return np.full(LANES // 2, array[index])
+
+
 def scratch(size: int) -> np.ndarray:
     """An array of `size` doubles, a constant, for the present function only; its content is undefined."""
     return np.empty(size)
@@ -43,8 +53,8 @@ def prefetch(array: np.ndarray, index: int) -> None:
 
 
 def store(array: np.ndarray, index: int, value: np.ndarray) -> None:
-    """Write eight doubles to a flat array from `index` on."""
-    array[index : index + LANES] = value
+    """Write a vector, or half a vector, to a flat array from `index` on."""
+    array[index : index + len(value)] = value
 
 
 def splat(x: float) -> np.ndarray:
@@ -55,6 +65,11 @@ def splat(x: float) -> np.ndarray:
 def vector(x0: float, x1: float, x2: float, x3: float, x4: float, x5: float, x6: float, x7: float) -> np.ndarray:
     """A vector from its eight lanes."""
     return np.array([x0, x1, x2, x3, x4, x5, x6, x7], dtype=np.float64)
+
+
+def half_vector(x0: float, x1: float, x2: float, x3: float) -> np.ndarray:
+    """Half a vector from its four lanes."""
+    return np.array([x0, x1, x2, x3], dtype=np.float64)
 
 
 def extract(value: np.ndarray, index: int) -> float:

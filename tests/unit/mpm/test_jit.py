@@ -353,7 +353,7 @@ def test_a_store_to_a_plain_name_is_allowed() -> None:
 def test_only_jit_threads_simd_and_clock_import_numba() -> None:
     assert imports_numba(ast.parse("from numba.core import types")) and imports_numba(ast.parse("import numba"))
     users = {path.relative_to(PACKAGE) for path, tree in parsed(PACKAGE.rglob("*.py")) if imports_numba(tree)}
-    simd = {f"mpm/simd/{name}.py" for name in ("access", "compiled", "vec8")}
+    simd = {f"mpm/simd/{name}.py" for name in ("access", "compiled", "registers", "vec8")}
     assert {user.as_posix() for user in users} == {"bench/clock.py", "mpm/jit.py", "mpm/threads.py"} | simd
 
 
