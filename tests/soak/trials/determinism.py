@@ -68,12 +68,16 @@ def has_layer(pool: str) -> bool:
     return True
 
 
-def target(cpu: str, numpy_lacks: tuple[str, ...], libc_lacks: tuple[str, ...]) -> dict[str, str]:
-    """Environment variables for an older processor; the other arguments are parts of the names of what it lacks."""
+def target(cpu: str, numpy_lacks: tuple[str, ...], libc_lacks: tuple[str, ...], features: str = "") -> dict[str, str]:
+    """Environment variables for an older processor.
+
+    numpy_lacks, libc_lacks: parts of the names of what it lacks. features: instructions that kernels may rely on, beside
+    those of the processor of that name.
+    """
     lacking = [name for name in __cpu_dispatch__ if any(part in name for part in numpy_lacks)]
     return {
         "NUMBA_CPU_NAME": cpu,
-        "NUMBA_CPU_FEATURES": "",  # those of the processor of that name
+        "NUMBA_CPU_FEATURES": features,
         "NPY_DISABLE_CPU_FEATURES": " ".join(lacking),
         "GLIBC_TUNABLES": "glibc.cpu.hwcaps=" + ",".join(f"-{name}" for name in libc_lacks),
         "MPMCOL_CACHE_DIR": str(CACHE / digest(PACKAGE) / "kernels"),
@@ -85,7 +89,7 @@ LAYERS = [
 ]
 TARGETS: dict[str, dict[str, str]] = {
     "this machine": {},
-    "haswell": target("haswell", ("512", "V4"), ("AVX512F", "AVX512VL")),
+    "haswell": target("haswell", ("512", "V4"), ("AVX512F", "AVX512VL"), "+avx2,+fma"),
     "skylake-avx512": target("skylake-avx512", ("ICL", "SPR"), ()),
     "generic": target("generic", ("",), ("FMA", "FMA4", "AVX2", "AVX512F", "AVX512VL")),
 }
