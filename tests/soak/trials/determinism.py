@@ -71,8 +71,8 @@ def has_layer(pool: str) -> bool:
 def target(cpu: str, numpy_lacks: tuple[str, ...], libc_lacks: tuple[str, ...], features: str = "") -> dict[str, str]:
     """Environment variables for an older processor.
 
-    numpy_lacks, libc_lacks: parts of the names of what it lacks. features: instructions that kernels may rely on, beside
-    those of the processor of that name.
+    numpy_lacks, libc_lacks: parts of the names of what it lacks. features: instructions that the kernels may rely on,
+    beside those of the processor of that name.
     """
     lacking = [name for name in __cpu_dispatch__ if any(part in name for part in numpy_lacks)]
     return {
