@@ -9,7 +9,7 @@ from mpmcol.case.conditions import (
     conditions_of,
     experiment_of,
 )
-from mpmcol.case.load import flattened_text, load_case, resolved_toml
+from mpmcol.case.load import flattened_text, load_case, resolved_toml, unfit_case
 from mpmcol.case.markdown import markdown_reference
 from mpmcol.case.problem import Problem
 from mpmcol.case.reference import explain, hint_for, json_schema, key_names, keys_with
@@ -36,4 +36,5 @@ __all__ = [
     "markdown_reference",
     "resolved_toml",
     "shipped_cases",
+    "unfit_case",
 ]

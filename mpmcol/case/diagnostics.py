@@ -119,7 +119,8 @@ def _nearest_key(key: KeyPath, law: str) -> KeyPath | None:
     return (*table, near) if near else None
 
 
-def _problem(given: CaseInput, key: KeyPath, message: str, hint: str, about: KeyPath) -> Problem:
+def problem_of(given: CaseInput, key: KeyPath, message: str, hint: str, about: KeyPath) -> Problem:
+    """A problem with the file and the line, or the override, that gives a key its value."""
     override, source = given.override_of(key), given.source_of(key)
     line, text = source.location(key)
     name = ".".join(without_indices(about))
@@ -158,7 +159,7 @@ def _unknown_key(given: CaseInput, key: KeyPath, intended: KeyPath | None, law: 
     else:
         known = "known keys: " + ", ".join(fields_at(tuple(table), law))
         hint = _answer(given, key) or _correct_place(key, law) or known
-    return _problem(given, key, message, hint, intended or tuple(table))
+    return problem_of(given, key, message, hint, intended or tuple(table))
 
 
 def _answer(given: CaseInput, key: KeyPath) -> str | None:
@@ -185,14 +186,14 @@ def _bad_value(given: CaseInput, key: KeyPath, error: ErrorDetails, law: str) ->
     expected = fields.expected(field)
     if error["type"] in ("missing", "union_tag_not_found"):
         message = f"{_qualified(key, field)} is missing: expected {expected}"
-        return _problem(given, key, message, f"{field.description}{_replaced_array(given, key)}", key)
+        return problem_of(given, key, message, f"{field.description}{_replaced_array(given, key)}", key)
     value, last = value_at(given.tables, key), error["loc"][-1]
     item = f", item {last + 1}: {fields.shown(error['input'])}" if isinstance(last, int) else ""
     reason = error["msg"] if error["type"] in ("quantity", "value_error") else f"expected {expected}"
     is_float = isinstance(value, float) and not fields.number_of(field)  # where 4.0 is wrong and 4 is right
     stated = "" if key[-1].isdecimal() else f" = {value if is_float else fields.shown(value)}"
     message = f"{_qualified(key)}{stated}{item}: {reason}"
-    return _problem(given, key, message, _value_hint(key, field, value), key)
+    return problem_of(given, key, message, _value_hint(key, field, value), key)
 
 
 def _replaced_array(given: CaseInput, key: KeyPath) -> str:
@@ -248,7 +249,7 @@ def _violated(given: CaseInput, violation: ViolatedConstraint) -> Problem:
     at = next((key for key in keys if given.has(key)), keys[0])
     present = [key for key, value in zip(keys, violation.values, strict=True) if value is not None]
     others = [_location(given, key) for key in present if key != at]
-    return _problem(given, at, _qualified(keys[0]) + stated, "; ".join(others), keys[0])
+    return problem_of(given, at, _qualified(keys[0]) + stated, "; ".join(others), keys[0])
 
 
 def _unit_hint(violation: ViolatedConstraint) -> str:

@@ -10,7 +10,7 @@ from pathlib import Path
 import tomli_w
 from pydantic import ValidationError
 
-from mpmcol.case.diagnostics import find_problems
+from mpmcol.case.diagnostics import find_problems, problem_of
 from mpmcol.case.overrides import Override, parse_override
 from mpmcol.case.problem import Problem, case_error, set_option
 from mpmcol.case.schema import Case
@@ -18,6 +18,7 @@ from mpmcol.case.source import read_case, read_chain
 from mpmcol.case.title import with_own_aspect
 from mpmcol.case.toml_lines import KeyPath
 from mpmcol.case.unknown_laws import errors_beside_law
+from mpmcol.errors import CaseError
 
 
 def load_case(source: str | Path, overrides: Sequence[str] = ()) -> Case:
@@ -41,6 +42,12 @@ def load_case(source: str | Path, overrides: Sequence[str] = ()) -> Case:
     if problems:
         raise case_error(problems)
     return with_own_aspect(case)
+
+
+def unfit_case(source: str | Path, overrides: Sequence[str], key: str, message: str, hint: str) -> CaseError:
+    """The error of a valid case whose value of a key is unfit, with file and line; arguments as of `load_case`."""
+    given, path = read_case(source, _parsed(overrides)[0]), tuple(key.split("."))
+    return case_error([problem_of(given, path, message, hint, path)])
 
 
 def _parsed(overrides: Sequence[str]) -> tuple[dict[KeyPath, Override], list[Problem]]:

@@ -56,10 +56,19 @@ def kind_of(warning: str) -> str:
 
 def require_stiff_column(case: Case) -> None:
     """Raise UsageError if the column is so soft that its own weight makes a different column of it."""
+    if soft := too_soft(case):
+        _, message, remedy = soft
+        raise UsageError(f"{message}; {remedy}")
+
+
+def too_soft(case: Case) -> tuple[str, str, str] | None:
+    """Key, message and remedy of a part that is so soft that its own weight makes a different column of it."""
     for softness in shortenings(case):
         if softness.relative > MOST_SHORTENING:
-            causes = [unusual_gravity(case), f"{softness}, more than a third; {_stiffer(softness)}"]
-            raise UsageError("; ".join(filter(None, causes)))
+            gravity, message = unusual_gravity(case), f"{softness}, more than a third"
+            key = "geometry.gravity" if gravity else f"{softness.key}.youngs_modulus"
+            return key, "; ".join(filter(None, (gravity, message))), _stiffer(softness)
+    return None
 
 
 def unusual_gravity(case: Case, h: float = 0.0) -> str | None:

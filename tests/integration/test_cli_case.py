@@ -112,6 +112,15 @@ def test_explain() -> None:
     assert 'Did you mean "grid.spacing"?' in result.stderr
 
 
+def test_check_names_the_line_of_a_column_that_is_too_soft() -> None:
+    Path("soft.toml").write_text('schema = 1\nextends = "channel"\n[material]\nyoungs_modulus = "1 kPa"\n')
+    result = invoke("check", "soft.toml")
+    assert result.exit_code == 2 and result.stderr.startswith("soft.toml:4: material.youngs_modulus = 1000 Pa: the ela")
+    assert "more than a third" in result.stderr and "set 3.2e+06 Pa or more" in result.stderr
+    result = invoke("check", "soft.toml", "--set", "geometry.gravity=981")
+    assert result.stderr.startswith("--set geometry.gravity=981: geometry.gravity = 981 m/s2 is 100 times")
+
+
 @pytest.mark.parametrize(
     ("text", "found"),
     [
