@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from mpmcol.errors import OutputError
@@ -20,13 +20,14 @@ def notes_on_plan(runs: Sequence[PlannedRun]) -> list[str]:
 
 
 def notes_on_results(outcomes: Sequence[Outcome]) -> list[str]:
-    """Warnings about the results, without those about the plan, as `counted_warnings`.
+    """Warnings about the results of the runs that are done, without those about the plan, as `counted_warnings`."""
+    return counted_warnings([list(_beyond_plan(outcome)) for outcome in outcomes])
 
-    Raises OutputError if the result of a run is damaged.
-    """
-    planned = [set(outcome.run.discretization.warnings) for outcome in outcomes]
-    found = [stored_warnings(outcome.run.folder) for outcome in outcomes]
-    return counted_warnings([[w for w in one if w not in known] for one, known in zip(found, planned, strict=True)])
+
+def _beyond_plan(outcome: Outcome) -> Iterator[str]:
+    if outcome.status == "done":
+        planned = outcome.run.discretization.warnings
+        yield from (warning for warning in stored_warnings(outcome.run.folder) if warning not in planned)
 
 
 def stored_warnings(run: Path) -> list[str]:

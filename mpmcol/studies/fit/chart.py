@@ -76,9 +76,8 @@ def profile_chart(fit: Fit, path: Path) -> list[Path]:
             factor * points.x, factor * points.y, factor * points.y_error, factor * points.x_error, fmt="o",
             color="black", ms=4, capsize=2, clip_on=False, zorder=3, label="" if number else "measured",
         )  # fmt: skip
-    add_heading(
-        target.axes, Heading(_title(fit), f"answer: {', '.join(map(_answer, fitted_values(fit)))}; lines as computed")
-    )
+    answer = ", ".join(map(_answer, fitted_values(fit)))
+    add_heading(target.axes, Heading(_title(fit), f"answer: {answer}; lines as computed"))
     legend_below(figure, *target.axes.get_legend_handles_labels(), columns=2)
     return save_figure(figure, path, svg=False)
 
