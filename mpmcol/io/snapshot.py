@@ -185,6 +185,23 @@ def describe_snapshot(path: Path) -> vtkhdf.Step:
         return vtkhdf.describe(file["VTKHDF"], f"{SNAPSHOT_FOLDER}/{path.name}", _plain(file["mpmcol/time"]))
 
 
+def step_of(path: Path, snapshot: Snapshot, meta: Meta) -> vtkhdf.Step:
+    """What `describe_snapshot` finds in the file of `write_snapshot`, without reading it.
+
+    snapshot: in the form of `as_stored`.
+    """
+    per = PER.get(str(meta.get("model")), "")
+    datasets = {
+        "Points" if name == "position" else f"PointData/{name}": (
+            values.shape,
+            values.dtype,
+            dict(sorted(_attributes(name, per).items())) if name in UNITS else {},  # as read
+        )
+        for name, values in snapshot.arrays.items()
+    }
+    return vtkhdf.Step(f"{SNAPSHOT_FOLDER}/{path.name}", snapshot.time, datasets)
+
+
 def _attributes(name: str, per: str) -> dict[str, str | np.bytes_]:
     units: dict[str, str | np.bytes_] = {"units": _unit(name, per)}
     components: dict[str, str | np.bytes_] = {"components": COMPONENTS[name]} if name in COMPONENTS else {}

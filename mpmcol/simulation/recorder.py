@@ -16,7 +16,15 @@ from mpmcol.io.atomic import atomic_write, make_folder, remove
 from mpmcol.io.checksums import checksum_of
 from mpmcol.io.names import CASE_FILE, INDEX_FILES, RESUMED_AT
 from mpmcol.io.run_folder import write_history
-from mpmcol.io.snapshot import Snapshot, as_stored, describe_snapshot, list_snapshots, write_index, write_snapshot
+from mpmcol.io.snapshot import (
+    Snapshot,
+    as_stored,
+    describe_snapshot,
+    list_snapshots,
+    step_of,
+    write_index,
+    write_snapshot,
+)
 from mpmcol.io.vtkhdf import Step
 from mpmcol.measure import fronts_and_height
 from mpmcol.measure.stress import pressure_and_shear
@@ -127,7 +135,7 @@ class Recorder:
         started = time.perf_counter()
         stored = as_stored(snapshot)
         path = write_snapshot(self.folder, len(self._written), stored, self._meta, self.case.output.compression)
-        self._written.append(describe_snapshot(path))
+        self._written.append(step_of(path, stored, self._meta))
         self.checksums[self._written[-1].name] = checksum_of(path)
         if time.monotonic() - self._index_written > WRITE_INTERVAL:
             self.flush()

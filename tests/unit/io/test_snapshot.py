@@ -14,9 +14,11 @@ from mpmcol.io.snapshot import (
     Meta,
     Snapshot,
     as_stored,
+    describe_snapshot,
     list_snapshots,
     read_meta,
     read_snapshot,
+    step_of,
     write_index,
     write_snapshot,
 )
@@ -225,6 +227,18 @@ def test_index_lists_the_files_present(tmp_path: Path):
     with h5py.File(tmp_path / "run.vtkhdf") as file:
         assert file["VTKHDF/Steps"].attrs["NSteps"] == 2
         assert np.array_equal(file["VTKHDF/Points"][N:], single(make(2).arrays["position"]))
+
+
+@pytest.mark.parametrize("model", ["plane", "axisymmetric", "quarter"])
+def test_the_index_of_a_run_does_not_need_its_files(tmp_path: Path, model: str) -> None:
+    meta, snapshots = {**META, "model": model}, [as_stored(make(step, plastic_strain=np.ones(N))) for step in (0, 1)]
+    paths = [write_snapshot(tmp_path, step, snapshot, meta) for step, snapshot in enumerate(snapshots)]
+    write_index(tmp_path)
+    index = (tmp_path / "run.vtkhdf").read_bytes()
+    steps = [step_of(path, snapshot, meta) for path, snapshot in zip(paths, snapshots, strict=True)]
+    assert steps == [describe_snapshot(path) for path in paths]
+    write_index(tmp_path, steps)
+    assert (tmp_path / "run.vtkhdf").read_bytes() == index
 
 
 def test_snapshots_of_different_runs_are_not_indexed(tmp_path: Path):
