@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import atan, degrees
+
 import numpy as np
 
 from mpmcol.errors import UsageError
@@ -38,8 +40,10 @@ def repose_angle(profile_x: Array, profile_y: Array) -> float | None:
     if len(flank) < MIN_BINS:
         return None
     flank = np.arange(flank[0], end)
-    slope = np.polyfit(x[flank], profile_y[top:][flank], 1)[0]
-    return float(np.degrees(np.arctan(-slope)))
+    offset = x[flank] - x[flank].mean()
+    # sums, not numpy.polyfit: the last digits of LAPACK depend on the processor
+    slope = float((offset * profile_y[top:][flank]).sum() / (offset**2).sum())
+    return degrees(atan(-slope))
 
 
 def inner_repose_angle(profile_x: Array, profile_y: Array) -> float | None:

@@ -119,3 +119,13 @@ def test_the_bias_is_known_for_channels_only(shape: dict[str, Any], bias: tuple[
     """The table in the README of the folder has channels of a = 1 to 3: differences of -8.9 to -14.8 degrees."""
     values: dict[str, Any] = {"model": "plane", "release": "one-sided", "r_i": 1.0, "h_i": 1.0, "spacing": 0.05}
     assert friction_bias(ColumnShape(**{**values, "density": 1.0, "point_size": 0.05, **shape})) == bias
+
+
+def test_the_angle_is_that_of_least_squares() -> None:
+    height = ridge(25.0, 35.0) * (1.0 + 0.1 * np.sin(1e4 * X))
+    top = int(height.argmax())
+    share = height[top:] / height[top]
+    end = int(np.argmax(share < 0.2))
+    flank = top + np.arange(int(np.argmax(share <= 0.8)), end)
+    slope = np.polyfit(X[flank], height[flank], 1)[0]
+    assert repose_angle(X, height) == pytest.approx(np.degrees(np.arctan(-slope)), rel=1e-12)
