@@ -17,6 +17,7 @@ from mpmcol.mpm.jit import device
 from mpmcol.mpm.kernels.stencils import AXIS_X, AXIS_Y, BASE, STENCILS, D, G, W, lines_of_axis, make_find_stencils
 from mpmcol.mpm.kernels.stress_filter import make_filtered_stress
 from mpmcol.mpm.kernels.transfer_common import prefetch_ahead
+from mpmcol.mpm.kernels.transfer_quadratic_2d import add_column
 from mpmcol.mpm.lanes import LANES, RECORD_SIZE, S_ZZ, V0, X_VECTOR, Y_VECTOR, J, M, X
 from mpmcol.mpm.settings import Settings
 from mpmcol.mpm.simd import extract, fma, half_vector, load_half, scratch, spread_half, store, where_positive
@@ -100,9 +101,9 @@ def _add_point(terms, stencils, k, slope, sum0, sum1, sum2):
     sy0, sy1, sy2 = _three(stencils, AXIS_Y + slope + k)
     q = sy0 * c_y, sy1 * c_y, sy2 * c_y
     return (
-        _add_column(sum0, wx0, fma(sx0, c_x, wx0 * at_point), wy, q),
-        _add_column(sum1, wx1, fma(sx1, c_x, wx1 * at_point), wy, q),
-        _add_column(sum2, wx2, fma(sx2, c_x, wx2 * at_point), wy, q),
+        add_column(sum0, wx0, fma(sx0, c_x, wx0 * at_point), wy, q),
+        add_column(sum1, wx1, fma(sx1, c_x, wx1 * at_point), wy, q),
+        add_column(sum2, wx2, fma(sx2, c_x, wx2 * at_point), wy, q),
     )
 
 
@@ -110,16 +111,6 @@ def _add_point(terms, stencils, k, slope, sum0, sum1, sum2):
 def _three(stencils, at):
     """Three numbers of a point from the buffer, each in all lanes of half a vector."""
     return spread_half(stencils, at), spread_half(stencils, at + LANES), spread_half(stencils, at + 2 * LANES)
-
-
-@device
-def _add_column(sums, wx, p, wy, q):
-    """Add a point to the sums of three nodes of equal x."""
-    return (
-        fma(wy[0], p, fma(wx, q[0], sums[0])),
-        fma(wy[1], p, fma(wx, q[1], sums[1])),
-        fma(wy[2], p, fma(wx, q[2], sums[2])),
-    )
 
 
 @device

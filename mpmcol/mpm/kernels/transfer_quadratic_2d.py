@@ -81,14 +81,14 @@ def _add_point(rows, o, stencils, k, unit, sum0, sum1, sum2, settings):
     gy0, gy1, gy2 = three(stencils, AXIS_Y + G + k)
     q = fma(gy0, f_y, dy0 * a_y), fma(gy1, f_y, dy1 * a_y), fma(gy2, f_y, dy2 * a_y)
     return (
-        _add_column(sum0, wx0, fma(gx0, f_x, fma(dx0, a_x, wx0 * at_point)), wy, q),
-        _add_column(sum1, wx1, fma(gx1, f_x, fma(dx1, a_x, wx1 * at_point)), wy, q),
-        _add_column(sum2, wx2, fma(gx2, f_x, fma(dx2, a_x, wx2 * at_point)), wy, q),
+        add_column(sum0, wx0, fma(gx0, f_x, fma(dx0, a_x, wx0 * at_point)), wy, q),
+        add_column(sum1, wx1, fma(gx1, f_x, fma(dx1, a_x, wx1 * at_point)), wy, q),
+        add_column(sum2, wx2, fma(gx2, f_x, fma(dx2, a_x, wx2 * at_point)), wy, q),
     )
 
 
 @device
-def _add_column(sums, wx, p, wy, q):
+def add_column(sums, wx, p, wy, q):
     """Add a point to the sums of three nodes of equal x."""
     return (
         fma(wy[0], p, fma(wx, q[0], sums[0])),
