@@ -137,7 +137,7 @@ def measure(x: Array, mass: Array, displacement: Array | None, shape: ColumnShap
 
 
 def fronts_and_height(x: Array, mass: Array, shape: ColumnShape) -> tuple[dict[str, float], float]:
-    """Front by definition and height of the deposit, m, as of `measure` for finite positions, in half of its time."""
+    """Front by definition and height of the deposit, m, as of `measure` for finite positions, without the rest."""
     sections = split(x, mass, shape)
     return _mean_fronts(_fronts_of_sections(sections, *profiles(sections, shape), shape)), pile_height(sections, shape)
 
