@@ -18,6 +18,16 @@ class UsageError(MpmcolError):
     exit_code = 2
 
 
+class UnfitCase(UsageError):
+    """A valid case that cannot be run: the key to change, what is wrong with its value, and the remedy."""
+
+    def __init__(self, key: str, message: str, remedy: str) -> None:
+        super().__init__(f"{message}; {remedy}")
+        self.key = key
+        self.message = message
+        self.remedy = remedy
+
+
 class CaseError(MpmcolError):
     """Invalid case file or override; `problems` lists all problems."""
 

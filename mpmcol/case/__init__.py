@@ -9,7 +9,7 @@ from mpmcol.case.conditions import (
     conditions_of,
     experiment_of,
 )
-from mpmcol.case.load import flattened_text, load_case, resolved_toml, unfit_case
+from mpmcol.case.load import flattened_text, load_case, located, resolved_toml
 from mpmcol.case.markdown import markdown_reference
 from mpmcol.case.problem import Problem
 from mpmcol.case.reference import explain, hint_for, json_schema, key_names, keys_with
@@ -33,8 +33,8 @@ __all__ = [
     "key_names",
     "keys_with",
     "load_case",
+    "located",
     "markdown_reference",
     "resolved_toml",
     "shipped_cases",
-    "unfit_case",
 ]

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 import tomli_w
@@ -18,7 +19,7 @@ from mpmcol.case.source import read_case, read_chain
 from mpmcol.case.title import with_own_aspect
 from mpmcol.case.toml_lines import KeyPath
 from mpmcol.case.unknown_laws import errors_beside_law
-from mpmcol.errors import CaseError
+from mpmcol.errors import UnfitCase
 
 
 def load_case(source: str | Path, overrides: Sequence[str] = ()) -> Case:
@@ -44,10 +45,14 @@ def load_case(source: str | Path, overrides: Sequence[str] = ()) -> Case:
     return with_own_aspect(case)
 
 
-def unfit_case(source: str | Path, overrides: Sequence[str], key: str, message: str, hint: str) -> CaseError:
-    """The error of a valid case whose value of a key is unfit, with file and line; arguments as of `load_case`."""
-    given, path = read_case(source, _parsed(overrides)[0]), tuple(key.split("."))
-    return case_error([problem_of(given, path, message, hint, path)])
+@contextmanager
+def located(source: str | Path, overrides: Sequence[str]) -> Iterator[None]:
+    """Raise each UnfitCase of the block as a CaseError, with file and line; arguments as of `load_case`."""
+    try:
+        yield
+    except UnfitCase as unfit:
+        given, key = read_case(source, _parsed(overrides)[0]), tuple(unfit.key.split("."))
+        raise case_error([problem_of(given, key, unfit.message, unfit.remedy, key)]) from None
 
 
 def _parsed(overrides: Sequence[str]) -> tuple[dict[KeyPath, Override], list[Problem]]:

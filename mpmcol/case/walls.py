@@ -18,6 +18,7 @@ from mpmcol.units import Table, counted, option, quantity
 
 FLOOR, BACK_WALL, GATE_WALL = "floor", "back_wall", "gate"  # names of the other walls whose forces are recorded
 LEAST_CELLS = 2  # thickness and height of a wall, and distance between two of them: splines are three nodes wide
+THICKER = "decrease grid.spacing, or enlarge the wall"
 _NAME = re.compile(r"[A-Za-z0-9-]{1,40}")
 
 Span = tuple[float | None, float | None]
@@ -89,14 +90,14 @@ def _thin_parts(wall: WallTable, model: str, h: float) -> Iterator[tuple[str, st
     far_key = "side_to" if wall.half_width is None else "half_width"
     for key, (low, high) in (("to", wall.along), ("height", (0.0, wall.height)), (far_key, across)):
         if low is not None and high is not None and (cells := round(high / h) - round(low / h)) < LEAST_CELLS:
-            yield key, too_thin(cells, h)
+            yield key, f"{too_thin(cells, h)}; {THICKER}"
 
 
 def too_thin(cells: int, h: float) -> str:
     """What is wrong with a wall that is too few cells of size h (m) thick or high."""
     return (
         f"{counted(max(cells, 0), 'cell')} of {h:.4g} m, expected at least {LEAST_CELLS}, since material passes "
-        "thinner walls; decrease grid.spacing, or enlarge the wall"
+        "thinner walls"
     )
 
 

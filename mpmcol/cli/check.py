@@ -21,21 +21,21 @@ def check(case: str, aspect: str | None, overrides: tuple[str, ...], resolved: b
     value that is rounded to fit the grid and for each setting that is known to be unfit. If the case is invalid, all
     problems are printed with file, line and key, and the exit code is 2.
     """
-    from mpmcol.case import case_hash, load_case, resolved_toml, unfit_case
+    from mpmcol.case import case_hash, load_case, located, resolved_toml
     from mpmcol.case.title import title_of
     from mpmcol.setup.discretization import discretize, require_thick_outline
     from mpmcol.setup.memory import require_memory_for
-    from mpmcol.setup.unfit_settings import too_soft
+    from mpmcol.setup.unfit_settings import require_stiff_column
     from mpmcol.sweep.runs import PlannedRun
     from mpmcol.units import counted
 
     overrides = with_aspect(overrides, aspect)
     loaded = load_case(case, overrides)
-    discretization = discretize(loaded)
-    require_memory_for(discretization)
-    require_thick_outline(discretization)
-    if soft := too_soft(loaded):
-        raise unfit_case(case, overrides, *soft)
+    with located(case, overrides):
+        discretization = discretize(loaded)
+        require_memory_for(discretization)
+        require_thick_outline(discretization)
+        require_stiff_column(loaded)
     column = loaded.geometry
     kind = column.model if column.dimension == 2 else f"{column.model} {column.section}"
     kind += f", outline of {len(column.outline)} points" if column.outline else ""

@@ -135,7 +135,7 @@ def run(
         raise click.UsageError("--fresh discards an unfinished run, and --force-resume resumes it; give one of them")
     if threads is not None:
         os.environ.setdefault("NUMBA_NUM_THREADS", str(max(threads, os.cpu_count() or 1)))
-    from mpmcol.case import load_case
+    from mpmcol.case import load_case, located
     from mpmcol.cli.run_display import RunDisplay, print_estimate
     from mpmcol.sweep.names import run_name
 
@@ -149,17 +149,19 @@ def run(
                 case, given, advice, accuracy, folder,
                 jobs=jobs, threads=threads, fresh=fresh, to_json=to_json, quiet=quiet,
             )  # fmt: skip
-        loaded = load_case(case, [*given, *advice.overrides])
+        given = (*given, *advice.overrides)
+        loaded = load_case(case, given)
     if dry_run:
         _check_folder(loaded, folder, fresh, quiet)
         _note_threads(threads, quiet)
-        print_estimate(loaded, folder, threads, to_json=to_json, quiet=quiet)
+        with located(case, given):
+            print_estimate(loaded, folder, threads, to_json=to_json, quiet=quiet)
         return
     from mpmcol.io.results import Results
     from mpmcol.simulation.run import run as simulate
 
     try:
-        with RunDisplay(quiet) as display:
+        with RunDisplay(quiet) as display, located(case, given):
             results = simulate(
                 loaded, folder, threads=threads, fresh=fresh, force_resume=force_resume, checkpoint_seconds=checkpoint,
                 max_wall=inf if max_wall is None else max_wall, on_instability=on_instability,

@@ -49,7 +49,7 @@ class Estimate:
 def estimate(case: Case, threads: int | None = None) -> Estimate:
     """Build the model and step it for about half a second to measure its pace; no file is written.
 
-    Raises UsageError if the model does not fit into memory, or if the column is too soft.
+    Raises UnfitCase if the model does not fit into memory, or if the column is too soft.
     """
     set_threads(threads)
     require_stiff_column(case)

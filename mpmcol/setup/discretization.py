@@ -11,7 +11,7 @@ import numpy as np
 from mpmcol.case import Case
 from mpmcol.case.geometry import whole_cells
 from mpmcol.case.outline import Outline, area
-from mpmcol.errors import UsageError
+from mpmcol.errors import UnfitCase
 from mpmcol.mpm.boundary import AXIS, OPEN_END, Faces
 from mpmcol.setup.cut_cells import material_above, point_shares
 from mpmcol.setup.domain import domain_size
@@ -176,7 +176,7 @@ class Discretization:
     def outline_shares(self) -> np.ndarray:
         """Volume of the points of an outline over that of their cells, (n columns, rows); 0 for cells without a point.
 
-        Raises UsageError if parts of the outline are too thin for the points.
+        Raises UnfitCase if parts of the outline are too thin for the points.
         """
         assert self.outline is not None
         x_lines = self.point_size * np.arange(round(self.r_i / self.point_size) + 1)
@@ -184,9 +184,11 @@ class Discretization:
         per_radian, layers = self.faces[0][0] == AXIS, self.layers_at(self.row_heights)
         shares = point_shares(self.outline, x_lines, y_lines, per_radian, layers)
         if not 0.0 < shares.max() <= MOST_SHARE:
-            raise UsageError(
+            raise UnfitCase(
+                "geometry.outline",
                 f"geometry.outline is thinner than half the distance between points, {self.point_size:.4g} m, over a "
-                "length of many points; decrease grid.spacing, or omit its thin parts"
+                "length of many points",
+                "decrease grid.spacing, or omit its thin parts",
             )
         return shares
 
@@ -201,7 +203,7 @@ class Discretization:
 def discretize(case: Case) -> Discretization:
     """Fit the grid to the column: r_i, base and depth become whole numbers of cells, r_i by changing the spacing.
 
-    The height need not be a whole number of cells: its points are spread evenly. Raises UsageError if the given size of
+    The height need not be a whole number of cells: its points are spread evenly. Raises UnfitCase if the given size of
     the domain is too small.
     """
     geometry, warnings = case.geometry, []
@@ -245,7 +247,7 @@ def stack(horizontal: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 
 def require_thick_outline(discretization: Discretization) -> None:
-    """Raise UsageError if parts of an outline are too thin for the points, as `build_model` does."""
+    """Raise UnfitCase if parts of an outline are too thin for the points, as `build_model` does."""
     if discretization.outline is not None:
         discretization.outline_shares()
 

@@ -7,7 +7,7 @@ from math import radians, tan
 from mpmcol.case import Case
 from mpmcol.case.slope import case_slope_factor
 from mpmcol.case.walls import WallTable
-from mpmcol.errors import UsageError
+from mpmcol.errors import UnfitCase
 from mpmcol.experiments import expected_runout
 from mpmcol.mpm.boundary import OPEN_END
 
@@ -19,7 +19,7 @@ LEAST_CELLS = OPEN_END.zone_cells + 1  # between the column and the open ends or
 
 
 def domain_size(case: Case, h: float) -> tuple[float, float]:
-    """Length from wall or axis and height above the base, m; raises UsageError if given values are too small."""
+    """Length from wall or axis and height above the base, m; raises UnfitCase if given values are too small."""
     geometry = case.geometry
     enough = default_length(case, h), default_height(case, h)
     length, height = geometry.domain_length or enough[0], geometry.domain_height or enough[1]
@@ -28,9 +28,11 @@ def domain_size(case: Case, h: float) -> tuple[float, float]:
         ("domain_height", height, geometry.h_i, enough[1]),
     ):
         if given < column + LEAST_CELLS * h:
-            raise UsageError(
+            raise UnfitCase(
+                f"geometry.{key}",
                 f"geometry.{key} = {given:g} m is too small for the column, {column:g} m: its last {LEAST_CELLS} cells "
-                f"are not usable, so that {max(usable(given, h), 0.0):.4g} m are left; set {default:.4g} m, or omit it"
+                f"are not usable, so that {max(usable(given, h), 0.0):.4g} m are left",
+                f"set {default:.4g} m, or omit it",
             )
     return length, height
 

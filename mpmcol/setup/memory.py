@@ -6,7 +6,7 @@ from math import prod
 
 import psutil
 
-from mpmcol.errors import UsageError
+from mpmcol.errors import UnfitCase, UsageError
 from mpmcol.mpm.grid import NODE
 from mpmcol.setup.discretization import Discretization
 
@@ -34,13 +34,12 @@ def grid_bytes(discretization: Discretization) -> int:
 
 
 def require_memory_for(discretization: Discretization) -> None:
-    """Raise UsageError if the arrays of a model do not fit into the memory of this machine."""
+    """Raise UnfitCase if the arrays of a model do not fit into the memory of this machine."""
     cells = " x ".join(_count(n) for n in discretization.cells)
-    require_memory(
-        max(memory_bytes(discretization), grid_bytes(discretization)),
-        f"grid.spacing = {discretization.h:.4g} m: {_count(discretization.most_points)} points and {cells} cells",
-        "increase grid.spacing, or check whether a length is in mm instead of m",
-    )
+    what = f"grid.spacing = {discretization.h:.4g} m: {_count(discretization.most_points)} points and {cells} cells"
+    if lack := _lack(max(memory_bytes(discretization), grid_bytes(discretization))):
+        remedy = "increase grid.spacing, or check whether a length is in mm instead of m"
+        raise UnfitCase("grid.spacing", f"{what} {lack}", remedy)
 
 
 def machine_memory() -> int:
@@ -50,9 +49,14 @@ def machine_memory() -> int:
 
 def require_memory(needed: int, what: str, fix: str) -> None:
     """Raise UsageError if `needed` bytes exceed the memory of this machine; `what` needs them."""
+    if lack := _lack(needed):
+        raise UsageError(f"{what} {lack}; {fix}")
+
+
+def _lack(needed: int) -> str:
+    """That `needed` bytes exceed the memory of this machine; "" if they do not."""
     memory = machine_memory()
-    if needed > memory:
-        raise UsageError(f"{what} need {_count(needed / 1e9)} GB, this machine has {_count(memory / 1e9)} GB; {fix}")
+    return f"need {_count(needed / 1e9)} GB, this machine has {_count(memory / 1e9)} GB" if needed > memory else ""
 
 
 def _count(number: float) -> str:

@@ -71,7 +71,7 @@ class Model:
 def build_model(case: Case) -> Model:
     """Allocate and fill all arrays of a case, with the gate closed if there is one.
 
-    Raises UsageError if the arrays do not fit into memory or the domain is too small.
+    Raises UnfitCase if the arrays do not fit into memory or the domain is too small.
     """
     discretization = discretize(case)
     require_memory_for(discretization)
@@ -221,7 +221,7 @@ def largest_drop(case: Case, discretization: Discretization) -> float:
 def make_points(case: Case, discretization: Discretization) -> Points:
     """Points of the column, followed by those of the base, on regular lattices.
 
-    Raises UsageError if the outline of the column has no point.
+    Raises UnfitCase if parts of the outline of the column are too thin for the points.
     """
     size, base, dy = discretization.point_size, discretization.base, discretization.row_height
     column, shares = _column_points(discretization)

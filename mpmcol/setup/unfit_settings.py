@@ -14,7 +14,7 @@ from math import ceil
 from mpmcol.case import Case
 from mpmcol.case.geometry import GeometryTable, whole_cells
 from mpmcol.case.slope import ENDLESS_REMEDY, endless_flow
-from mpmcol.errors import UsageError
+from mpmcol.errors import UnfitCase
 from mpmcol.setup.domain import LEAST_CELLS, default_length, expected_front, usable
 from mpmcol.setup.shortening import Shortening, shortenings
 from mpmcol.setup.time_step import time_step_warnings
@@ -55,20 +55,12 @@ def kind_of(warning: str) -> str:
 
 
 def require_stiff_column(case: Case) -> None:
-    """Raise UsageError if the column is so soft that its own weight makes a different column of it."""
-    if soft := too_soft(case):
-        _, message, remedy = soft
-        raise UsageError(f"{message}; {remedy}")
-
-
-def too_soft(case: Case) -> tuple[str, str, str] | None:
-    """Key, message and remedy of a part that is so soft that its own weight makes a different column of it."""
+    """Raise UnfitCase if the column is so soft that its own weight makes a different column of it."""
     for softness in shortenings(case):
         if softness.relative > MOST_SHORTENING:
             gravity, message = unusual_gravity(case), f"{softness}, more than a third"
             key = "geometry.gravity" if gravity else f"{softness.key}.youngs_modulus"
-            return key, "; ".join(filter(None, (gravity, message))), _stiffer(softness)
-    return None
+            raise UnfitCase(key, "; ".join(filter(None, (gravity, message))), _stiffer(softness))
 
 
 def unusual_gravity(case: Case, h: float = 0.0) -> str | None:

@@ -10,8 +10,8 @@ from itertools import combinations
 import numpy as np
 
 from mpmcol.case import Case
-from mpmcol.case.walls import LEAST_CELLS, Span, WallTable, too_thin
-from mpmcol.errors import UsageError
+from mpmcol.case.walls import LEAST_CELLS, THICKER, Span, WallTable, too_thin
+from mpmcol.errors import UnfitCase
 from mpmcol.mpm.boundary import CONTACT, WALL_INSIDE, Boundary
 from mpmcol.mpm.grid import Grid, grid_shape
 from mpmcol.setup.geometry import ROUNDING, VERTICAL
@@ -42,21 +42,26 @@ def _within(low: Sequence[int], indices: Sequence[np.ndarray], high: Sequence[in
 def place_walls(case: Case, h: float, first: tuple[float, ...], cells: tuple[int, ...]) -> tuple[WallBox, ...]:
     """The walls of a case in a grid of `cells` cells of size h (m) whose first node is at `first` (m).
 
-    Raises UsageError if one is too thin, ends outside the domain, or is too close to another one.
+    Raises UnfitCase if one is too thin, ends outside the domain, or is too close to another one.
     """
-    boxes = tuple(_place(wall, _spans(wall, case.geometry.model), h, first, cells) for wall in case.walls)
+    boxes = tuple(
+        _place(f"walls.{i}", wall, _spans(wall, case.geometry.model), h, first, cells)
+        for i, wall in enumerate(case.walls)
+    )
     for one, other in combinations(boxes, 2):
         gaps = [max(a - d, c - b) for a, b, c, d in zip(one.low, one.high, other.low, other.high, strict=True)]
         if max(gaps) < LEAST_CELLS:
-            raise UsageError(
+            raise UnfitCase(
+                f"walls.{boxes.index(other)}",
                 f"walls {one.name} and {other.name} are {counted(max(max(gaps), 0), 'cell')} of {h:.4g} m apart, "
-                f"expected at least {LEAST_CELLS}: move one of them, or decrease grid.spacing"
+                f"expected at least {LEAST_CELLS}",
+                "move one of them, or decrease grid.spacing",
             )
     return boxes
 
 
 def _place(
-    wall: WallTable, spans: tuple[Span, ...], h: float, first: tuple[float, ...], cells: tuple[int, ...]
+    key: str, wall: WallTable, spans: tuple[Span, ...], h: float, first: tuple[float, ...], cells: tuple[int, ...]
 ) -> WallBox:
     low, high = [], []
     for (start, end), x, n, keys in zip(spans, first, cells, KEYS, strict=False):
@@ -65,12 +70,13 @@ def _place(
         bottom = round(-x / h) if keys == KEYS[VERTICAL] else low[-1]  # the height is that above the base
         given = f"wall {wall.name}: {_values(wall, keys)}"
         if not 0 <= low[-1] <= high[-1] <= n:
-            raise UsageError(
-                f"{given}: outside the domain, which is from {x:.4g} to {x + n * h:.4g} m; move the wall, or enlarge "
-                "the domain by geometry.domain_length or geometry.domain_height"
+            raise UnfitCase(
+                key,
+                f"{given}: outside the domain, which is from {x:.4g} to {x + n * h:.4g} m",
+                "move the wall, or enlarge the domain by geometry.domain_length or geometry.domain_height",
             )
         if (thickness := high[-1] - bottom) < LEAST_CELLS:
-            raise UsageError(f"{given}: {too_thin(thickness, h)}")
+            raise UnfitCase(key, f"{given}: {too_thin(thickness, h)}", THICKER)
     return WallBox(wall.name, tuple(low), tuple(high))
 
 

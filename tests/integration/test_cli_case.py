@@ -47,7 +47,7 @@ def test_check_refuses_a_domain_that_is_too_small_for_its_column() -> None:
     result = invoke("check", "coarse-channel", "--set", f"geometry.domain_length={1.01 * radius}")
     assert (result.exit_code, result.stdout) == (2, "")
     assert "too small for the column, 0.09 m: its last 5 cells are not usable" in result.stderr
-    length = result.stderr.partition("; set ")[2].partition(" m")[0]
+    length = result.stderr.partition(" set ")[2].partition(" m")[0]
     result = invoke("check", "coarse-channel", "--set", f"geometry.domain_length={length}")
     assert result.exit_code == 0 and "domain_length" not in result.output
 
@@ -119,6 +119,48 @@ def test_check_names_the_line_of_a_column_that_is_too_soft() -> None:
     assert "more than a third" in result.stderr and "set 3.2e+06 Pa or more" in result.stderr
     result = invoke("check", "soft.toml", "--set", "geometry.gravity=981")
     assert result.stderr.startswith("--set geometry.gravity=981: geometry.gravity = 981 m/s2 is 100 times")
+
+
+WALLS = """[method]
+wall_impulse = true
+[geometry]
+base = "rigid"
+{}
+[[walls]]
+name = "a"
+from = 0.3
+to = 0.4
+height = 0.1
+[[walls]]
+name = "b"
+from = {}
+to = {}
+height = 0.1"""
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "message", "remedy"),
+    [
+        ("[grid]\nspacing = 1e-9", 4, "grid.spacing = 1e-09 m: ", "increase grid.spacing"),
+        ("[geometry]\ndomain_length = 0.1", 4, "geometry.domain_length = 0.1 m is too small", "or omit it"),
+        (WALLS.format("", 0.405, 0.45), 13, "walls a and b are 1 cell of 0.005 m apart", "move one of them"),
+        (WALLS.format("domain_length = 0.5", 0.45, 0.6), 13, "wall b: from = 0.45 m, to = 0.6 m: outside", "move the"),
+        (
+            "[geometry]\noutline = [[0, 0], [1, 0], [0.1, 0.01], [0, 0.1]]\n[grid]\nspacing = 0.02",
+            4,
+            "geometry.outline is thinner",
+            "omit",
+        ),
+    ],
+)
+def test_check_names_the_line_of_what_cannot_be_run(text: str, line: int, message: str, remedy: str) -> None:
+    Path("unfit.toml").write_text(f'schema = 1\nextends = "coarse-channel"\n{text}\n')
+    result = invoke("check", "unfit.toml")
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert result.stderr.startswith(f"unfit.toml:{line}: {message}")
+    assert remedy in result.stderr.partition("^ ")[2]
+    assert invoke("run", "unfit.toml", "--out", "runs/unfit").stderr == result.stderr
+    assert not list(Path("runs/unfit").glob("[!.]*"))
 
 
 @pytest.mark.parametrize(
