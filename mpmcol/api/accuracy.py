@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from mpmcol.errors import UsageError
 from mpmcol.io.results import Results
 from mpmcol.studies.pareto.recommend import Recommendation, recommend, require_free
 from mpmcol.studies.statement import make_statement
 from mpmcol.studies.statement_text import write_statement
+from mpmcol.sweep.arguments import require_accuracy
 from mpmcol.sweep.engine import Outcome
 
 
@@ -21,8 +21,7 @@ class Recommendations:
     """
 
     def __init__(self, case: str | Path, accuracy: float, corrected: bool = False) -> None:
-        if not 0.0 < accuracy < 1.0:
-            raise UsageError(f"accuracy = {accuracy!r}: expected a relative error between 0 and 1, for example 0.05")
+        require_accuracy(accuracy, corrected)
         self.case, self.accuracy, self.corrected = case, accuracy, corrected
         self.found: dict[str, Recommendation] = {}  # by the overrides of the run, in the order of the runs
 

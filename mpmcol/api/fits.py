@@ -25,7 +25,7 @@ from mpmcol.sweep.names import safe_name, sweep_name
 from mpmcol.sweep.runner import SweepObserver
 
 FOLDER = Path("fits")
-Measured = float | tuple[float, float]  # a value, or a value and its standard error
+Measured = float | Sequence[float]  # a value, or a value and its standard error
 
 
 @dataclass(frozen=True, repr=False)
@@ -52,7 +52,7 @@ class FitResults:
 def fit(
     case: Case | Path | str,
     to: Mapping[str, Measured],
-    vary: Mapping[str, tuple[float, float]],
+    vary: Mapping[str, Sequence[float]],
     *,
     profile: Path | str | None = None,
     overrides: Sequence[str] = (),
@@ -78,7 +78,7 @@ def fit(
         overrides: further values of the case, as "KEY=VALUE".
         accuracy: relative error of runout and height, for which the answer gets a configuration of the shipped study
             and the search a coarser one (default: the grid of the case).
-        repeats: runs for each set of values, at least 2.
+        repeats: runs for each set of values, 2 to 20.
         out: folder of the fit (default: in "fits", named by case, fixed values and keys).
         fresh: run again what is finished.
         jobs, threads: concurrent runs and threads per run (default: chosen from cores, memory and sizes).
@@ -88,7 +88,8 @@ def fit(
 
     Raises:
         CaseError: a value is invalid.
-        UsageError: fewer measured values than unknowns, an unknown quantity, or a profile that cannot be read.
+        UsageError: fewer measured values than unknowns, an unknown quantity, a number out of range, or a profile that
+            cannot be read.
         OutputError: a file cannot be written.
     """
     with tempfile.TemporaryDirectory() as temporary:
@@ -115,11 +116,11 @@ def parse_measured(text: str, profile: Path | None) -> list[Target]:
 
 
 def default_folder(
-    case: str, unknowns: Sequence[Unknown], overrides: Sequence[str] = (), accuracy: float | None = None
+    name: str, unknowns: Sequence[Unknown], overrides: Sequence[str] = (), accuracy: float | None = None
 ) -> Path:
-    """Folder of a fit, named by the case, fixed values, the accuracy, and the keys that vary."""
+    """Folder of a fit, named by that of the case, fixed values, the accuracy, and the keys that vary."""
     fixed = [Axis(key, (value,)) for key, value in map(split_setting, overrides)]
-    return FOLDER / safe_name("-".join([sweep_name(case, fixed, accuracy), *(unknown.name for unknown in unknowns)]))
+    return FOLDER / safe_name("-".join([sweep_name(name, fixed, accuracy), *(unknown.name for unknown in unknowns)]))
 
 
 def _results(found: Fit) -> FitResults:

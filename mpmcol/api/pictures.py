@@ -14,7 +14,7 @@ from mpmcol.plotting.run_charts import chart_run
 def plot(
     run: Results | Path | str,
     *,
-    times: Sequence[float] | None = None,
+    times: Sequence[float] | float | None = None,
     svg: bool = False,
     out: Path | str | None = None,
     notify: Notify = warn,
@@ -32,7 +32,8 @@ def plot(
         UsageError: the run ended before the release, or it has no snapshot near one of the times.
         OutputError: no snapshot can be read, or a chart cannot be written.
     """
-    return chart_run(as_results(run), times=times, svg=svg, out=None if out is None else Path(out), notify=notify)
+    chosen = [times] if isinstance(times, (int, float)) else times
+    return chart_run(as_results(run), times=chosen, svg=svg, out=None if out is None else Path(out), notify=notify)
 
 
 def render(
@@ -61,7 +62,7 @@ def render(
         notify: receives a message if pyvista cannot draw here and matplotlib did (default: a warning).
 
     Raises:
-        UsageError: the model has no such view, or the run no such snapshot.
+        UsageError: there is no such colour or size, the model has no such view, or the run no such snapshot.
         OutputError: a file cannot be read or written.
     """
     target = None if out is None else Path(out)

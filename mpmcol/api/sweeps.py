@@ -15,6 +15,7 @@ from mpmcol.case import Case, Problem, resolved_toml
 from mpmcol.errors import UsageError
 from mpmcol.io.html import html_table
 from mpmcol.io.results import Results
+from mpmcol.sweep.arguments import require_accuracy
 from mpmcol.sweep.axes import ASPECT, Axis, parse_values
 from mpmcol.sweep.fits import Slope
 from mpmcol.sweep.names import UNSAFE, sweep_name
@@ -155,13 +156,16 @@ def planned_runs(
 
 
 def texts_of(key: str, values: Values) -> tuple[str, ...]:
-    """Values as `--set` takes them."""
+    """Values as `--set` takes them. Raises UsageError if there is none."""
     if isinstance(values, str):
         try:
             return parse_values(values)
         except ValueError as error:
             raise UsageError(f"{key}: {error}") from None
-    return tuple(_text(value) for value in (values if isinstance(values, Iterable) else [values]))
+    texts = tuple(_text(value) for value in (values if isinstance(values, Iterable) else [values]))
+    if not texts:
+        raise UsageError(f"{key}: no value; give one or more")
+    return texts
 
 
 def _text(value: str | float) -> str:
@@ -172,7 +176,7 @@ def _text(value: str | float) -> str:
 
 def name_of(case: Case | Path | str) -> str:
     """The name of a case for a folder."""
-    return UNSAFE.sub("_", case.title) or "case" if isinstance(case, Case) else str(case)
+    return UNSAFE.sub("_", case.title) or "case" if isinstance(case, Case) else Path(case).stem
 
 
 def source_of(case: Case | Path | str, folder: Path) -> Path | str:
@@ -189,9 +193,8 @@ def recommendations(source: str | Path, accuracy: float | None, corrected: bool)
 
     Raises UsageError for an accuracy out of range, and for corrected values without one.
     """
+    require_accuracy(accuracy, corrected)
     if accuracy is None:
-        if corrected:
-            raise UsageError("corrected values require an accuracy, which chooses the grid")
         return None
     from mpmcol.api.accuracy import Recommendations  # with the studies, which take longer to import than all else
 

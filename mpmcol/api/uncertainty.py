@@ -129,5 +129,7 @@ def propagate(
     outcomes = run_sweep(plan.runs, folder, jobs=jobs, threads=threads, fresh=fresh, observer=observer)
     sweep, analysis = write_sweep_report(outcomes, folder), analyse(plan, outcomes, passes)
     report = write_report(analysis, folder)
+    for note in sweep.notes:
+        notify(f"note: {note}")
     files = [*report.files, *sweep.files]
     return UncertaintyResults(folder, sweep.rows, analysis.quantities, analysis.passes, report.record, files)

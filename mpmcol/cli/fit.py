@@ -96,7 +96,7 @@ def fit(
     overrides = with_aspect(overrides, aspect)
     targets = parse_measured(",".join(measured), profile)
     unknowns = parse_unknowns(vary, case, overrides)
-    folder = out or default_folder(case, unknowns, overrides, accuracy)
+    folder = out or default_folder(Path(case).stem, unknowns, overrides, accuracy)
     require_folder_path(folder)
     if dry_run:
         levels, runs = plan_fit(case, overrides, unknowns, targets, folder, accuracy=accuracy, repeats=repeats)

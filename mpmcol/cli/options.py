@@ -13,9 +13,10 @@ from typing import Any
 import click
 
 from mpmcol.errors import OutputError
+from mpmcol.sweep.arguments import MOST_CONCURRENT
 
 PATH = click.Path(path_type=Path)
-JOBS = THREADS = click.IntRange(1, 1024)  # far more than the cores of a machine; the system could not start them
+JOBS = THREADS = click.IntRange(1, MOST_CONCURRENT)
 CHECK_FAILED = 4  # exit code if a check or a scenario has an unexpected outcome
 ASPECT_KEY = "geometry.aspect"
 DEFAULT_FOLDER = Path("runs")  # of the results, if no other is given

@@ -10,9 +10,7 @@ from typing import Any
 import click
 
 from mpmcol.cli.options import PATH, positive_integer, results_argument
-
-LEAST_PIXELS, MOST_PIXELS = 200, 8000
-COLORS = ("displacement", "velocity", "pressure", "shear", "inertial", "friction")
+from mpmcol.plotting.limits import COLORS, LEAST_PIXELS, MOST_PIXELS
 
 
 def parse_size(context: click.Context, parameter: click.Parameter, text: str | None) -> tuple[int, int] | None:

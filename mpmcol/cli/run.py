@@ -141,7 +141,8 @@ def run(
 
     given = with_aspect(overrides, aspect)
     loaded = load_case(case, given)
-    folder = out or DEFAULT_FOLDER / f"{run_name(case, loaded, given, accuracy, corrected)}{'-certified' * certify}"
+    name = run_name(Path(case).stem, loaded, given, accuracy, corrected)
+    folder = out or DEFAULT_FOLDER / f"{name}{'-certified' * certify}"
     if accuracy is not None:
         advice = recommend(case, given, accuracy, corrected=corrected, silent=quiet)
         if certify:

@@ -168,7 +168,7 @@ def _planned(
     from mpmcol.sweep.names import sweep_name
 
     axes, problems = parse_axes(aspect, overrides, slope)
-    folder = out or Path("sweeps") / sweep_name(case, axes, accuracy, corrected)
+    folder = out or Path("sweeps") / sweep_name(Path(case).stem, axes, accuracy, corrected)
     notes: list[str] = []
     chosen = recommendations(case, accuracy, corrected)
     runs = planned_runs(case, axes, folder, chosen, zipped=zipped, problems=problems, notify=notes.append)

@@ -49,7 +49,7 @@ class UncertainOptions:
 
         fixed, problems = parse_axes(aspect, overrides, slope) if aspect or overrides or slope else ([], [])
         uncertain, seeds, more = parse_inputs(self.inputs)
-        folder = out or Path("sweeps") / study_name(case, fixed, uncertain, accuracy, corrected, seeds)
+        folder = out or Path("sweeps") / study_name(Path(case).stem, fixed, uncertain, accuracy, corrected, seeds)
         plan = plan_study(
             case, fixed, uncertain, folder,
             samples=self.samples, seed=self.seed, accuracy=accuracy, corrected=corrected, seeds=seeds,

@@ -7,24 +7,27 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from mpmcol.errors import OutputError
-from mpmcol.integrity.readable import READERS, read_error
+from mpmcol.integrity.readable import read_error
 from mpmcol.integrity.report import Finding, FolderReport
 from mpmcol.integrity.run import check_run
 from mpmcol.io.names import (
     CASE_FILE,
     CHECKPOINT_FILES,
     CHECKSUM_FILE,
+    ENVIRONMENT_FILE,
     GIVEN_CASE_FILE,
     HISTORY_FILE,
     RESULT_FILE,
     SNAPSHOT_FOLDER,
 )
+from mpmcol.sweep.plan import PLAN_FILE
 
 __all__ = ["Finding", "FolderReport", "verify"]
 
 RUN_FILES = {
     RESULT_FILE, CHECKSUM_FILE, HISTORY_FILE, CASE_FILE, GIVEN_CASE_FILE, SNAPSHOT_FOLDER, *CHECKPOINT_FILES
 }  # fmt: skip
+DERIVING_FILES = {PLAN_FILE, ENVIRONMENT_FILE}  # of a sweep or study, which has tables and charts beside them
 
 
 def verify(folder: Path) -> list[FolderReport]:
@@ -36,7 +39,7 @@ def verify(folder: Path) -> list[FolderReport]:
     for path, names in _folders(folder):
         if RUN_FILES & set(names):
             reports.append(check_run(path))
-        elif any(Path(name).suffix in READERS for name in names):
+        elif DERIVING_FILES & set(names):
             reports.append(_check_derived(path, names))
     if not any(report.status for report in reports):
         raise OutputError(f"{folder}: no run found; expected the folder of a run, or a folder above such folders")

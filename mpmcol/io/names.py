@@ -14,6 +14,7 @@ RESUMED_AT = "resumed_at"  # comment in CASE_FILE: time since release at which t
 GIVEN_CASE_FILE, LOG_FILE = "case.toml", "run.log"
 ERROR_BARS_FILE, REPEATS_FOLDER = "error_bars.json", "repeats"  # of `mpmcol run --certify`
 ACCURACY_FILE = "accuracy.json"  # of `mpmcol run --accuracy`
+ENVIRONMENT_FILE = "environment.json"  # of a study: versions and machine
 REPORT_FILE = "report.html"  # of `mpmcol report`
 CHART_FILES = (
     "profile.png", "front.png", "energy.png", "profile.svg", "front.svg", "energy.svg", "collapse.gif", "collapse.mp4",

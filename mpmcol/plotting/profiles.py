@@ -43,9 +43,7 @@ class LengthAxes:
     factor: float
 
 
-def set_up_axes(
-    target: LengthAxes, shape: ColumnShape, deposits: Sequence[Measurement], reach: float, ylabel: str | None = None
-) -> float:
+def set_up_axes(target: LengthAxes, shape: ColumnShape, deposits: Sequence[Measurement], reach: float) -> float:
     """Fit the axes to column, deposits and `reach` (m), draw column, gate and floor; returns height over length."""
     axes, unit, factor = target.axes, target.unit, target.factor
     walls = [(one.low_x, one.high_x) for one in shape.obstacles]
@@ -57,7 +55,7 @@ def set_up_axes(
         xlim=(-0.03 * length, 1.03 * length),
         ylim=(-bed - 0.04 * length, top + 0.07 * length),
         xlabel=f"{distance_label(shape)} ({unit})",
-        ylabel=ylabel or f"{height} ({unit})",
+        ylabel=f"{height} ({unit})",
     )
     axes.plot(*(factor * shape.surface), label="column at release", **RELEASED)
     if shape.gate:

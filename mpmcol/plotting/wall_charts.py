@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from itertools import cycle
-from math import radians, sin
+from math import cos, radians, sin
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -130,7 +130,7 @@ def _draw_profiles(
     gravity: float,
 ) -> None:
     unit, factor = length_scale(shape.h_i)
-    weight, largest = shape.density * gravity, 0.0
+    weight, largest = shape.density * gravity * cos(radians(shape.slope_deg)), 0.0  # per height, normal to the base
     for profile in profiles:
         style, colour = styles[profile.wall], styles[profile.wall]["color"]
         line, fill = STATE_LINES[profile.state], profile.side[1]
@@ -143,7 +143,8 @@ def _draw_profiles(
             axes.plot((ends[0] / active, 0.0), (0.0, ends[1]), color=colour, linestyle="--", linewidth=1.0)
             largest = max(largest, active * ends[0])
     if friction_deg is not None and profiles:
-        axes.plot([], [], color="0.4", linestyle=":", linewidth=1.0, label=r"active, $K_a \rho g (h_w - y)$")
-        axes.plot([], [], color="0.4", linestyle="--", linewidth=1.0, label=r"passive, $K_p \rho g (h_w - y)$")
+        normal = r"g \cos\theta" if shape.slope_deg else "g"
+        for name, line in (("active, $K_a", ":"), ("passive, $K_p", "--")):
+            axes.plot([], [], color="0.4", linestyle=line, linewidth=1.0, label=rf"{name} \rho {normal} (h_w - y)$")
     axes.set(xlabel="normal pressure (Pa)", ylabel=f"height ({unit})", xlim=(0.0, HEADROOM * largest or 1.0))
     axes.set_ylim(0.0, 1.2 * factor * max((profile.height for profile in profiles), default=shape.h_i))

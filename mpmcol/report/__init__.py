@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from mpmcol.errors import UsageError
 from mpmcol.report.collect import collect
 from mpmcol.report.page import render_page
 from mpmcol.report.target import default_target, write_page
@@ -22,6 +23,8 @@ def write_report(folders: Sequence[Path], *, out: Path | None = None, overwrite:
         UsageError: no such report can be made of these folders, or the file is not a report.
         OutputError: a file of a folder is missing or damaged, or the report cannot be written.
     """
+    if not folders:
+        raise UsageError("no folder given; expected that of a run, a sweep or a study")
     target = out or default_target(folders)
     write_page(target, lambda: render_page(collect(folders)), overwrite)
     return target

@@ -12,9 +12,9 @@ from markdown_it import MarkdownIt
 from markdown_it.token import Token
 
 from mpmcol.errors import OutputError
+from mpmcol.io.names import ENVIRONMENT_FILE
 from mpmcol.report.model import Page, Section, Table
 from mpmcol.report.pictures import file_picture
-from mpmcol.studies.frame import ENVIRONMENT_FILE
 
 SCROLLED = {"table_open": '<div class="scroll" tabindex="0"><table>', "table_close": "</table></div>"}
 

@@ -11,13 +11,13 @@ from typing import Generic, Protocol, TypeVar
 
 from mpmcol.errors import UsageError
 from mpmcol.io.atomic import atomic_write
+from mpmcol.io.names import ENVIRONMENT_FILE
 from mpmcol.provenance import environment
 from mpmcol.studies.runs import EndedRuns, StudyRun, carry_out, find_ended
 from mpmcol.sweep.engine import Outcome, unsuccessful
 from mpmcol.sweep.runner import SweepObserver
 
 RUNS = "runs"  # folder of the runs within that of the study
-ENVIRONMENT_FILE = "environment.json"
 
 Evaluation = TypeVar("Evaluation")
 

@@ -19,6 +19,7 @@ from mpmcol.sweep.table import Row, make_rows
 CFL = "time.cfl"
 SNAPSHOTS = "output.snapshots"
 DEFAULTS = {SNAPSHOTS: "1"}
+MOST_REPEATS = 20  # of a run: the last has a little less than half the Courant number
 
 
 def repeated_cfl(cfl: float, count: int, first: float = 0.0, step: float = -0.03) -> tuple[str, ...]:

@@ -50,12 +50,11 @@ def sweep_chart(
     heading: Heading,
     others: Sequence[Experiment] = (),
     slopes: Sequence[Slope] = (),
-    svg: bool = False,
 ) -> list[Path]:
     """Draw "zeta" or "beta" over `axis`; return the paths written.
 
     Args:
-        path: PNG to write; with `svg`, an SVG is written beside it.
+        path: PNG to write.
         axis: a column of the rows: "a", or a key of the case. Text values get equidistant ticks.
         series: rows that are not at rest are drawn in grey. A single series shows each definition of the front,
             several series show front_connected with a bar over the three definitions.
@@ -89,7 +88,7 @@ def sweep_chart(
         use_plain_ticks(axes.yaxis)
     _add_legend(figure, axes, series, slopes, ends)
     label_ends({axes: ends})
-    return save_figure(figure, path, svg)
+    return save_figure(figure, path, svg=False)
 
 
 def _are_text(values: Sequence[Any]) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, ThreadPoolExecutor, wait
-from contextlib import ExitStack, contextmanager, nullcontext
+from contextlib import ExitStack, contextmanager, nullcontext, suppress
 from dataclasses import dataclass, field
 from queue import LifoQueue
 
@@ -14,7 +14,7 @@ from mpmcol.provenance import code_version
 from mpmcol.sweep.compile_cache import kernel_variant, smallest_per_variant
 from mpmcol.sweep.runs import PlannedRun, write_case
 from mpmcol.sweep.scheduling import Allocation, allocate
-from mpmcol.sweep.task import Task, TaskResult, execute_task, execute_with
+from mpmcol.sweep.task import Task, TaskResult, execute_task, execute_with, result_of_ended
 from mpmcol.sweep.worker import ABORT, COMPILE, CONTINUE, STOP, StopRequest, Worker
 
 TICK = 0.25  # s
@@ -77,8 +77,8 @@ def execute_runs(
     pending = []
     for run in runs:
         write_case(run)
-        if read_status(run.folder).has_ended:
-            yield Outcome(run, execute_task(Task(run.folder, 1, code_version())))
+        if (status := read_status(run.folder)).has_ended:
+            yield Outcome(run, result_of_ended(status))
         else:
             pending.append(run)
     if not pending:
@@ -136,9 +136,9 @@ def local_pool(jobs: int) -> Iterator[Pool]:
 
     def compile_first(cases: Sequence[str], threads: int) -> None:
         """Compile in one process, while the others import; its errors are ignored, because the runs report them."""
-        for worker in workers:
-            worker.start(threads)
-        with one_of_them() as worker:
+        with suppress(OSError), one_of_them() as worker:
+            for each in workers:
+                each.start(threads)
             worker.execute([COMPILE, *cases], threads)
 
     with ExitStack() as stack:

@@ -63,22 +63,22 @@ def safe_name(text: str) -> str:
 
 
 def run_name(
-    source: str, case: Case, overrides: Sequence[str], accuracy: float | None = None, corrected: bool = False
+    name: str, case: Case, overrides: Sequence[str], accuracy: float | None = None, corrected: bool = False
 ) -> str:
     """Name of the default results folder of a run: its case, and the values that replace others."""
     leaves = leaf_values(case)
     given = dict(split_setting(text) for text in overrides)
     names = short_names(given)
     labels = [value_label(names[key], key, leaves.get(key, text)) for key, text in given.items()]
-    return safe_name("-".join([Path(source).stem, *labels, *_accuracy_label(accuracy, corrected)]))
+    return safe_name("-".join([name, *labels, *_accuracy_label(accuracy, corrected)]))
 
 
-def sweep_name(source: str, axes: Sequence[Axis], accuracy: float | None = None, corrected: bool = False) -> str:
+def sweep_name(name: str, axes: Sequence[Axis], accuracy: float | None = None, corrected: bool = False) -> str:
     """Name of the default folder of a sweep: its case, fixed values, and the keys that vary except the aspect ratio."""
     shown = [axis for axis in axes if axis.key != ASPECT or len(axis.values) == 1]
     names = short_names(axis.key for axis in shown)
     labels = [f"{names[axis.key]}{_fixed_value(axis)}" for axis in shown]
-    return safe_name("-".join([Path(source).stem, *labels, *_accuracy_label(accuracy, corrected)]))
+    return safe_name("-".join([name, *labels, *_accuracy_label(accuracy, corrected)]))
 
 
 def _fixed_value(axis: Axis) -> str:

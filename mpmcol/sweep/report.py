@@ -64,8 +64,10 @@ def write_report(outcomes: Sequence[Outcome], out: Path) -> SweepReport:
         write_hdf5(out, rows, outcomes)
         if slopes:
             write_slopes(out, slopes)
-        else:  # those of other runs in this folder
+        else:  # those of other runs in this folder; charts likewise
             (out / SLOPES_FILE).unlink(missing_ok=True)
+        for path in _charts_in(out) - charts.keys():
+            path.unlink(missing_ok=True)
         for path, (quantity, group) in charts.items():
             _draw(path, quantity, group)
         atomic_write(out / CSV_FILE, text)
@@ -102,6 +104,10 @@ def _heading(runs: Sequence[PlannedRun]) -> Heading:
 
 def _chart_file(quantity: str, group: ChartGroup, groups: Sequence[ChartGroup]) -> str:
     return f"{quantity}.png" if len(groups) == 1 else f"{quantity}-{group.name}.png"
+
+
+def _charts_in(out: Path) -> set[Path]:
+    return {path for quantity in CHARTED for path in (out / f"{quantity}.png", *out.glob(f"{quantity}-*.png"))}
 
 
 def _draw(path: Path, quantity: str, group: ChartGroup) -> None:

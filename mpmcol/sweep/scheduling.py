@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from mpmcol.setup.cores import available_cores
 from mpmcol.setup.cost import estimate
 from mpmcol.setup.memory import machine_memory, memory_bytes
+from mpmcol.sweep.arguments import require_count
 from mpmcol.sweep.compile_cache import kernel_variant
 from mpmcol.sweep.runs import PlannedRun
 
@@ -48,7 +49,11 @@ def allocate(
         jobs, threads: prescribed values, kept even beyond the number of cores.
         cores: number of cores (default: all that this process may use).
         memory: bytes (default: memory of the machine).
+
+    Raises UsageError if a prescribed value is out of range.
     """
+    require_count("jobs", jobs)
+    require_count("threads", threads)
     cores = cores or available_cores()
     budget = MEMORY_SHARE * (memory or machine_memory())
     candidates = []

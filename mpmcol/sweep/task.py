@@ -76,7 +76,7 @@ def execute_with(worker: Worker, task: Task, stop: StopRequest) -> TaskResult:
     while True:
         status = _status_when_unlocked(task.folder, stop)
         if status.has_ended:
-            return _ended(status, attempts)
+            return result_of_ended(status, attempts)
         if stop():
             return TaskResult("interrupted", attempts, Interrupted.exit_code)
         if attempts > RETRIES or code == UsageError.exit_code:
@@ -96,7 +96,8 @@ def _status_when_unlocked(folder: Path, stop: StopRequest) -> RunStatus:
     return read_status(folder)
 
 
-def _ended(status: RunStatus, attempts: int) -> TaskResult:
+def result_of_ended(status: RunStatus, attempts: int = 0) -> TaskResult:
+    """The result of a run that is done or has diverged, after this number of attempts."""
     if status.name == "done":
         return TaskResult("done", attempts)
     return TaskResult("failed", attempts, NumericalFailure.exit_code, status.failure)

@@ -18,6 +18,7 @@ from mpmcol.integrity import verify
 from mpmcol.io.lock import locked
 from mpmcol.io.names import CHECKPOINT_FILES
 from mpmcol.io.snapshot import write_index
+from mpmcol.sweep.plan import PLAN_FILE
 from tests.support.cli import invoke
 from tests.support.runs import TINY
 
@@ -167,9 +168,11 @@ def test_a_running_run_is_not_checked(killed: Path) -> None:
 def test_all_runs_below_a_folder_are_checked(run: Path, finished: Path) -> None:
     shutil.copytree(finished, run.parent / "deeper" / "other")
     (run.parent / "table.csv").write_text("a,b\n1,2\n3\n")
+    assert invoke("verify", run.parent).exit_code == 0  # a file of the user beside runs
+    (run.parent / PLAN_FILE).write_text("{}")
     done = invoke("verify", run.parent)
     problem = "it cannot be read (ValueError: rows differ in length); delete it, and repeat the command that wrote it"
-    assert done.exit_code == 5 and f"{run.parent}: DAMAGED, 1 of 1 file\n  table.csv: {problem}" in done.output
+    assert done.exit_code == 5 and f"{run.parent}: DAMAGED, 1 of 2 files\n  table.csv: {problem}" in done.output
     assert done.output.count(": intact, 10 files") == 2
 
 

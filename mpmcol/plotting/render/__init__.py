@@ -20,6 +20,7 @@ from mpmcol.io.atomic import atomic_write
 from mpmcol.io.names import HISTORY_FILE
 from mpmcol.io.results import Results, measure_snapshot, read_history
 from mpmcol.io.run_snapshots import find_snapshot, run_snapshots
+from mpmcol.plotting.limits import require_image
 from mpmcol.plotting.render import animation, cutaway, side
 from mpmcol.plotting.render.backends import draw_frames
 from mpmcol.plotting.render.coloring import COLORINGS, Coloring
@@ -68,10 +69,11 @@ def render(
         progress: receives the number of finished images and their total number.
 
     Raises:
-        UsageError: the model has no such view, the view no colours, the law no such quantity, the run no such snapshot,
-            or `out` is not a PNG, or an MP4 is wanted without ffmpeg.
+        UsageError: there is no such colour or size, the model has no such view, the view no colours, the law no such
+            quantity, the run no such snapshot, or `out` is not a PNG, or an MP4 is wanted without ffmpeg.
         OutputError: a file cannot be read or written.
     """
+    require_image(color, size)
     chosen = find_snapshot(results_folder, snapshot)
     view = _choose_view(view, gif or mp4, chosen)
     target = _target(out or results_folder / ("topview.png" if view == "top" else f"snapshot-{chosen.stem}.png"))

@@ -17,12 +17,14 @@ from mpmcol.studies.fit.response import design
 from mpmcol.studies.fit.search import Notify, Search, Solution
 from mpmcol.studies.fit.unknowns import Unknown
 from mpmcol.studies.frame import RUNS
+from mpmcol.studies.runs import MOST_REPEATS
+from mpmcol.sweep.arguments import require_accuracy, require_count
 from mpmcol.sweep.engine import KeptPool
 from mpmcol.sweep.plan import PLAN_FILE
 from mpmcol.sweep.runner import SweepObserver
 from mpmcol.sweep.runs import PlannedRun
 
-REPEATS = 2  # runs for each set of values
+REPEATS = LEAST_REPEATS = 2  # runs for each set of values
 
 
 @dataclass(frozen=True)
@@ -78,7 +80,7 @@ def carry_out_fit(
         CaseError: a value of the case is invalid.
         MpmcolError: no run with some values was successful; it has the exit code of the runs.
     """
-    require_enough(unknowns, targets)
+    _require_valid(unknowns, targets, accuracy, repeats)
     _require_own(out)
     with KeptPool() as kept:
         forward = Forward(
@@ -115,7 +117,7 @@ def plan_fit(
 
     Raises as `carry_out_fit` before it computes.
     """
-    require_enough(unknowns, targets)
+    _require_valid(unknowns, targets, accuracy, repeats)
     _require_own(out)
     middle = np.full(len(unknowns), 0.5)
     levels = [
@@ -131,6 +133,14 @@ def _require_own(out: Path) -> None:
     """Raise UsageError if a folder holds something else than a fit."""
     if out.is_dir() and any(out.iterdir()) and not (out / RUNS / PLAN_FILE).exists():
         raise UsageError(f"{out} is not empty and holds no fit; use --out for another folder")
+
+
+def _require_valid(
+    unknowns: Sequence[Unknown], targets: Sequence[Target], accuracy: float | None, repeats: int
+) -> None:
+    require_accuracy(accuracy)
+    require_count("repeats", repeats, LEAST_REPEATS, MOST_REPEATS)
+    require_enough(unknowns, targets)
 
 
 def require_enough(unknowns: Sequence[Unknown], targets: Sequence[Target]) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmcol.errors import OutputError
 from mpmcol.io.results import Results, measure_stop_time
 
 TIMES = (1.0, 2.0)  # since release, in sqrt(h_i/g)
@@ -17,11 +16,8 @@ COURSE_UNITS = {"stop_time": "sqrt(h_i/g)"}
 
 
 def course_of(results: Results) -> dict[str, float]:
-    """Quantities of the collapse in time; empty if the history cannot be read."""
-    try:
-        history = results.history
-    except OutputError:
-        return {}
+    """Quantities of the collapse in time; empty without a collapse."""
+    history = results.history
     collapse, shape = history["stage"] == "collapse", results.shape
     unit = results.fall_time
     time = history["time"][collapse] / unit

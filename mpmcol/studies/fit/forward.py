@@ -37,7 +37,7 @@ class Evaluation:
     folders: tuple[Path, ...]
     at_rest: bool
     core_seconds: float
-    courses: tuple[Mapping[str, float], ...] = ()  # of each run: quantities of the collapse in time
+    courses: tuple[Mapping[str, float], ...]  # of each run: quantities of the collapse in time
 
     @property
     def mean(self) -> np.ndarray:
@@ -47,8 +47,7 @@ class Evaluation:
     @property
     def quantities(self) -> list[dict[str, float]]:
         """All quantities of each run."""
-        courses = self.courses or ({},) * len(self.deposits)
-        return [{**scalars_of(one), **course} for one, course in zip(self.deposits, courses, strict=True)]
+        return [{**scalars_of(one), **course} for one, course in zip(self.deposits, self.courses, strict=True)]
 
 
 @dataclass(frozen=True)
@@ -108,10 +107,10 @@ class Forward:
         deposits = tuple(measured_deposit(one) for one in results)
         courses = tuple(course_of(one) for one in results)
         values = values_of(self.targets, deposits, courses, level.factors)
-        if not np.isfinite(values).all():
+        if name := _without_value(self.targets, deposits, courses):
             raise UsageError(
-                f"{folders[0]}: the deposit has no value of one of the measured quantities (a repose angle needs a "
-                "flank of several cells); narrow the range of the unknowns, or use other quantities"
+                f"{folders[0]}: the run has no value of {name} (a repose angle needs a flank of several cells, a stop "
+                "time a front that stops); narrow the range of the unknowns, or use other quantities"
             )
         return Evaluation(
             level, shares, values, deposits, tuple(folders), all(one.came_to_rest for one in results),
@@ -132,6 +131,15 @@ def values_of(
             for deposit, course in zip(deposits, courses, strict=True)
         ]
     )
+
+
+def _without_value(
+    targets: Sequence[Target], deposits: Sequence[Measurement], courses: Sequence[Mapping[str, float]]
+) -> str:
+    """Name of the first target that a run does not have; "" if there is none."""
+    runs = list(zip(deposits, courses, strict=True))
+    names = (target.name for target in targets for run in runs if not np.isfinite(target.of(*run)).all())
+    return next(names, "")
 
 
 def _named(run: PlannedRun) -> str:

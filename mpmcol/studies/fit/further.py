@@ -54,7 +54,7 @@ def further_measurements(
 def _further(
     name: str, meaning: str, within: str, groups: Sequence[np.ndarray], value: np.ndarray, error: np.ndarray
 ) -> Further:
-    variance, _ = pooled_variance(groups)
+    variance = pooled_variance(groups)
     runs = min(len(group) for group in groups)
     values = np.array([group.mean(axis=0) for group in groups])
     return Further(name, meaning, within, values, value, error**2 + variance / runs)

@@ -18,7 +18,7 @@ from mpmcol.units import to_unit
 
 FRONT = "front_height"  # definition of the front
 PROFILE = "profile"
-STATIONS = 8  # of a profile, equally spaced between the wall or axis and its last point
+STATIONS = 8  # of a profile, equally spaced from its first to its last point
 ASSUMED_ERROR = 0.02  # standard error of values without one, relative; of a profile, in its largest height
 EXPECTED = 'expected NAME=VALUE or NAME=VALUE+-ERROR, separated by commas, for example "zeta=1.37+-0.05,beta=0.55"'
 
@@ -151,10 +151,15 @@ def parse_targets(text: str) -> list[Target]:
     return list(targets.values())
 
 
-def targets_of(values: Mapping[str, float | tuple[float, float]]) -> list[Target]:
+def targets_of(values: Mapping[str, float | Sequence[float]]) -> list[Target]:
     """Measured values by name, each a number or a number and its standard error. Raises UsageError."""
-    pairs = {name: value if isinstance(value, tuple) else (value, 0.0) for name, value in values.items()}
-    return [_target(name, float(value), float(error), f"to {name}") for name, (value, error) in pairs.items()]
+    targets = []
+    for name, given in values.items():
+        numbers = np.atleast_1d(np.asarray(given, dtype=float))
+        if numbers.shape not in ((1,), (2,)):
+            raise UsageError(f"to {name} = {given!r}: expected a number, or a number and its standard error")
+        targets.append(_target(name, float(numbers[0]), float(numbers[1]) if len(numbers) > 1 else 0.0, f"to {name}"))
+    return targets
 
 
 def read_profile(path: Path) -> Target:

@@ -10,6 +10,7 @@ from typing import Any
 
 from mpmcol.case import load_case, resolved_toml
 from mpmcol.io.atomic import atomic_write
+from mpmcol.io.names import ENVIRONMENT_FILE
 from mpmcol.io.values import to_json
 from mpmcol.provenance import environment
 from mpmcol.studies.fit import RUNS, Fit
@@ -19,7 +20,6 @@ from mpmcol.studies.fit.levels import Level
 from mpmcol.studies.fit.quantities import ASSUMED_ERROR, FRONT, MEANINGS, unit_of
 from mpmcol.studies.fit.unknowns import settings
 from mpmcol.studies.fit.values import fitted_values
-from mpmcol.studies.frame import ENVIRONMENT_FILE
 from mpmcol.studies.markdown import document, images, table
 
 FIT_FILE, EVALUATIONS_FILE, CASE_FILE = "fit.json", "evaluations.csv", "fitted.toml"

@@ -143,11 +143,11 @@ def misfit(difference: np.ndarray, covariance: np.ndarray) -> float:
     return float(difference @ np.linalg.solve(covariance, difference))
 
 
-def pooled_variance(groups: Sequence[np.ndarray]) -> tuple[np.ndarray, int]:
-    """Variance (m,) of a single run from repeated runs, each group (runs, m), and its degrees of freedom."""
+def pooled_variance(groups: Sequence[np.ndarray]) -> np.ndarray:
+    """Variance (m,) of a single run from repeated runs, each group (runs, m)."""
     freedom = sum(len(group) - 1 for group in groups)
     squares = sum(((group - group.mean(axis=0)) ** 2).sum(axis=0) for group in groups)
-    return np.asarray(squares) / max(freedom, 1), freedom
+    return np.asarray(squares) / max(freedom, 1)
 
 
 def _terms(u: np.ndarray) -> np.ndarray:

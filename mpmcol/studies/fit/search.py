@@ -117,7 +117,7 @@ class Search:
 
     def _variance(self) -> np.ndarray:
         """Variance (m,) of a single run, at least that of LEAST_ERROR."""
-        variance, _ = pooled_variance([one.values for one in self.evaluations])
+        variance = pooled_variance([one.values for one in self.evaluations])
         return np.asarray(np.maximum(variance, (LEAST_ERROR * self.measured) ** 2))
 
     def _causes(self, here: Evaluation, runs: float) -> dict[str, np.ndarray]:

@@ -46,10 +46,6 @@ class Unknown:
         """The value at a share of the range, 0 to 1, with DIGITS digits."""
         return float(f"{self.low + share * (self.high - self.low):.{DIGITS}g}")
 
-    def share(self, value: float) -> float:
-        """Where a value lies in the range, 0 to 1."""
-        return (value - self.low) / (self.high - self.low)
-
 
 def parse_unknowns(texts: Sequence[str], source: str | Path, overrides: Sequence[str]) -> list[Unknown]:
     """The unknowns given as KEY=LOW:HIGH; both ends must be valid values of the case.
@@ -69,11 +65,13 @@ def parse_unknowns(texts: Sequence[str], source: str | Path, overrides: Sequence
     return unknowns
 
 
-def unknowns_of(
-    ranges: Mapping[str, tuple[float, float]], source: str | Path, overrides: Sequence[str]
-) -> list[Unknown]:
+def unknowns_of(ranges: Mapping[str, Sequence[float]], source: str | Path, overrides: Sequence[str]) -> list[Unknown]:
     """The unknowns given as numbers. Raises as `parse_unknowns`."""
-    return parse_unknowns([f"{key}={low!r}:{high!r}" for key, (low, high) in ranges.items()], source, overrides)
+    for key, ends in ranges.items():
+        if np.shape(ends) != (2,):
+            raise UsageError(f"vary {key} = {ends!r}: expected the two ends of a range, for example (20, 45)")
+    texts = [f"{key}={float(low)!r}:{float(high)!r}" for key, (low, high) in ranges.items()]
+    return parse_unknowns(texts, source, overrides)
 
 
 def settings(unknowns: Sequence[Unknown], shares: np.ndarray) -> list[str]:

@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from mpmcol.studies.definition import DefinitionTable, Value, load_definition, shipped_definitions
+from mpmcol.studies.runs import MOST_REPEATS
 
 Values = Annotated[tuple[Value, ...], Field(min_length=1)]
 Axis = Annotated[dict[str, Values], Field(min_length=1, max_length=1)]  # a key of the case and its values
@@ -21,8 +22,8 @@ class MapCase(DefinitionTable):
     aspect: float = Field(gt=0.0)
     cells: Cells  # of all runs of the map
     finer: Cells  # of the reference
-    repeats: int = Field(8, ge=3, le=50)  # runs at `cells`, slightly different in time step, which give the scatter
-    finer_repeats: int = Field(3, ge=1, le=50)  # runs at `finer`, whose mean is the reference
+    repeats: int = Field(8, ge=3, le=MOST_REPEATS)  # runs at `cells` with different time steps, for the scatter
+    finer_repeats: int = Field(3, ge=1, le=MOST_REPEATS)  # runs at `finer`, whose mean is the reference
 
     @model_validator(mode="after")
     def _check_spacings(self) -> MapCase:

@@ -38,7 +38,7 @@ def table_rows(assessed: Sequence[AssessedPoint]) -> Iterator[Row]:
         point, assessment = one.point, one.assessment
         values = leaf_values(point.run.plan(Path()).case)
         row: Row = {"block": point.block, "panel": point.panel, "case": point.case}
-        row |= {key: values[key] for key in keys} | {"default": point.is_default, "rating": assessment.rating}
+        row |= {key: values.get(key) for key in keys} | {"default": point.is_default, "rating": assessment.rating}
         row |= {"exceeded": " ".join(assessment.exceeded), "cause": assessment.cause}
         row |= {f"{metric}.metric": assessment.metrics.get(metric) for metric in FLOORS}
         row |= {name: one.run.row[name] if one.run else None for name in MEASURED}

@@ -137,7 +137,7 @@ def _rounded(value: Any) -> Any:
 
 def markdown(result: FigureResult, title: str, heading: str) -> str:
     """Format comparisons, table and links to the charts."""
-    rows = [[_format(value, 4) for value in row.values()] for row in result.rows]
+    rows = [[_format(value) for value in row.values()] for row in result.rows]
     return document(
         [f"# {title}"],
         [heading],
@@ -147,7 +147,7 @@ def markdown(result: FigureResult, title: str, heading: str) -> str:
     )
 
 
-def _format(value: Any, digits: int) -> str:
+def _format(value: Any) -> str:
     if value is None:
         return ""
-    return f"{value:.{digits}g}" if isinstance(value, float) else str(value)
+    return f"{value:.4g}" if isinstance(value, float) else str(value)

@@ -86,7 +86,7 @@ def effects(study: StudyDefinition, scored: Sequence[ScoredConfiguration]) -> It
     for one in scored:
         configuration = one.configuration
         other = baseline.get((configuration.case, configuration.cells))
-        if other is None or other is one or not one.errors or not other.errors:
+        if other is None or other is one or not one.errors or not other.errors or not _pairs(one, other, BETA):
             continue
         yield Effect(
             configuration.case,
@@ -100,7 +100,12 @@ def effects(study: StudyDefinition, scored: Sequence[ScoredConfiguration]) -> It
 
 def _change(one: ScoredConfiguration, other: ScoredConfiguration, quantity: str) -> tuple[float, float]:
     """Mean of the ratios of runs at equal spacings, less one, and its standard error; nan with a single pair."""
-    there = {run.row["spacing_used"]: run.row[quantity] for run in other.runs}
-    ratios = [run.row[quantity] / there[h] for run in one.runs if (h := run.row["spacing_used"]) in there]
+    ratios = [value / reference for value, reference in _pairs(one, other, quantity)]
     error = np.std(ratios, ddof=1) / np.sqrt(len(ratios)) if len(ratios) > 1 else np.nan
     return float(np.mean(ratios)) - 1.0, float(error)
+
+
+def _pairs(one: ScoredConfiguration, other: ScoredConfiguration, quantity: str) -> list[tuple[float, float]]:
+    """The values of runs of both at equal spacings; empty if different runs of them failed."""
+    there = {run.row["spacing_used"]: run.row[quantity] for run in other.runs}
+    return [(run.row[quantity], there[h]) for run in one.runs if (h := run.row["spacing_used"]) in there]

@@ -24,7 +24,8 @@ from mpmcol.studies.definition import (
 )
 from mpmcol.studies.runs import StudyRun, study_run
 
-Cells = tuple[Annotated[float, Field(ge=2.0, le=1000.0)], ...]
+LEAST_CELLS = 2.0  # in the radius
+Cells = Annotated[tuple[Annotated[float, Field(ge=LEAST_CELLS, le=1000.0)], ...], Field(min_length=1)]
 
 
 class StudyCase(DefinitionTable):
@@ -33,7 +34,7 @@ class StudyCase(DefinitionTable):
     extends: str  # shipped case or path
     aspect: float = Field(gt=0.0)
     set: dict[str, Value] = Field(default_factory=dict)  # further values of the case
-    finest: float | None = Field(None, ge=2.0)  # largest r_i / h for this case; no limit if absent
+    finest: float | None = Field(None, ge=LEAST_CELLS)  # largest r_i / h for this case; no limit if absent
     variants: tuple[str, ...] | None = None  # with which it is computed; all that do not list other cases if absent
 
 
@@ -78,6 +79,21 @@ class StudyDefinition(DefinitionTable):
             if missing := set(self.reference) - set(self.variants_of(case)):
                 raise ValueError(f"reference: the case {case!r} is not computed with {', '.join(sorted(missing))}")
         return self
+
+    @model_validator(mode="after")
+    def _check_cells(self) -> StudyDefinition:
+        for name, variant in self.variants.items():
+            coarsest, repeats = min(variant.cells or self.cells), self.repeats_of(name)
+            if coarsest - repeats + 1 < LEAST_CELLS:
+                raise ValueError(
+                    f"variants.{name}: with {repeats} runs of a configuration, each with one cell fewer in the radius, "
+                    f"cells must be at least {LEAST_CELLS + repeats - 1:g}, not {coarsest:g}"
+                )
+        return self
+
+    def repeats_of(self, variant: str) -> int:
+        """Return the number of runs of a configuration of a variant."""
+        return self.variants[variant].repeats or self.repeats
 
     def cells_of(self, variant: str, case: str) -> Cells:
         """Return r_i / h of a variant for a case, coarsest first."""
@@ -125,7 +141,7 @@ def configurations_of(study: StudyDefinition) -> Iterator[Configuration]:
     """Yield all configurations of a study."""
     for name, case in study.cases.items():
         for variant in study.variants_of(name):
-            repeats = study.variants[variant].repeats or study.repeats
+            repeats = study.repeats_of(variant)
             for cells in study.cells_of(variant, name):
                 yield Configuration(name, variant, cells, _repeated_runs(case, study.variants[variant], cells, repeats))
 

@@ -15,6 +15,7 @@ from mpmcol.studies.pareto.recommend import Recommendation, recommend, require_f
 from mpmcol.studies.runs import CFL
 from mpmcol.studies.uncertainty.inputs import UncertainInput, realizations_option
 from mpmcol.studies.uncertainty.sampling import Sample, draw_sample
+from mpmcol.sweep.arguments import require_accuracy
 from mpmcol.sweep.axes import Axis
 from mpmcol.sweep.names import safe_name, sweep_name
 from mpmcol.sweep.notes import notes_on_plan
@@ -60,7 +61,7 @@ class UncertaintyPlan:
 
 
 def study_name(
-    source: str,
+    name: str,
     fixed: Sequence[Axis],
     inputs: Sequence[UncertainInput],
     accuracy: float | None = None,
@@ -69,7 +70,7 @@ def study_name(
 ) -> str:
     """Name of the default folder: the case, fixed values and uncertain keys."""
     uncertain = [Axis(key, ("uncertain", "")) for key in (*(one.key for one in inputs), *seeds)]
-    return safe_name(f"{sweep_name(source, [*fixed, *uncertain], accuracy, corrected)}-uncertain")
+    return safe_name(f"{sweep_name(name, [*fixed, *uncertain], accuracy, corrected)}-uncertain")
 
 
 def plan_study(
@@ -136,10 +137,7 @@ def _require_valid(samples: int, seed: int, accuracy: float | None, corrected: b
         raise UsageError(f"samples = {samples}: expected {LEAST_SAMPLES} to {MOST_SAMPLES:,}")
     if seed < 0:
         raise UsageError(f"seed = {seed}: expected an integer >= 0")
-    if accuracy is not None and not 0.0 < accuracy < 1.0:
-        raise UsageError(f"accuracy = {accuracy!r}: expected a relative error between 0 and 1, for example 0.05")
-    if corrected and accuracy is None:
-        raise UsageError("corrected values require an accuracy, which chooses the grid")
+    require_accuracy(accuracy, corrected)
 
 
 def _require_fields(case: Case, seeds: Sequence[str]) -> None:

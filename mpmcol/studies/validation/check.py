@@ -113,7 +113,7 @@ def evaluate_check(check: Check, completed: CompletedRuns, quick: bool) -> Check
     error = float(sem(values)) if complete and len(values) > 1 else None
     controls = [_control(check, label, column, completed, quick) for label, column in check.controls.items()]
     at_rest = all(run.row["at_rest"] for run in runs)
-    verdict, first = _verdict(check, len(runs), value, controls), completed.get(planned[0])
+    verdict, first = _verdict(check, len(runs) == len(planned), value, controls), completed.get(planned[0])
     return CheckResult(check, verdict, value, error, len(runs), at_rest, controls, first)
 
 
@@ -125,8 +125,8 @@ def _control(check: Check, label: str, column: Column, completed: CompletedRuns,
     return ControlResult(label, True, value, value is not None and value in check.band)
 
 
-def _verdict(check: Check, runs: int, value: float | None, controls: list[ControlResult]) -> Verdict:
-    if not runs or not all(control.was_run for control in controls):
+def _verdict(check: Check, was_run: bool, value: float | None, controls: list[ControlResult]) -> Verdict:
+    if not was_run or not all(control.was_run for control in controls):
         return "not run"
     if not check.band.verified:
         return "unverified"

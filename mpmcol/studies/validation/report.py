@@ -76,9 +76,9 @@ def table_rows(result: CheckResult, quick: bool) -> Iterator[Row]:
         }  # fmt: skip
 
 
-def format_value(value: float | None, unit: str = "") -> str:
-    """Format a value with its unit."""
-    return "none" if value is None else f"{value:.3g} {unit}".strip()
+def format_value(value: float | None) -> str:
+    """Format a value without its unit."""
+    return "none" if value is None else f"{value:.3g}"
 
 
 def format_band(result: CheckResult) -> str:

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import inspect
 import json
+import re
 import runpy
 import shutil
 import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
 import mpmcol
@@ -118,6 +121,19 @@ def test_a_report_takes_results_and_folders(finished: Path, tmp_path: Path) -> N
         mpmcol.report(finished, str(finished), out=tmp_path / "two.html")
 
 
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"color": "speed"}, "color = 'speed': expected one of displacement, velocity"),
+        ({"size": (0, 0)}, "size = (0, 0): expected width and height in pixels, each 200 to 8000"),
+        ({"size": (1280,)}, "size = (1280,): expected width and height"),
+    ],
+)
+def test_images_that_cannot_be_drawn_are_refused(finished: Path, arguments: dict[str, Any], message: str) -> None:
+    with pytest.raises(UsageError, match=re.escape(message)):
+        mpmcol.render(finished, **arguments)
+
+
 def test_a_finished_run_is_returned(finished: Path) -> None:
     messages: list[str] = []
     results = mpmcol.run(mpmcol.load_case("coarse-channel", TINY), finished, notify=messages.append)
@@ -161,6 +177,12 @@ def test_notes_of_a_sweep_are_warnings(outcomes: list[str], tmp_path: Path) -> N
     assert outcomes == ["spacing15mm"]
 
 
+def fit(**arguments: Any) -> None:
+    """A fit of the friction angle with some arguments replaced."""
+    given: dict[str, Any] = {"to": {"zeta": [1.4, 0.1]}, "vary": {"material.friction_deg": (np.float64(20), 45)}}
+    mpmcol.fit("coarse-channel", **(given | arguments))
+
+
 @pytest.mark.parametrize(
     ("call", "kind", "message"),
     [
@@ -168,6 +190,18 @@ def test_notes_of_a_sweep_are_warnings(outcomes: list[str], tmp_path: Path) -> N
         (lambda: mpmcol.sweep("coarse-channel", aspect="3:1"), UsageError, "geometry.aspect: 3:1: the end of a range"),
         (lambda: mpmcol.sweep("coarse-channel", aspect=1, accuracy=5), UsageError, "between 0 and 1, for example 0.05"),
         (lambda: mpmcol.sweep("coarse-channel", {"grid.spacng": [1]}), MpmcolError, 'did you mean "spacing"'),
+        (lambda: mpmcol.sweep("coarse-channel", {"grid.spacing": []}), UsageError, "grid.spacing: no value"),
+        (
+            lambda: mpmcol.sweep("coarse-channel", aspect=1, jobs=-1),
+            UsageError,
+            "jobs = -1: expected an integer from 1",
+        ),
+        (lambda: mpmcol.sweep("coarse-channel", aspect=1, threads=0), UsageError, "threads = 0: expected an integer"),
+        (lambda: mpmcol.report(), UsageError, "no folder given"),
+        (lambda: fit(to={"zeta": [1.0, 0.1, 3.0]}), UsageError, "to zeta = [1.0, 0.1, 3.0]: expected a number, or a"),
+        (lambda: fit(vary={"material.friction_deg": (20, 30, 45)}), UsageError, "expected the two ends of a range"),
+        (lambda: fit(accuracy=10), UsageError, "accuracy = 10: expected a relative error between 0 and 1"),
+        (lambda: fit(repeats=0), UsageError, "repeats = 0: expected an integer from 2 to 20"),
         (
             lambda: mpmcol.run("quickstart", "nowhere"),
             UsageError,

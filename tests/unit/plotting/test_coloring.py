@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mpmcol.cli.render import COLORS
 from mpmcol.errors import OutputError
 from mpmcol.io.snapshot import Snapshot
+from mpmcol.plotting.limits import COLORS
 from mpmcol.plotting.render import backends, render
 from mpmcol.plotting.render.coloring import COLORINGS
 from tests.support.cli import invoke

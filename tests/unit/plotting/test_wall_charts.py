@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -37,3 +38,24 @@ def test_a_wall_has_one_colour_in_both_panels(tmp_path: Path, monkeypatch: pytes
         assert (line.get_color(), line.get_marker()) == looks[label.partition(",")[0]]
         assert line.get_linestyle() == ("-" if label.endswith("end") else "-.")
     assert named["dam, end"].get_fillstyle() != named["dam, far side, end"].get_fillstyle()
+
+
+@pytest.mark.parametrize("slope_deg", [0.0, 60.0])
+def test_rankine_pressures_have_the_weight_normal_to_the_base(
+    slope_deg: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    figures = recorded_figures(monkeypatch, wall_charts, saved=True)
+    pressures: dict[str, np.ndarray] = {"wall": np.array(["dam"] * 2), "face": np.array(["low_x"] * 2)}
+    pressures |= {"state": np.array(["end"] * 2), "position": np.array([0.0, 0.03]), "pressure": np.array([300.0, 9.0])}
+    history = {"time": TIME, "force.dam.x": 1.0 + TIME}
+    shape = replace(SHAPE, slope_deg=slope_deg)
+    wall_charts.wall_chart(
+        tmp_path / "walls.png", shape, history, pressures, friction_deg=30.0, gravity=10.0, heading=Heading("walls")
+    )
+    _, right = figures[0].axes
+    (active,) = [line for line in right.lines if line.get_linestyle() == ":" and len(line.get_xdata())]
+    (profile,) = wall_charts.wall_profiles(pressures)
+    weight = 10.0 * np.cos(np.radians(slope_deg)) * SHAPE.density * profile.height
+    assert active.get_xdata()[0] == pytest.approx(weight / 3.0)
+    (label,) = [text.get_text() for text in right.get_legend().get_texts() if text.get_text().startswith("active")]
+    assert ("theta" in label) == (slope_deg > 0.0)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+from dataclasses import replace
 from math import nan
 from pathlib import Path
 from typing import Any
@@ -29,6 +30,7 @@ from mpmcol.studies.method_map.assessment import (
 )
 from mpmcol.studies.method_map.definition import load_map, shipped_maps
 from mpmcol.studies.method_map.points import MapPoint, points_of, reference_runs
+from mpmcol.studies.method_map.report import table_rows
 from mpmcol.studies.method_map.text import closing_lines, markdown, panels_of, passes_up_to
 from mpmcol.studies.runs import EndedRuns, study_run
 from mpmcol.sweep.engine import Outcome
@@ -170,6 +172,7 @@ def test_a_case_without_reference_runs_is_refused() -> None:
         ('case = "low"\ndown', 'case = "high"\ndown', "blocks.plain: there is no case 'high'"),
         ("title =", "titel =", "titel: Extra inputs are not permitted"),
         ("{ \"time.cfl\" = [0.4, 0.5, 2] }", "{}", "blocks.plain.across: Dictionary should have at least 1 item"),
+        ("repeats = 3", "repeats = 50", "cases.low.repeats: Input should be less than or equal to 20"),
         ("[0.4, 0.5, 2]", "[]", "blocks.plain.across.time.cfl: Tuple should have at least 1 item"),
         ("{ \"method.opening_strain\" = [true] }", "{ \"time.cfl\" = [1] }", "time.cfl is given twice"),
         ("[blocks.plain]", "[cases.idle]\nextends='a'\naspect=1\ncells=2\nfiner=3\n[blocks.plain]", "no block uses"),
@@ -186,6 +189,12 @@ def test_an_invalid_combination_is_refused_with_its_choices(tmp_path: Path) -> N
     path = write(tmp_path, '["taylor-flip"]', '["taylor-flip", "pik"]')
     with pytest.raises(UsageError, match="(?s)blocks.plain, method.transfer = pik, time.cfl = 0.4:.*pik"):
         list(points_of(load_map(str(path))))
+
+
+def test_a_key_of_another_law_is_empty_in_the_table() -> None:
+    one = constructed("not run")
+    softening = replace(one, point=replace(one.point, choices={"material.strain_factor": "1"}))
+    assert [row["material.strain_factor"] for row in table_rows([one, softening])] == [None, None]
 
 
 def test_blocks_share_equal_runs(tmp_path: Path) -> None:

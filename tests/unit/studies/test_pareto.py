@@ -95,6 +95,8 @@ def test_effects_are_mean_ratios_of_runs_at_equal_spacings(tmp_path: Path) -> No
     nine = completed_at({0.25: 1.1, 0.3: 2.6, 0.4: 9.0}, scored("nine", 4, 5.0, 0.0))
     (effect,) = effects(study, [plain, nine, scored("nine", 5, 9.0, 0.0)])
     assert effect.cost_ratio == 2.5 and effect.change[ZETA] == pytest.approx((0.2, 0.1))
+    elsewhere = completed_at({0.26: 1.1, 0.31: 2.6}, scored("nine", 4, 5.0, 0.0))
+    assert not list(effects(study, [plain, elsewhere]))  # different runs of both failed
 
 
 def test_the_limit_of_another_variant_is_compared_with_the_reference(tmp_path: Path) -> None:
@@ -145,6 +147,8 @@ OTHER_CASE = "[cases.high]\nextends = 'cylinder'\naspect = 1\n[variants.plain]\n
         ("title =", "titel =", "titel: Extra inputs are not permitted"),
         ("schema = 1", "schema = ", "tiny.toml:2: not valid TOML: Invalid value"),
         ("aspect = 0.9", "aspect = 0.9\nvariants = ['none']", "cases.low: there is no variant 'none'"),
+        ("repeats = 2\ncells = [6,", "repeats = 5\ncells = [5,", "cells must be at least 6, not 5"),
+        ("cells = [6, 7, 8]", "cells = []", "cells: Tuple should have at least 1 item"),
         ("cells = [6, 7, 8]", "cells = [6, 1e9]", "cells.1: Input should be less than or equal to 1000"),
     ],
 )

@@ -130,6 +130,9 @@ def test_bands_without_a_verified_source_are_marked() -> None:
 
 def test_a_check_without_all_runs_has_not_passed() -> None:
     assert evaluated([1.5] * 4, 0.0).verdict == "not run"
+    planned, (wrong,) = COLUMN.runs(False), WRONG["wrong"].runs(False, repeated=False)
+    some = {run: completed(1.5) for run in planned[1:]} | {wrong: completed(3.0)}
+    assert evaluate_check(check(Band(1.0, 2.0, "")), some, False).verdict == "not run"
     assert evaluate_check(check(Band(1.0, 2.0, "")), {}, False).verdict == "not run"
 
 

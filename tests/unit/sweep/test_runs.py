@@ -237,7 +237,7 @@ def test_zipped_axes_form_one_series() -> None:
 
 def test_the_folder_of_a_sweep_names_its_keys() -> None:
     def name(*settings: str, aspect: str | None = "1,2", accuracy: float | None = None, corrected: bool = False) -> str:
-        return sweep_name("cases/lube-channel.toml", parse_axes(aspect, settings)[0], accuracy, corrected)
+        return sweep_name("lube-channel", parse_axes(aspect, settings)[0], accuracy, corrected)
 
     assert name() == "lube-channel"
     assert name("material.friction_deg=30,33", "time.cfl=0.4") == "lube-channel-friction_deg-cfl-0.4"

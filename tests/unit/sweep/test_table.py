@@ -163,6 +163,14 @@ def test_slopes_of_other_runs_do_not_stay_in_the_folder(tmp_path: Path) -> None:
     assert not (tmp_path / "slopes.csv").exists()
 
 
+def test_charts_of_other_runs_do_not_stay_in_the_folder(tmp_path: Path) -> None:
+    runs = [finish(run) for run in plan(tmp_path, "geometry.model=plane,axisymmetric", aspect="2")]
+    for shown, names in ((runs, {"-plane", "-axisymmetric"}), (runs[:1], {""}), (runs, {"-plane", "-axisymmetric"})):
+        write_report(shown, tmp_path)
+        found = {path.name for path in tmp_path.glob("*.png")}
+        assert found == {f"{quantity}{name}.png" for quantity in ("zeta", "beta") for name in names}
+
+
 def test_units_of_inputs_are_those_of_the_case(tmp_path: Path) -> None:
     runs = plan(tmp_path, "material.friction_deg=33", "grid.spacing=5 mm", aspect="1")
     write_report([finish(run) for run in runs], tmp_path)
