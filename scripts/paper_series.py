@@ -3,7 +3,7 @@
     python scripts/paper_series.py OUT [--threads N] [--only channel|cylinder|quarter] [--halved] [--aspect A,...]
 
 Completed runs in OUT and rows that are already in the table are not repeated; the script can therefore be interrupted
-and repeated, and several can run at the same time for different members. Prints the table as Markdown.
+and repeated. Prints the table as Markdown.
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ def read_table() -> dict[Member, dict[str, Any]]:
 
 
 def save(member: Member, row: dict[str, Any]) -> None:
-    """Add a row to the table, which another process may have changed in the meantime."""
+    """Add a row to the table, or replace the one of this member."""
     rows = read_table() | {member: row}
     with TABLE.open("w", newline="") as file:
         writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
