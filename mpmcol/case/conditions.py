@@ -69,7 +69,10 @@ def compared_experiment(case: Case) -> Experiment:
 def common_experiments(cases: Sequence[Case]) -> tuple[Experiment, list[Experiment]]:
     """As `experiment_of`, and all others on this kind of column; only those that apply to every case."""
     own = [experiment_of(case) for case in cases]
-    experiment = next((one for one in own if not one.laws), own[0])
+    unfit = [one for one in own if not one.laws]
+    experiment = unfit[0] if unfit else own[0]
+    if unfit and len({one.title for one in own}) > 1:  # the reason is that of the first of them
+        experiment = without_laws(experiment.title.replace(": ", f" to {len(unfit)} of {len(own)} runs: ", 1))
     geometry = cases[0].geometry
     kind = column_kind(geometry.model, geometry.column_section)
     others = [one for one in EXPERIMENTS.values() if one.model == kind and one != experiment]

@@ -78,7 +78,10 @@ def _strength_lines(measures: str, columns: Columns, is_cohesive: bool) -> Itera
     shear, angle, tension = columns["shear"], columns["mobilised_deg"], -columns["pressure"]
     if measures == "tension":
         largest, last = max(tension.max(), 0.0), max(tension[-1], 0.0)
-        yield f"tensile strength (largest mean tension) {largest:.4g} Pa, tension at the end {last:.4g} Pa"
+        if tension[-1] - tension[-2] > STILL_ELASTIC * (tension[1] - tension[0]) > 0.0:
+            yield f"no tensile strength up to a mean tension of {last:.4g} Pa; set a larger --strain"
+        else:
+            yield f"tensile strength (largest mean tension) {largest:.4g} Pa, tension at the end {last:.4g} Pa"
         yield f"opening strain at the end {columns['opening_strain'][-1]:.4g}"
     else:
         largest = columns["max_shear"]

@@ -19,7 +19,7 @@ from mpmcol.io.snapshot import Meta
 from mpmcol.measure import ColumnShape
 from mpmcol.measure.shape import AZIMUTHS
 from mpmcol.plotting.figures import Heading
-from mpmcol.units import length_text, pressure_text
+from mpmcol.units import counted, length_text, pressure_text
 
 LENGTHS = {"r_i": "r_i", "h_i": "h_i", "h": "spacing"}  # symbols
 NAMES = {  # of the laws
@@ -95,12 +95,14 @@ def material_text(case: Case) -> str:
 
 
 def _tables(case: Case) -> dict[str, Any]:
-    return {"material": case.material.model_dump(), "friction": case.friction.model_dump()}
+    return {"material": case.material.model_dump(), "friction": case.friction.model_dump(), "layers": case.layers}
 
 
 def _material_text(case: Mapping[str, Any]) -> list[str]:
-    """Law, friction angle and cohesion (of a softening law from peak to residual), and friction of the floor if set."""
-    material, floor = case.get("material", {}), case.get("friction", {}).get("floor")
+    """Law, friction angle and cohesion (of a softening law from peak to residual), number of layers of other materials
+    and friction of the floor if there are any.
+    """
+    material, floor, layers = case.get("material", {}), case.get("friction", {}).get("floor"), case.get("layers", ())
     if "law" not in material:
         return []
     name = NAMES.get(law := str(material["law"]), law)
@@ -111,6 +113,7 @@ def _material_text(case: Mapping[str, Any]) -> list[str]:
         rf"{name}, $\varphi$ = {' to '.join(angles)}$\degree$" if angles else name,
         *([] if variation is None else [rf"tan $\varphi$ varies by {100.0 * variation:.3g} %"]),
         *([f"$c$ = {' to '.join(map(pressure_text, cohesion))}"] if any(cohesion) else []),
+        *([f"{counted(len(layers), 'layer')} of other material"] if layers else []),
         *([] if floor is None else [rf"floor $\mu$ = {floor:.3g}"]),
     ]
 

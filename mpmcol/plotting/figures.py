@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import io
+import re
 from collections.abc import Mapping, Sequence
+from math import ceil
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -24,6 +26,7 @@ MOST_ENTRIES = 7  # of a legend; more lines are labelled beside their ends or gr
 DPI = 150
 MARGIN = 0.1  # inch: around what a chart shows
 LABEL_SIZE = 8.3  # points
+LETTERS_PER_INCH = 14.0  # of a line below the title
 RIGHT_EDGE = 0.7  # of the width of the axes: lines that end farther to the right are labelled beside the axes
 # Steps of the ticks of a logarithmic axis that covers at most so many decades.
 _TICK_STEPS = ((1.3, (1.0, 2.0, 3.0, 5.0, 7.0)), (2.5, (1.0, 2.0, 5.0)), (np.inf, (1.0,)))
@@ -52,7 +55,7 @@ class EndLabel(NamedTuple):
 
 def add_heading(axes: Axes, heading: Heading) -> None:
     """Write title, caption and note above the axes."""
-    lines = [text for text in (heading.caption, heading.note) if text]
+    lines = _lines_below_title(axes.figure, heading)
     if lines:
         axes.annotate(
             "\n".join(lines), (0.5, 1.0), (0.0, 4.0), xycoords="axes fraction", textcoords="offset points",
@@ -65,8 +68,35 @@ def with_heading(figure: Figure, heading: Heading) -> Any:
     """Write title, caption and note above all panels of a figure with constrained layout; returns their SubFigure."""
     figure.suptitle(heading.title, parse_math=False)
     panels: Any = figure.subfigures()
-    panels.suptitle("\n".join(filter(None, (heading.caption, heading.note))), fontsize=LABEL_SIZE, color="0.3")
+    panels.suptitle("\n".join(_lines_below_title(figure, heading)), fontsize=LABEL_SIZE, color="0.3")
     return panels
+
+
+def _lines_below_title(figure: Any, heading: Heading) -> list[str]:
+    """Caption and note, broken where they are wider than the figure: its layout would make the axes narrower."""
+    limit = LETTERS_PER_INCH * figure.bbox.width / figure.dpi
+    return [line for text in (heading.caption, heading.note) if text for line in _broken(text, limit)]
+
+
+def _broken(text: str, limit: float) -> list[str]:
+    """A text in equally long lines of about `limit` letters, broken at commas, in longer parts at spaces."""
+    parts: list[str] = []
+    for part in re.split(r"(?<=,) ", text):
+        parts += [part] if _letters(part) < limit else part.split(" ")
+    least = _letters(text) / ceil(_letters(text) / limit)
+    lines = [parts[0]]
+    for part in parts[1:]:
+        longer = f"{lines[-1]} {part}"
+        if _letters(lines[-1]) < least and _letters(longer) <= limit:
+            lines[-1] = longer
+        else:
+            lines.append(part)
+    return lines
+
+
+def _letters(text: str) -> int:
+    """Number of letters of a text without its mathematical markup."""
+    return len(re.sub(r"\\[a-z]+", "x", text).replace("$", "").replace("_", ""))
 
 
 def use_plain_ticks(axis: Axis) -> None:

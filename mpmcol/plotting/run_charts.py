@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmcol.case import compared_experiment, conditions_of
+from mpmcol.case import Case, compared_experiment, conditions_of
 from mpmcol.errors import OutputError, UsageError
 from mpmcol.io.atomic import make_folder
 from mpmcol.io.results import Results, surface_of
@@ -77,10 +77,16 @@ def chart_run(
             shape,
             history,
             results.wall_pressure,
-            friction_deg=conditions_of(results.case).friction_deg,
+            friction_deg=_rankine_angle(results.case),
             **options,
         ),
     ]
+
+
+def _rankine_angle(case: Case) -> float | None:
+    """Friction angle (degrees) of a column whose earth pressures follow from it alone: no layers, no cohesion."""
+    conditions = conditions_of(case)
+    return None if conditions.has_layers or conditions.cohesion else conditions.friction_deg
 
 
 def _far_points(points: Sequence[MeasuredSeries], reach: float) -> Iterator[str]:

@@ -56,7 +56,8 @@ class WallProfile(NamedTuple):
     @property
     def height(self) -> float:
         """Height h_w of the material that presses on the face, m."""
-        pressed = self.y[self.pressure > LEAST_PRESSURE * self.pressure.max(initial=0.0)]
+        size = np.abs(self.pressure)  # cohesive material may pull
+        pressed = self.y[size > LEAST_PRESSURE * size.max(initial=0.0)]
         return float(pressed.max(initial=0.0))
 
 
@@ -130,6 +131,7 @@ def _draw_profiles(
     gravity: float,
 ) -> None:
     unit, factor = length_scale(shape.h_i)
+    smallest = min((float(profile.pressure.min()) for profile in profiles), default=0.0)
     weight, largest = shape.density * gravity * cos(radians(shape.slope_deg)), 0.0  # per height, normal to the base
     for profile in profiles:
         style, colour = styles[profile.wall], styles[profile.wall]["color"]
@@ -146,5 +148,6 @@ def _draw_profiles(
         normal = r"g \cos\theta" if shape.slope_deg else "g"
         for name, line in (("active, $K_a", ":"), ("passive, $K_p", "--")):
             axes.plot([], [], color="0.4", linestyle=line, linewidth=1.0, label=rf"{name} \rho {normal} (h_w - y)$")
-    axes.set(xlabel="normal pressure (Pa)", ylabel=f"height ({unit})", xlim=(0.0, HEADROOM * largest or 1.0))
+    axes.set(xlabel="normal pressure (Pa)", ylabel=f"height ({unit})")
+    axes.set_xlim(HEADROOM * min(smallest, 0.0), HEADROOM * largest or 1.0)
     axes.set_ylim(0.0, 1.2 * factor * max((profile.height for profile in profiles), default=shape.h_i))

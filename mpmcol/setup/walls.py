@@ -19,12 +19,13 @@ class Wall(NamedTuple):
 
 
 def recorded_walls(case: Case) -> tuple[Wall, ...]:
-    """Those of [[walls]], those with friction and, if the case asks for forces, floor, back wall and gate."""
+    """Those of [[walls]], those with friction and, if the case asks for forces, floor, back wall and a gate."""
     geometry, friction = case.geometry, case.friction
     walls = [Wall(FLOOR, friction.floor)]
     if geometry.model == "plane" and geometry.release == "one-sided":
         walls.append(Wall(BACK_WALL, friction.back_wall))
-    walls.append(Wall(GATE_WALL, None))
+    if case.stages.gate:
+        walls.append(Wall(GATE_WALL, None))
     walls += [Wall(wall.name, wall.friction) for wall in case.walls]
     return tuple(wall for wall in walls if case.output.wall_forces or wall.friction is not None)
 

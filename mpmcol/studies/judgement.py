@@ -66,7 +66,7 @@ def _quantity_line(
         return f"{text}, {verdict(difference, scatter, None)}" if with_grid or abs(difference) <= scatter else text
     interval = error.intervals[IN_STUDY[quantity]]
     ratio = interval.factor * (1.0 + difference)  # of what finer grids give over the experiment
-    return f"{text}, {ratio - 1.0:+.1%} on finer grids, {verdict(ratio - 1.0, scatter, interval.relative * ratio)}"
+    return f"{text}; on finer grids {ratio - 1.0:+.1%}: {verdict(ratio - 1.0, scatter, interval.relative * ratio)}"
 
 
 def verdict(difference: float, scatter: float, grid: float | None) -> str:

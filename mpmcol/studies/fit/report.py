@@ -26,7 +26,10 @@ FIT_FILE, EVALUATIONS_FILE, CASE_FILE = "fit.json", "evaluations.csv", "fitted.t
 TEXT_FILE = "fit.md"
 CHART_FILE, PROFILE_CHART_FILE = "fit.png", "profile.png"
 FIT_SCHEMA = 1
-MEASURED_COLUMNS = ("measurement", "measured", "standard error", "computed", "difference, standard errors")
+MEASURED_COLUMNS = (
+    "measurement", "measured", "its standard error", "computed", "standard error of the difference, by all causes",
+    "difference, standard errors",
+)  # fmt: skip
 
 
 def lines(fit: Fit) -> Iterator[str]:
@@ -133,14 +136,15 @@ def _measured_rows(fit: Fit) -> Iterator[list[str]]:
     for one in fit.agreement.comparisons:
         target = one.target
         stations = [f" at r = {x:.4g} m" for x in target.x] or [""]
-        columns = (stations, target.values, target.errors, one.computed, one.differences)
-        for station, measured, error, computed, difference in zip(*columns, strict=True):
+        columns = (stations, target.values, target.errors, one.computed, one.errors, one.differences)
+        for station, measured, error, computed, total, difference in zip(*columns, strict=True):
             unit = f" ({target.unit})" if target.unit else ""
             yield [
                 f"{target.name}{station}{unit}",
                 f"{measured:.4g}",
                 f"{error:.2g}",
                 f"{computed:.4g}",
+                f"{total:.2g}",
                 signed(difference),
             ]
 

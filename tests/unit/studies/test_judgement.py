@@ -51,12 +51,12 @@ def of_grid(error: float, cases: Sequence[str]) -> StudiedError:
 def test_a_result_agrees_within_scatter_and_the_error_of_the_grid() -> None:
     runout, height, grid = lines("coarse-channel", 1.75, 0.9, error=0.0)
     expected = (
-        "runout 157.5 mm, zeta = 1.750: +9.4% against Lube et al. 2007 (1.600, scatter 10%), +9.4% on finer grids, "
+        "runout 157.5 mm, zeta = 1.750: +9.4% against Lube et al. 2007 (1.600, scatter 10%); on finer grids +9.4%: "
         "agrees within the scatter"
     )
     assert runout == expected
     assert "against Lube et al. 2007 (unverified) (1.000" in height and height.endswith(
-        "(1.000, scatter 5%), -10.0% on finer grids, differs by more than the scatter and the error of the grid"
+        "(1.000, scatter 5%); on finer grids -10.0%: differs by more than the scatter and the error of the grid"
     )
     assert "error of the grid: -0.0% to +0.0% in runout" in grid
 
@@ -67,14 +67,14 @@ def test_a_result_agrees_within_scatter_and_the_error_of_the_grid() -> None:
         (
             1.36,
             0.12,
-            "-15.0% against Lube et al. 2007 (1.600, scatter 10%), -9.2% on finer grids, agrees within the scatter",
+            "-15.0% against Lube et al. 2007 (1.600, scatter 10%); on finer grids -9.2%: agrees within the scatter",
         ),
-        (1.36, 0.08, "-11.3% on finer grids, differs by more than the scatter and the error of the grid"),
-        (1.33, 0.12, "-11.2% on finer grids, undecided within the error of the grid"),
+        (1.36, 0.08, "on finer grids -11.3%: differs by more than the scatter and the error of the grid"),
+        (1.33, 0.12, "on finer grids -11.2%: undecided within the error of the grid"),
         (
             1.70,
             0.12,
-            "+6.2% against Lube et al. 2007 (1.600, scatter 10%), +13.5% on finer grids, differs by more than the "
+            "+6.2% against Lube et al. 2007 (1.600, scatter 10%); on finer grids +13.5%: differs by more than the "
             "scatter and the error of the grid",
         ),
     ],
