@@ -113,7 +113,7 @@ def _without_law(parts: tuple[int | str, ...], inside: KeyPath) -> KeyPath:
 
 def _nearest_key(key: KeyPath, law: str) -> KeyPath | None:
     *table, name = key
-    if answer_to(key):
+    if answer_to(key) or (not table and _tables_with(name)):
         return None
     near = fields.nearest(name, fields_at(tuple(table), law))
     return (*table, near) if near else None
@@ -158,7 +158,7 @@ def _unknown_key(given: CaseInput, key: KeyPath, intended: KeyPath | None, law: 
         hint = f'did you mean "{intended[-1]}"?   ({field.description}: {fields.expected(field)})'
     else:
         known = "known keys: " + ", ".join(fields_at(tuple(table), law))
-        hint = _answer(given, key) or _correct_place(key, law) or known
+        hint = _answer(given, key) or _correct_place(given, key, law) or known
     return problem_of(given, key, message, hint, intended or tuple(table))
 
 
@@ -169,16 +169,24 @@ def _answer(given: CaseInput, key: KeyPath) -> str | None:
     return next(filter(None, map(answer_to, keys)), None)
 
 
-def _correct_place(key: KeyPath, law: str) -> str:
+def _correct_place(given: CaseInput, key: KeyPath, law: str) -> str:
     """The law or the table to which a misplaced key belongs; empty if there is none."""
     *table, name = key
     laws = [other for other in LAWS if name in fields_at(("material",), other)]
     if tuple(table) in MATERIALS and laws:
         return f"not a key of law {law}, but of {' and '.join(laws)}"
-    if name in fields_at((*table, "material"), law):
+    if table and name in fields_at((*table, "material"), law):
         return f"a key of its material: material = {{ {name} = ... }}"
-    tables = [path.rpartition(".")[0] for path in key_names() if path.rpartition(".")[2] == name]
-    return f"move this key to {heading(tuple(tables[0].split('.')))}" if tables and tables[0] else ""
+    tables = _tables_with(name)
+    if tables and given.override_of(key):
+        return f'did you mean "{tables[0]}.{name}"?'
+    return f"move this key to {heading(tuple(tables[0].split('.')))}" if tables else ""
+
+
+def _tables_with(name: str) -> list[str]:
+    """The tables that have a key of this name."""
+    paths = (path.rpartition(".") for path in key_names())
+    return [table for table, _, last in paths if table and last == name]
 
 
 def _bad_value(given: CaseInput, key: KeyPath, error: ErrorDetails, law: str) -> Problem:

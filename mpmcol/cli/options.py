@@ -15,7 +15,17 @@ import click
 from mpmcol.errors import OutputError
 from mpmcol.sweep.arguments import MOST_CONCURRENT
 
-PATH = click.Path(path_type=Path)
+
+class _Path(click.Path):
+    """A path, not an empty text, which would be the current folder."""
+
+    def convert(self, value: Any, param: click.Parameter | None, context: click.Context | None) -> Any:
+        if value == "":
+            self.fail("expected a path, not an empty text", param, context)
+        return super().convert(value, param, context)
+
+
+PATH = _Path(path_type=Path)
 JOBS = THREADS = click.IntRange(1, MOST_CONCURRENT)
 CHECK_FAILED = 4  # exit code if a check or a scenario has an unexpected outcome
 ASPECT_KEY = "geometry.aspect"

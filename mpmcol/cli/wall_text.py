@@ -16,10 +16,11 @@ def wall_lines(wall_forces: Mapping[str, Any] | None, model: str) -> Iterator[st
     force_unit, moment_unit = FORCE_UNITS[model], MOMENT_UNITS[model]
     for wall, force in (wall_forces or {}).items():
         if force["peak"] > 0.0:
-            sustained = "" if force["sustained"] is None else f", {force['sustained']:.3g} as mean over 0.2 sqrt(h_i/g)"
+            mean = force["sustained"]
+            sustained = "" if mean is None else f", {mean:.3g} {force_unit} as mean over 0.2 sqrt(h_i/g)"
             moment = f", moment at most {force['moment']:.3g} {moment_unit}" if "moment" in force else ""
             yield (
                 f"force on {wall}: at most {force['peak']:.3g} {force_unit} at {force['time']:.3g} s (mean over "
-                f"{1e3 * force['window']:.2g} ms, with elastic waves){sustained}, {force['at_end']:.3g} at the end"
-                f"{moment}"
+                f"{1e3 * force['window']:.2g} ms, with elastic waves){sustained}, {force['at_end']:.3g} {force_unit} "
+                f"at the end{moment}"
             )

@@ -101,7 +101,7 @@ def rounding_warnings(case: Case, boxes: tuple[WallBox, ...], h: float, first: t
         lengths |= {"side_from": (wall.side_from, low[-1]), "side_to": (wall.side_to, high[-1])}
         for key, (given, used) in lengths.items():
             if given is not None and abs(used - given) > ROUNDING * max(abs(given), h):
-                yield f"wall {wall.name}: {key} became {used:.6g} m ({used / given - 1.0:+.2%}), on a node of the grid"
+                yield f"wall {wall.name}: {key} became {used:.6g} m ({used - given:+.3g} m), on a node of the grid"
 
 
 def cells_in_walls(grid: Grid, boxes: tuple[WallBox, ...]) -> np.ndarray:

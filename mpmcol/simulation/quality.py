@@ -50,6 +50,8 @@ def quality_notes(simulation: Simulation) -> Iterator[str]:
     if (shares := dissipation_of(simulation)) and shares.released > least:
         yield from _dissipation_notes(shares, is_filtered)
     yield from simulation.recorder.flow.notes()
+    if simulation.progress.at_rest:
+        yield from _wall_notes(simulation)
     if simulation.case.geometry.base == "granular":
         yield from _erosion_notes(simulation)
     if simulation.progress.at_rest and (quality := stress_quality_of(simulation, _present(simulation))):
@@ -59,6 +61,13 @@ def quality_notes(simulation: Simulation) -> Iterator[str]:
 def _present(simulation: Simulation) -> Snapshot:
     solver = simulation.solver
     return simulation.recorder.snapshot_of(solver.points, solver.time, solver.steps, "rest")
+
+
+def _wall_notes(simulation: Simulation) -> Iterator[str]:
+    shape, front = simulation.recorder.shape, simulation.recorder.rows[-1]["front_height"]
+    for name, wall in zip((wall.name for wall in simulation.case.walls), shape.obstacles, strict=True):
+        if shape.r_i <= wall.low_x <= front + shape.spacing:
+            yield f"the deposit ends at the wall {name}: runout and angle of repose depend on it"
 
 
 def _erosion_notes(simulation: Simulation) -> Iterator[str]:

@@ -19,6 +19,7 @@ EXPECTED = "expected LOW:HIGH, LOW:HIGH:STEP or LOW:HIGH/COUNT, for example 0.5:
 # Possessive quantifiers (++, *+): the time for a long text that does not match stays linear in its length.
 _NUMBER = r"[-+]?(?:\d++\.?\d*+|\.\d++)(?:[eE][-+]?\d++)?"
 _PLAIN = re.compile(_NUMBER)
+_DASHED = re.compile(r"[\d.]+ *(-|;|\.\.) *[\d.]+")  # values that look like a range or a list, but are none
 _RANGE = re.compile(rf"({_NUMBER}):({_NUMBER})(?::({_NUMBER})|/(\d+))?")
 _DECIMALS = 12
 _STEP_TOLERANCE = 1e-9  # in steps: allowed deviation of a range from a whole number of steps
@@ -109,6 +110,8 @@ def _values_of(part: str) -> Iterator[str]:
         yield _number_text(float(part))
     elif ":" in part and part[0] not in "\"'[{":
         yield from _range(part)
+    elif _DASHED.fullmatch(part):
+        raise ValueError(f"{part}: {EXPECTED}")
     else:
         yield part
 

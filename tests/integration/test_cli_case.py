@@ -267,3 +267,25 @@ def test_help_imports_no_large_packages() -> None:
     assert done.returncode == 0, done.stderr
     heavy = {"numba", "pydantic", "numpy", "h5py", "pyvista", "matplotlib"}
     assert heavy & set(done.stdout.split()) == set()
+
+
+@pytest.mark.parametrize(
+    ("setting", "hint"),
+    [
+        ("aspect=2", 'did you mean "geometry.aspect"?'),
+        ("friction_deg=30", 'did you mean "material.friction_deg"?'),
+        ("spacing=0.004", 'did you mean "grid.spacing"?'),
+    ],
+)
+def test_an_override_without_its_table_is_completed(setting: str, hint: str) -> None:
+    assert hint in invoke("check", "coarse-channel", "--set", setting).stderr
+
+
+def test_a_key_without_its_table_is_moved() -> None:
+    Path("short.toml").write_text('schema = 1\nextends = "channel"\nfriction_deg = 30\n')
+    assert "move this key to [material]" in invoke("check", "short.toml").stderr
+
+
+def test_an_empty_folder_name_is_refused() -> None:
+    result = invoke("run", "coarse-channel", "--out", "")
+    assert result.exit_code == 2 and "'--out': expected a path, not an empty text" in result.stderr

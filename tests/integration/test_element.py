@@ -142,6 +142,8 @@ def test_clay_has_its_cohesion_as_strength_and_sand_may_not_have_yielded(tmp_pat
     elastic = ("--pressure", "100 kPa", "--strain", "0.001", "--out", tmp_path / "sand")
     done = invoke("element", "coarse-channel", "--test", "triaxial", *elastic)
     assert "note: the stress rises at the end as it did at the start: no strength yet" in done.output
+    done = invoke("element", "coarse-channel", "--test", "extension", *clay[:-1], tmp_path / "pulled")
+    assert "no tensile strength up to a mean tension of" in done.output
     assert "contributes" not in done.output
 
 

@@ -8,11 +8,13 @@ from pathlib import Path
 
 import numpy as np
 
+from mpmcol.case import load_case
+from mpmcol.case.geometry import GeometryTable
 from mpmcol.errors import UsageError
 from mpmcol.studies.fit.agreement import Agreement, agreement_of
 from mpmcol.studies.fit.forward import Forward
 from mpmcol.studies.fit.levels import Level, level_at, levels_for, make_level
-from mpmcol.studies.fit.quantities import Target
+from mpmcol.studies.fit.quantities import PROFILE, Target
 from mpmcol.studies.fit.response import design
 from mpmcol.studies.fit.search import Notify, Search, Solution
 from mpmcol.studies.fit.unknowns import Unknown
@@ -23,8 +25,10 @@ from mpmcol.sweep.engine import KeptPool
 from mpmcol.sweep.plan import PLAN_FILE
 from mpmcol.sweep.runner import SweepObserver
 from mpmcol.sweep.runs import PlannedRun
+from mpmcol.units import length_text
 
 REPEATS = LEAST_REPEATS = 2  # runs for each set of values
+FAR = 5.0  # times the height of the column: a measured profile is in another unit
 
 
 @dataclass(frozen=True)
@@ -80,7 +84,7 @@ def carry_out_fit(
         CaseError: a value of the case is invalid.
         MpmcolError: no run with some values was successful; it has the exit code of the runs.
     """
-    _require_valid(unknowns, targets, accuracy, repeats)
+    _require_valid(unknowns, targets, load_case(source, overrides).geometry, accuracy, repeats)
     _require_own(out)
     with KeptPool() as kept:
         forward = Forward(
@@ -117,7 +121,7 @@ def plan_fit(
 
     Raises as `carry_out_fit` before it computes.
     """
-    _require_valid(unknowns, targets, accuracy, repeats)
+    _require_valid(unknowns, targets, load_case(source, overrides).geometry, accuracy, repeats)
     _require_own(out)
     middle = np.full(len(unknowns), 0.5)
     levels = [
@@ -136,11 +140,17 @@ def _require_own(out: Path) -> None:
 
 
 def _require_valid(
-    unknowns: Sequence[Unknown], targets: Sequence[Target], accuracy: float | None, repeats: int
+    unknowns: Sequence[Unknown], targets: Sequence[Target], column: GeometryTable, accuracy: float | None, repeats: int
 ) -> None:
     require_accuracy(accuracy)
     require_count("repeats", repeats, LEAST_REPEATS, MOST_REPEATS)
     require_enough(unknowns, targets)
+    for target in targets:
+        if target.name == PROFILE and target.values.max() > FAR * column.h_i:
+            raise UsageError(
+                f"the measured profile is up to {length_text(float(target.values.max()))} high, the column "
+                f'{length_text(column.h_i)}; lengths in mm need the header "r [mm],z [mm]"'
+            )
 
 
 def require_enough(unknowns: Sequence[Unknown], targets: Sequence[Target]) -> None:

@@ -203,6 +203,8 @@ def measured_deposit(results: Results) -> Measurement:
 def _parse(part: str) -> Target:
     name, equals, text = part.partition("=")
     value, _, error = text.replace("±", "+-").partition("+-")
+    if part.isdecimal():
+        raise UsageError(f"--to {part}: a name is missing, or the decimal separator is a point; {EXPECTED}")
     if not (equals and value.strip()):
         raise UsageError(f"--to {part}: {EXPECTED}")
     name = name.strip()

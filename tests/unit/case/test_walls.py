@@ -122,7 +122,7 @@ def test_edges_are_on_nodes_and_the_domain_ends_in_an_end_wall() -> None:
     dam = discretize(with_walls("{from=0.183, to=0.21, height=0.045}"))
     assert (dam.wall_boxes[0].low, dam.wall_boxes[0].high) == ((24, 0), (28, 6))
     (warning,) = (text for text in dam.warnings if "became" in text)
-    assert warning == "wall wall-1: from became 0.18 m (-1.64%), on a node of the grid"
+    assert warning == "wall wall-1: from became 0.18 m (-0.003 m), on a node of the grid"
     end = discretize(with_walls("{from=0.18}"))
     assert end.cells == (29, end.cells_up) and not any("wall" in text for text in end.warnings)
     assert end.wall_boxes[0].high == end.cells

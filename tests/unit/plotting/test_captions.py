@@ -15,6 +15,7 @@ from tests.support.synthetic_run import SHAPE
         ("cohesive-column", ("material.friction_deg=0",), "Mohr-Coulomb, φ = 0°, c = 3 kPa"),
         ("cohesive-column", ("material.cohesion=0",), "Mohr-Coulomb, φ = 30°"),
         ("dam", ("friction.floor=0.5",), "Mohr-Coulomb, φ = 33°, floor μ = 0.5"),
+        ("layered-column", (), "Mohr-Coulomb, φ = 33°, 1 layer of other material"),
         ("dam", ("friction.floor=0",), "Mohr-Coulomb, φ = 33°, floor μ = 0"),
     ],
 )

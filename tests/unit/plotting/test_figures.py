@@ -11,7 +11,17 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from PIL import Image
 
-from mpmcol.plotting.figures import DPI, LABEL_SIZE, MARGIN, EndLabel, label_ends, save_figure
+from mpmcol.plotting.figures import (
+    DPI,
+    LABEL_SIZE,
+    MARGIN,
+    EndLabel,
+    Heading,
+    add_heading,
+    label_ends,
+    lay_out,
+    save_figure,
+)
 
 
 @pytest.fixture
@@ -54,3 +64,16 @@ def test_a_picture_shows_everything_with_a_margin(tmp_path: Path, layout: Litera
     rows, columns = np.flatnonzero(ink.any(axis=1)), np.flatnonzero(ink.any(axis=0))
     margins = [rows[0], columns[0], ink.shape[0] - 1 - rows[-1], ink.shape[1] - 1 - columns[-1]]
     np.testing.assert_allclose(margins, MARGIN * DPI, atol=8.0)
+
+
+def test_a_caption_wider_than_the_figure_is_broken() -> None:
+    """Otherwise the layout makes the axes narrower."""
+    parts = [rf"$\varphi_{i}$ = {i}$\degree$ and some more words" for i in range(6)]
+    figure = Figure(figsize=(6.0, 4.0), layout="constrained")
+    add_heading(axes := figure.subplots(), Heading("title", ", ".join(parts), "a reason " * 12))
+    lay_out(figure)
+    assert axes.get_window_extent().width > 0.75 * figure.bbox.width
+    lines = axes.texts[0].get_text().split("\n")
+    caption, reason = lines[:3], lines[3:]
+    assert " ".join(caption) == ", ".join(parts) and all(line.count("$") % 2 == 0 for line in lines)
+    assert len(reason) == 2 and abs(len(reason[0]) - len(reason[1])) < 20

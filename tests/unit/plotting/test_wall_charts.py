@@ -40,6 +40,18 @@ def test_a_wall_has_one_colour_in_both_panels(tmp_path: Path, monkeypatch: pytes
     assert named["dam, end"].get_fillstyle() != named["dam, far side, end"].get_fillstyle()
 
 
+def test_walls_that_cohesive_material_pulls_are_drawn(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    figures = recorded_figures(monkeypatch, wall_charts, saved=True)
+    faces: dict[str, np.ndarray] = {"wall": np.array(["dam"] * 3), "face": np.array(["low_x"] * 3)}
+    faces |= {"state": np.array(["end"] * 3), "position": np.array([0.0, 0.03, 0.06])}
+    faces |= {"pressure": np.array([300.0, -60.0, -1.0])}
+    (profile,) = wall_charts.wall_profiles(faces)
+    assert profile.height == 0.03  # that of the material, also where it pulls
+    history = {"time": TIME, "force.dam.x": 1.0 + TIME}
+    wall_charts.wall_chart(tmp_path / "w.png", SHAPE, history, faces, friction_deg=None, heading=Heading("walls"))
+    assert figures[0].axes[1].get_xlim()[0] < -60.0
+
+
 @pytest.mark.parametrize("slope_deg", [0.0, 60.0])
 def test_rankine_pressures_have_the_weight_normal_to_the_base(
     slope_deg: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

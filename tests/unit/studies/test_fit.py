@@ -18,7 +18,7 @@ from mpmcol.api.fits import default_folder
 from mpmcol.errors import CaseError, UsageError
 from mpmcol.measure import Measurement
 from mpmcol.studies.convergence import NORMAL_90
-from mpmcol.studies.fit import Fit, require_enough
+from mpmcol.studies.fit import Fit, plan_fit, require_enough
 from mpmcol.studies.fit.agreement import agreement_of, largest_misfit
 from mpmcol.studies.fit.course import course_of
 from mpmcol.studies.fit.forward import Evaluation, values_of
@@ -473,12 +473,21 @@ def test_measured_values_are_read_with_their_errors() -> None:
     assert (radius.values[0], radius.errors[0]) == (0.07, 0.002)
 
 
+def test_a_profile_in_another_unit_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "mm.csv"
+    path.write_text("r,z\n0,85\n100,60\n200,0\n")
+    with pytest.raises(
+        UsageError, match=r'profile is up to 85 m high, the column 90 mm; .* header "r \[mm\],z \[mm\]"'
+    ):
+        plan_fit("coarse-channel", [], [FRICTION], [read_profile(path)], tmp_path / "fit")
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
         ("zeta", "expected NAME=VALUE"),
         ("zeta=", "expected NAME=VALUE"),
-        ("zeta=1,3", "--to 3: expected NAME=VALUE"),
+        ("zeta=1,3", "--to 3: a name is missing, or the decimal separator is a point; expected NAME=VALUE"),
         ("runout=1", "no quantity 'runout'; expected one of zeta"),
         ("zeta=-1", "expected a value > 0"),
         ("zeta=1+-x", "not a number"),

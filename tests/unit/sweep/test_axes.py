@@ -51,6 +51,8 @@ def test_values_keep_the_text_of_a_case_file(text: str, values: tuple[str, ...])
         ("7:0.5", "7:0.5: the end of a range must be greater than its start"),
         ("1:1", "the end of a range must be greater than its start"),
         ("1:1e999", "the end of a range must be greater than its start"),
+        ("1-3", "1-3: expected LOW:HIGH"),
+        ("1;3", "1;3: expected LOW:HIGH"),
         ("1:x", "1:x: expected LOW:HIGH, LOW:HIGH:STEP or LOW:HIGH/COUNT"),
         ("1:2:3:4", "expected LOW:HIGH"),
         ("1:2:0", "the step must be > 0"),
