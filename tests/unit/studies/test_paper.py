@@ -119,6 +119,26 @@ def test_the_effects_in_the_documentation_are_those_computed(folder: str) -> Non
     assert len(lines) >= len(factors.FACTORS) - 1 and not missing
 
 
+@pytest.mark.parametrize(
+    ("row", "figure", "series"),
+    [
+        ("runout in the channel, Mohr-Coulomb", "fig6", "Mohr-Coulomb, zeta.front_height"),
+        ("the same, loose sand", "fig6", "loose, zeta.front_height"),
+        ("runout of cylinders, axisymmetric", "fig8", "axisymmetric, zeta.front_height"),
+        ("final height of cylinders, axisymmetric", "fig8", "axisymmetric, beta"),
+    ],
+)
+def test_the_errors_in_the_readme_are_those_of_the_figures(row: str, figure: str, series: str) -> None:
+    def errors(folder: str) -> str:
+        lines = (PAPER / folder / f"{figure}.md").read_text().splitlines()
+        means = [line.partition("mean |error|: ") for line in lines if line.startswith(f"* {series}, ")]
+        found = [text.partition(";")[0] for _, name, text in means if name]
+        return f"{found[0]}; {found[-1]}"
+
+    (line,) = [one for one in (PAPER.parents[1] / "README.md").read_text().splitlines() if one.startswith(f"| {row} |")]
+    assert line.startswith(f"| {row} | {errors('')} | {errors('filtered')} |")
+
+
 def effect_cell(row: Mapping[str, str]) -> str:
     """An effect as the documentation gives it: zeta, its standard error and beta, per cent."""
     if row["runs"] == "0":
