@@ -224,7 +224,7 @@ def test_only_laws_that_apply_to_every_run_are_drawn(tmp_path: Path, figures: di
     write_report([finish(run) for run in plan(tmp_path, "material.friction_deg=8,33")], tmp_path)
     for figure in figures.values():
         texts = [text.get_text() for text in figure.axes[0].texts]
-        reason = "Lube et al. 2004 does not apply to 1 of 2 runs: for friction of 28 to 40 deg; here it is 8 deg"
+        reason = "Lube et al. 2004 does not apply to 4 of 8 runs: for friction of 28 to 40 deg; here it is 8 deg"
         assert any(reason in text.replace("\n", " ") for text in texts)
         assert not any("et al." in text for text in labels(figure))
         assert sum("et al." in text for text in texts) == 1
