@@ -91,11 +91,12 @@ def check_layers(layers: tuple[LayerTable, ...], geometry: GeometryTable) -> Non
     if len(layers) > most:
         raise refusal(f"{len(layers)} layers, expected at most {most} for this model")
     top = 0.0
-    for number, layer in sorted(enumerate(layers, 1), key=lambda one: one[1].from_):
+    for number, layer in sorted(enumerate(layers), key=lambda one: one[1].from_):
+        at = number, "from"
         if not layer.from_ < layer.to:
-            raise refusal(f"layer {number}: from = {layer.from_:g} m must be smaller than to = {layer.to:g} m")
+            raise refusal(f"must be smaller than to = {layer.to:g} m", *at)
         if layer.from_ < top:
-            raise refusal(f"layer {number}: from = {layer.from_:g} m lies in another layer, which ends at {top:g} m")
+            raise refusal(f"lies in another layer, which ends at {top:g} m", *at)
         if layer.from_ >= height:
-            raise refusal(f"layer {number}: from = {layer.from_:g} m lies above the column, {height:g} m high")
+            raise refusal(f"lies above the column, {height:g} m high", *at)
         top = layer.to

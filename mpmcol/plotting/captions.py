@@ -34,7 +34,7 @@ FRICTION = ("friction_deg", "friction_peak_deg", "friction_residual_deg")
 COHESION = ("cohesion", "cohesion_residual")
 MOST_KEYS = 2  # in the name of a run
 OUTLINE_KEY = "geometry.outline"  # too long for a name
-DERIVED = "stages.k0"  # by default from the friction angle, with which it differs
+DERIVED = ("stages.k0", "stages.collapse.max_time_factor")  # by default from friction angle and slope
 
 
 def heading_of(case: Case, shape: ColumnShape) -> Heading:
@@ -123,7 +123,7 @@ def run_names(runs: Sequence[Results]) -> list[str]:
     values = [leaf_values(run.case) for run in runs]
     keys = dict.fromkeys(key for one in values for key in one if not key.startswith(("title", "output.", "score.")))
     differing = [key for key in keys if len({str(one.get(key)) for one in values}) > 1]
-    differing = [key for key in differing if key != DERIVED] or differing
+    differing = [key for key in differing if key not in DERIVED] or differing
     if 1 <= len(differing) <= MOST_KEYS and OUTLINE_KEY not in differing:
         names = [", ".join(_value_text(key, one.get(key)) for key in differing) for one in values]
         if len(set(names)) == len(names):

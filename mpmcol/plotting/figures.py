@@ -55,7 +55,7 @@ class EndLabel(NamedTuple):
 
 def add_heading(axes: Axes, heading: Heading) -> None:
     """Write title, caption and note above the axes."""
-    lines = _lines_below_title(axes.figure, heading)
+    lines = lines_below_title(axes.figure, heading)
     if lines:
         axes.annotate(
             "\n".join(lines), (0.5, 1.0), (0.0, 4.0), xycoords="axes fraction", textcoords="offset points",
@@ -68,11 +68,11 @@ def with_heading(figure: Figure, heading: Heading) -> Any:
     """Write title, caption and note above all panels of a figure with constrained layout; returns their SubFigure."""
     figure.suptitle(heading.title, parse_math=False)
     panels: Any = figure.subfigures()
-    panels.suptitle("\n".join(_lines_below_title(figure, heading)), fontsize=LABEL_SIZE, color="0.3")
+    panels.suptitle("\n".join(lines_below_title(figure, heading)), fontsize=LABEL_SIZE, color="0.3")
     return panels
 
 
-def _lines_below_title(figure: Any, heading: Heading) -> list[str]:
+def lines_below_title(figure: Any, heading: Heading) -> list[str]:
     """Caption and note, broken where they are wider than the figure: its layout would make the axes narrower."""
     limit = LETTERS_PER_INCH * figure.bbox.width / figure.dpi
     return [line for text in (heading.caption, heading.note) if text for line in _broken(text, limit)]

@@ -18,6 +18,8 @@ from mpmcol.setup.model import Model
 from mpmcol.simulation.checkpointer import assemble, identity
 from mpmcol.simulation.state import Notify, Simulation
 
+NOT_GIVEN = "not given"
+
 
 def resume(simulation: Simulation, checkpoint: Checkpoint) -> None:
     """Set a simulation that was just started to the state of a checkpoint of the same model."""
@@ -135,7 +137,7 @@ def changed_values(earlier: Mapping[str, Any], present: Mapping[str, Any], sourc
     """One line for each value of the case in which two identities differ; `source` names the earlier run."""
     old, new = earlier["case"], present["case"]
     return [
-        f"{key}: {old.get(key)} in {source}, {new.get(key)} in this case"
+        f"{key}: {old.get(key, NOT_GIVEN)} in {source}, {new.get(key, NOT_GIVEN)} in this case"
         for key in old | new
         if old.get(key) != new.get(key)
     ]

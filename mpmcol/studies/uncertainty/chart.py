@@ -14,7 +14,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator, PercentFormatter
 
 from mpmcol.plotting.captions import common_heading
-from mpmcol.plotting.figures import LABEL_SIZE, MOST_ENTRIES, legend_below, save_figure
+from mpmcol.plotting.figures import LABEL_SIZE, MOST_ENTRIES, legend_below, lines_below_title, save_figure
 from mpmcol.plotting.styles import RUN_COLOURS
 from mpmcol.setup.column_shape import column_shape
 from mpmcol.studies.uncertainty.analysis import FRONT, Analysis, Passing, Quantity
@@ -71,7 +71,8 @@ def uncertainty_chart(path: Path, analysis: Analysis) -> list[Path]:
     figure.suptitle(f"{heading.title}: {analysis.done} runs", parse_math=False)
     inputs = [f"{one.key} = {one.distribution}" for one in plan.inputs[:MOST_INPUTS]]
     more = [f"{len(plan.inputs) - MOST_INPUTS} more"] if len(plan.inputs) > MOST_INPUTS else []
-    upper.suptitle(f"{heading.caption}\n{'; '.join([*inputs, *more, *plan.remarks])}", fontsize=LABEL_SIZE, color="0.3")
+    sample = heading._replace(note="; ".join([*inputs, *more, *plan.remarks]))
+    upper.suptitle("\n".join(lines_below_title(figure, sample)), fontsize=LABEL_SIZE, color="0.3")
     return save_figure(figure, path, svg=False)
 
 

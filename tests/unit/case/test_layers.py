@@ -59,9 +59,9 @@ def test_a_resolved_case_has_the_layers_and_the_hash_depends_on_them(write: Writ
         ("density = 1500", "densty = 1500", 28, '[[layers]] 2: material unknown key "densty"'),
         ("from = 0.1", "frm = 0.1", 25, '[[layers]] 2: unknown key "frm"'),
         ("friction_deg = 22", "dilatancy_deg = 40", 22, "dilatancy_deg must not exceed friction_deg"),
-        ("from = 0.1", "from = 0.04", 19, "layer 2: from = 0.04 m lies in another layer, which ends at 0.05 m"),
-        ("to = 0.15", "to = 0.05", 19, "layer 2: from = 0.1 m must be smaller than to = 0.05 m"),
-        ("from = 0.1", "from = 9", 19, "layer 2: from = 9 m must be smaller than to = 0.15 m"),
+        ("from = 0.1", "from = 0.04", 25, "[[layers]] 2: from = 0.04: lies in another layer, which ends at 0.05 m"),
+        ("to = 0.15", "to = 0.05", 25, "[[layers]] 2: from = 0.1: must be smaller than to = 0.05 m"),
+        ("from = 0.1", "from = 9", 25, "[[layers]] 2: from = 9: must be smaller than to = 0.15 m"),
     ],
 )
 def test_messages_name_the_layer_and_its_line(write: Write, old: str, new: str, line: int, message: str) -> None:
@@ -72,7 +72,7 @@ def test_messages_name_the_layer_and_its_line(write: Write, old: str, new: str, 
 
 def test_a_layer_above_the_column_another_law_and_too_many_layers_are_refused(write: Write) -> None:
     above = LAYERS.replace("from = 0.1", "from = 1").replace("to = 0.15", "to = 2")
-    assert "layer 2: from = 1 m lies above the column, 0.27 m high" in only_problem(write(above)).message
+    assert "[[layers]] 2: from = 1: lies above the column, 0.27 m high" in only_problem(write(above)).message
     other = LAYERS.replace("density = 1500", 'law = "elastic"')
     assert only_problem(write(other)).line is not None
     many = GOOD + "".join(
