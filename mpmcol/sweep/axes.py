@@ -19,7 +19,7 @@ EXPECTED = "expected LOW:HIGH, LOW:HIGH:STEP or LOW:HIGH/COUNT, for example 0.5:
 # Possessive quantifiers (++, *+): the time for a long text that does not match stays linear in its length.
 _NUMBER = r"[-+]?(?:\d++\.?\d*+|\.\d++)(?:[eE][-+]?\d++)?"
 _PLAIN = re.compile(_NUMBER)
-_DASHED = re.compile(r"[\d.]+ *(-|;|\.\.) *[\d.]+")  # values that look like a range or a list, but are none
+_DASHED = re.compile(r"[\d.]++ *[-;] *[\d.]++")  # looks like a range or a list
 _RANGE = re.compile(rf"({_NUMBER}):({_NUMBER})(?::({_NUMBER})|/(\d+))?")
 _DECIMALS = 12
 _STEP_TOLERANCE = 1e-9  # in steps: allowed deviation of a range from a whole number of steps

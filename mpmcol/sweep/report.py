@@ -64,9 +64,9 @@ def write_report(outcomes: Sequence[Outcome], out: Path) -> SweepReport:
         write_hdf5(out, rows, outcomes)
         if slopes:
             write_slopes(out, slopes)
-        else:  # those of other runs in this folder; charts likewise
+        else:  # those of other runs in this folder
             (out / SLOPES_FILE).unlink(missing_ok=True)
-        for path in _charts_in(out) - charts.keys():
+        for path in _charts_in(out) - charts.keys():  # likewise
             path.unlink(missing_ok=True)
         for path, (quantity, group) in charts.items():
             _draw(path, quantity, group)
