@@ -137,7 +137,7 @@ def outline(deposit: Measurement, factor: float) -> tuple[Array, Array]:
     """Surface of a deposit times `factor` as a smooth line, horizontal from the first bin centre to x = 0.
 
     Between the bins it is monotonic (PCHIP), so that the line adds no extremum. Of the empty bins only the first and
-    last of each gap are drawn, where the line falls to zero.
+    last of each gap are drawn, where the line falls to zero. It ends at the farthest point.
     """
     from scipy.interpolate import PchipInterpolator  # here, since it takes long to import
 
@@ -148,7 +148,7 @@ def outline(deposit: Measurement, factor: float) -> tuple[Array, Array]:
     fine = np.linspace(0, bins[-1], bins[-1] * SAMPLES + 1)
     smooth = PchipInterpolator(bins, height)(fine)
     smooth[~(drawn[np.floor(fine).astype(int)] & drawn[np.ceil(fine).astype(int)])] = np.nan
-    return factor * np.interp(fine, bins, x), factor * smooth
+    return factor * np.minimum(np.interp(fine, bins, x), deposit.max_distance), factor * smooth
 
 
 def _averaged(height: Array) -> Array:

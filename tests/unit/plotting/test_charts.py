@@ -99,7 +99,7 @@ def test_the_surface_is_a_smooth_line_that_keeps_the_area() -> None:
     uneven = straight + np.append(0.05 * (-1.0) ** np.arange(19), 0.0)
     drawn = {}
     for name, heights in (("straight", straight), ("uneven", uneven)):
-        deposit_of = replace(deposit(0.5), profile_x=x, profile_y=heights)
+        deposit_of = replace(deposit(0.5), profile_x=x, profile_y=heights, front={"front_max": 19.5})
         drawn[name] = profiles.outline(deposit_of, 1.0)
         shown = np.isfinite(drawn[name][1])
         fine_x, fine_y = drawn[name][0][shown], drawn[name][1][shown]
@@ -107,6 +107,15 @@ def test_the_surface_is_a_smooth_line_that_keeps_the_area() -> None:
     inside = (drawn["straight"][0] > 3.0) & (drawn["straight"][0] < 16.0)
     assert drawn["straight"][1][inside] == pytest.approx(np.interp(drawn["straight"][0][inside], x, straight), abs=2e-3)
     assert drawn["uneven"][1][inside] == pytest.approx(drawn["straight"][1][inside], abs=5e-3)
+
+
+def test_the_surface_ends_at_the_farthest_point() -> None:
+    """Not in the middle of the next bin, which may be in a wall."""
+    x, heights = np.arange(0.5, 5.0), np.array([2.0, 2.0, 2.0, 1.0, 0.0])
+    steep = replace(deposit(0.5), profile_x=x, profile_y=heights, front={"front_max": 4.0})
+    drawn_x, drawn_y = profiles.outline(steep, 1e3)
+    shown = np.isfinite(drawn_y)
+    assert drawn_x[shown].max() == 4000.0 and drawn_y[shown][-1] == 0.0
 
 
 @pytest.mark.parametrize(("at_rest", "name"), [(True, "deposit"), (False, "last state")])
