@@ -63,7 +63,9 @@ def test_the_python_function_finds_the_runs_of_the_command() -> None:
         "coarse-channel", {FRICTION: "normal:33,1.5"}, values,
         samples=6, passes=[0.105], out="out", notify=notes.append,
     )  # fmt: skip
-    assert notes == ["note: geometry.base_thickness became 0.015 m (-25.00%), 1 whole cell"]
+    on_plan, on_results = notes
+    assert on_plan == "note: geometry.base_thickness became 0.015 m (-25.00%), 1 whole cell"
+    assert "the column still moved at the time limit" in on_results
     assert modified(Path("out")) == before
     assert len(found.runs) == 6 and found.quantity("beta").statistics.count == 6
     assert repr(found) == "<UncertaintyResults 'out': 6 of 6 runs done>" and "<td>beta</td>" in found._repr_html_()
