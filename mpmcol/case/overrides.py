@@ -9,6 +9,7 @@ from typing import Any
 from mpmcol.case.fields import shortened
 from mpmcol.case.problem import Problem, case_error, set_option
 from mpmcol.case.toml_lines import KeyPath, TomlError, parse
+from mpmcol.errors import CaseError
 
 # a key of `geometry` that is given -> keys that are removed, since it replaces them
 _ALTERNATIVES: dict[KeyPath, tuple[str, ...]] = {
@@ -99,13 +100,20 @@ def _inside(table: Any, part: str, override: Override) -> Any:
     """The table or array of tables at a part of the key; a new table where there is neither."""
     if not isinstance(table, list):
         if not isinstance(table.get(part), (dict, list)):
+            if override.key[0] == part and override.key[1].isdecimal():
+                raise _refused(
+                    override, f"the case has no {part} whose keys could be set", f"write [[{part}]] in its file"
+                )
             table[part] = {}
         return table[part]
     if part.isdecimal() and int(part) < len(table) and isinstance(table[int(part)], dict) and part != override.key[-1]:
         return table[int(part)]
     items = f"items 0 to {len(table) - 1}" if table else "no items"
-    message = f'"{part}" is no item of {override.key[0]} whose key can be set; it has {items}'
-    raise case_error([Problem(set_option(override.argument), None, ".".join(override.key), message, "")])
+    raise _refused(override, f'"{part}" is no item of {override.key[0]} whose key can be set; it has {items}', "")
+
+
+def _refused(override: Override, message: str, hint: str) -> CaseError:
+    return case_error([Problem(set_option(override.argument), None, ".".join(override.key), message, hint)])
 
 
 def merge_cases(parent: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:

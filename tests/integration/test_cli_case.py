@@ -286,6 +286,11 @@ def test_a_key_without_its_table_is_moved() -> None:
     assert "move this key to [material]" in invoke("check", "short.toml").stderr
 
 
+def test_keys_of_an_array_that_the_case_does_not_have_are_refused() -> None:
+    problem = invoke("check", "coarse-channel", "--set", "walls.0.height=1").stderr
+    assert "the case has no walls whose keys could be set" in problem and "write [[walls]] in its file" in problem
+
+
 def test_an_empty_folder_name_is_refused() -> None:
     result = invoke("run", "coarse-channel", "--out", "")
     assert result.exit_code == 2 and "'--out': expected a path, not an empty text" in result.stderr
