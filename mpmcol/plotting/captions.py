@@ -34,6 +34,7 @@ FRICTION = ("friction_deg", "friction_peak_deg", "friction_residual_deg")
 COHESION = ("cohesion", "cohesion_residual")
 MOST_KEYS = 2  # in the name of a run
 OUTLINE_KEY = "geometry.outline"  # too long for a name
+PARTS = ("base_material.", "layers.", "walls.")  # whose keys have the names of keys of the column
 DERIVED = ("stages.k0", "stages.collapse.max_time_factor")  # by default from friction angle and slope
 
 
@@ -134,6 +135,8 @@ def run_names(runs: Sequence[Results]) -> list[str]:
 
 def _value_text(key: str, value: Any) -> str:
     number, name = number_of(field_at(tuple(key.split(".")), "")), key.rpartition(".")[2]
+    if key.startswith(PARTS):
+        name = key
     if isinstance(value, float) and number and number.unit == "m":
         return f"{name} = {length_text(value)}"
     unit = f" {number.unit}" if number and number.unit and value is not None else ""

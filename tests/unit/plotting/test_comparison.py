@@ -86,6 +86,8 @@ def test_runs_are_named_by_what_differs_or_by_their_folders(tmp_path: Path) -> N
     assert names((), ("grid.spacing=0.01", "grid.points_per_cell=9")) == [
         "spacing = 5 mm, points_per_cell = 4", "spacing = 10 mm, points_per_cell = 9",
     ]  # fmt: skip
+    layers = [(f"layers=[{{from=0, to=0.04, material={{friction_deg={angle}}}}}]",) for angle in (20, 25)]
+    assert names(*layers) == [f"layers.0.material.friction_deg = {angle} deg" for angle in (20, 25)]
     three = ("grid.spacing=0.01", "grid.points_per_cell=9", "time.cfl=0.3")
     assert names((), three) == ["run-0", "run-1"]
     assert names((), ("score.experiment=lube-2005",)) == ["run-0", "run-1"]  # equal simulations
