@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from mpmcol.cli.sweep_plan import print_forecast
 from mpmcol.io.values import to_json as as_json
 
 if TYPE_CHECKING:
@@ -52,6 +53,7 @@ def certify(
     jobs: int | None,
     threads: int | None,
     fresh: bool,
+    dry_run: bool,
     to_json: bool,
     quiet: bool,
 ) -> None:
@@ -62,8 +64,15 @@ def certify(
     from mpmcol.io.names import ERROR_BARS_FILE, REPEATS_FOLDER
     from mpmcol.io.results import Results
     from mpmcol.studies.pareto.certify import certify as run_and_estimate
+    from mpmcol.studies.pareto.certify import planned_runs
     from mpmcol.sweep.engine import exit_code
 
+    if dry_run:
+        runs = planned_runs(case, overrides, advice, out, with_finer=True)
+        print_forecast(runs, jobs, threads, fresh=fresh, to_json=to_json, quiet=quiet)
+        if not to_json:
+            click.echo("runs on the finest grid are made if an error bar of the others is wider than the accuracy")
+        click.get_current_context().exit()
     with SweepDisplay(out / REPEATS_FOLDER, quiet) as display:
         outcomes, bars = run_and_estimate(
             case, overrides, advice, accuracy, out, jobs=jobs, threads=threads, fresh=fresh, observer=display

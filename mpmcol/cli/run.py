@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 
 OTHER_CODES = (0, 1, 2, 3, 4, 5, 130, 141)
 SINGLE_RUN_OPTIONS = (
-    "force_resume", "checkpoint", "max_wall", "on_instability", "requeue_code", "dry_run", "report",
+    "force_resume", "checkpoint", "max_wall", "on_instability", "requeue_code", "report",
 )  # fmt: skip
 
 
@@ -148,7 +148,7 @@ def run(
         if certify:
             run_certified(
                 case, given, advice, accuracy, folder,
-                jobs=jobs, threads=threads, fresh=fresh, to_json=to_json, quiet=quiet,
+                jobs=jobs, threads=threads, fresh=fresh, dry_run=dry_run, to_json=to_json, quiet=quiet,
             )  # fmt: skip
         given = (*given, *advice.overrides)
         loaded = load_case(case, given)

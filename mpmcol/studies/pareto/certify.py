@@ -101,24 +101,28 @@ def certify(
     if out.is_dir() and any(out.iterdir()) and not repeats.exists():
         raise UsageError(f"{out} is not empty and holds no run with --certify; use --out for another folder")
 
-    def planned(levels: Sequence[float]) -> list[PlannedRun]:
-        grids = sorted({cells - i for cells in levels for i in range(NEIGHBOURS)})
-        return [_run(source, overrides, advice.variant, cells, repeats) for cells in grids]
-
-    def run_all(levels: Sequence[float]) -> tuple[list[Outcome], list[ErrorBar]]:
-        runs = planned(levels)
+    def run_all(runs: Sequence[PlannedRun]) -> tuple[list[Outcome], list[ErrorBar]]:
         outcomes = run_sweep(runs, repeats, jobs=jobs, threads=threads, observer=observer)
         return outcomes, _error_bars(outcomes, list(advice.errors), repeats, load_case(source, overrides).geometry.a)
 
-    levels = [*(round(advice.cells / RATIO**k) for k in range(LEVELS - 1, 0, -1)), advice.cells]
-    following = finer_grid(source, overrides, advice)
+    first, all_runs = (planned_runs(source, overrides, advice, out, with_finer) for with_finer in (False, True))
     if fresh:
-        discard_runs(planned([*levels, following]))
-    outcomes, bars = run_all(levels)
+        discard_runs(all_runs)
+    outcomes, bars = run_all(first)
     if any(bar.relative > accuracy for bar in bars):
-        outcomes, bars = run_all([*levels, following])
+        outcomes, bars = run_all(all_runs)
     replace_run(_finest(outcomes).run.folder, out)
     return outcomes, bars
+
+
+def planned_runs(
+    source: str | Path, overrides: Sequence[str], advice: Recommendation, out: Path, with_finer: bool
+) -> list[PlannedRun]:
+    """The runs of `certify`, coarsest first; with_finer: also those on the finer grid."""
+    levels = [*(round(advice.cells / RATIO**k) for k in range(LEVELS - 1, 0, -1)), advice.cells]
+    levels += [finer_grid(source, overrides, advice)] if with_finer else []
+    grids = sorted({cells - i for cells in levels for i in range(NEIGHBOURS)})
+    return [_run(source, overrides, advice.variant, cells, out / REPEATS_FOLDER) for cells in grids]
 
 
 def error_bar(quantity: str, runs: Mapping[float, float], unit: float = 1.0) -> ErrorBar:

@@ -191,8 +191,16 @@ def test_an_accuracy_is_a_relative_error(text: str) -> None:
 def test_certify_needs_accuracy() -> None:
     done = invoke("run", "coarse-channel", "--certify")
     assert done.exit_code == 2 and "--certify requires --accuracy" in done.output
-    done = invoke("run", "coarse-channel", "--accuracy", "10%", "--certify", "--dry-run")
-    assert done.exit_code == 2 and "--dry-run applies to a single run" in done.output
+    done = invoke("run", "coarse-channel", "--accuracy", "10%", "--certify", "--max-wall", "1h")
+    assert done.exit_code == 2 and "--max-wall applies to a single run" in done.output
+
+
+def test_a_dry_run_of_error_bars_shows_all_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    done = invoke("run", "lube-cylinder", "--accuracy", "20%", "--certify", "--dry-run")
+    assert done.exit_code == 0 and "8 runs: " in done.stdout and "nothing was run" in done.stdout
+    assert "runs on the finest grid are made if an error bar of the others is wider" in done.stdout
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_dry_run_shows_the_recommendation(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
