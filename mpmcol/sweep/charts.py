@@ -30,6 +30,7 @@ from mpmcol.sweep.table import FINER_GRIDS, unit_of
 
 ASPECT_LABEL = r"aspect ratio $a = h_i/r_i$ (-)"
 LABELS = {"zeta": r"runout $\zeta = (r_f - r_i)/r_i$ (-)", "beta": r"final height $\beta = h_f/h_i$ (-)"}
+OF_MANY = "\nby front_connected; bars: by all three definitions"
 SERIES_MARKERS = "os^Dv<>"
 MOST_SERIES = MOST_ENTRIES - 3  # with legend entries; more series are labelled at their last marker
 MIDDLE = "front_connected"  # drawn where there are several series, with a bar over all definitions
@@ -80,7 +81,7 @@ def sweep_chart(
         ends += _draw_bands(axes, quantity, experiment, {row["a"] for line in series for row in line.rows})
     for slope in slopes:
         _draw_slope(axes, slope, series)
-    axes.set(ylabel=LABELS[quantity])
+    axes.set(ylabel=LABELS[quantity] + (OF_MANY if quantity == "zeta" and any(line.label for line in series) else ""))
     add_heading(axes, heading)
     axes.grid(color="0.9", which="major")
     if axis == ASPECT_COLUMN:

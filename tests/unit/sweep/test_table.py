@@ -266,6 +266,8 @@ def test_several_series_in_one_chart(tmp_path: Path, figures: dict[str, Figure])
         (label,) = [text for text in shown if text.startswith(name)]
         assert label.count("propto") == 1
     assert len(report.slopes) == 8
+    labels_of = {name: figures[name].axes[0].get_ylabel() for name in ("zeta.png", "beta.png")}
+    assert "by front_connected; bars:" in labels_of["zeta.png"] and "bars" not in labels_of["beta.png"]
 
 
 def test_many_series_are_named_beside_their_last_marker(tmp_path: Path, figures: dict[str, Figure]) -> None:
