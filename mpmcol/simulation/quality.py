@@ -66,7 +66,7 @@ def _present(simulation: Simulation) -> Snapshot:
 def _wall_notes(simulation: Simulation) -> Iterator[str]:
     shape, front = simulation.recorder.shape, simulation.recorder.rows[-1]["front_height"]
     for name, wall in zip((wall.name for wall in simulation.case.walls), shape.obstacles, strict=True):
-        if shape.r_i <= wall.low_x <= front + shape.spacing:
+        if shape.r_i <= wall.low_x <= front + shape.spacing and front <= wall.high_x:
             yield f"the deposit ends at the wall {name}: runout and angle of repose depend on it"
 
 

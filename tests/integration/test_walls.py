@@ -50,8 +50,9 @@ def test_the_ledger_closes_and_the_column_comes_to_rest(runs: Runs) -> None:
 def test_a_deposit_that_ends_at_a_wall_is_noted(runs: Runs, tmp_path: Path) -> None:
     (note,) = [line for line in runs.dam.summary["warnings"] if "ends at" in line]
     assert note == "the deposit ends at the wall dam: runout and angle of repose depend on it"
-    far = run(tmp_path / "far", "walls=[{from=0.4, to=0.42, height=0.05, name='far'}]")
-    assert far.came_to_rest and not any("ends at" in line for line in far.summary["warnings"])
+    for name, wall in (("far", "{from=0.4, to=0.42, height=0.05}"), ("low", "{from=0.12, to=0.135, height=0.015}")):
+        free = run(tmp_path / name, f"walls=[{wall}]")
+        assert free.came_to_rest and not any("ends at" in line for line in free.summary["warnings"])
 
 
 def test_no_point_is_in_the_dam_and_walls_have_no_published_runout(runs: Runs) -> None:
