@@ -23,6 +23,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from mpmcol.io.snapshot import Snapshot, read_snapshot
 from mpmcol.plotting.render import FIT_VIEW
+from mpmcol.plotting.render.animation import gif_with
 from mpmcol.plotting.render.coloring import COLORINGS
 from mpmcol.plotting.render.frame import COLORMAP, View, as_image, page_around
 from mpmcol.plotting.render.gaps import fill_gaps
@@ -33,7 +34,6 @@ LOWEST, HIGHEST = 0.25, 1.0  # height of the image of the material over its widt
 DPI = 120  # for text that is readable where the image is shown at half of its size
 LEAST_SIDE = 2  # of a point, pixels: smaller ones leave gaps where the material has dilated
 LIGHTEST = 248  # level from which on a grey counts as white
-FRAME_MS, LAST_FRAME_MS = 120, 2000
 
 
 class PointImages:
@@ -131,9 +131,7 @@ def encode_animation(images: Sequence[Image.Image]) -> bytes:
     """A GIF that repeats, with the colours of the first image, which has the colour bar."""
     first = images[0].quantize(256, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
     _restore_white(first)
-    frames = [first, *(image.quantize(palette=first, dither=Image.Dither.NONE) for image in images[1:])]
-    durations = [FRAME_MS] * (len(frames) - 1) + [LAST_FRAME_MS]
-    return _encoded(frames[0], "GIF", save_all=True, append_images=frames[1:], duration=durations, loop=0)
+    return gif_with(first, images)
 
 
 def _restore_white(image: Image.Image) -> None:
@@ -145,12 +143,8 @@ def _restore_white(image: Image.Image) -> None:
 
 def encode_image(image: Image.Image) -> bytes:
     """A PNG with at most 256 colours."""
-    return _encoded(image.quantize(256, dither=Image.Dither.NONE), "PNG", optimize=True)
-
-
-def _encoded(image: Image.Image, kind: str, **options: Any) -> bytes:
     buffer = io.BytesIO()
-    image.save(buffer, kind, **options)
+    image.quantize(256, dither=Image.Dither.NONE).save(buffer, "PNG", optimize=True)
     return buffer.getvalue()
 
 

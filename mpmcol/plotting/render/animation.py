@@ -18,14 +18,18 @@ SAMPLED = 5  # images from which the colours of a GIF are chosen
 
 
 def gif(images: Sequence[Image.Image]) -> bytes:
-    """The images as an endless GIF with one palette."""
+    """The images as an endless GIF, with a palette of some of them."""
     sampled = [images[i] for i in np.linspace(0, len(images) - 1, min(SAMPLED, len(images))).astype(int)]
     width, height = images[0].size
     together = Image.new("RGB", (width, height * len(sampled)))
     for i, image in enumerate(sampled):
         together.paste(image, (0, i * height))
     # MAXCOVERAGE, because the colour bar has few pixels but needs all of its colours.
-    palette = together.quantize(256, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+    return gif_with(together.quantize(256, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE), images)
+
+
+def gif_with(palette: Image.Image, images: Sequence[Image.Image]) -> bytes:
+    """The images as an endless GIF with the palette of an image."""
     frames = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
     durations = [FRAME_MS] * (len(frames) - 1) + [LAST_FRAME_MS]
     buffer = io.BytesIO()
