@@ -76,8 +76,8 @@ def wall_chart(
 
     history, pressures: columns of history.csv since the release, and of wall_pressure.csv. Profiles are drawn beside
     the active and passive pressures K_a and K_p = (1 -+ sin phi) / (1 +- sin phi) times rho g (h_w - y), with the
-    height h_w of the material that presses; without `friction_deg` they are omitted. A wall has one colour and
-    marker in both panels.
+    height h_w of the material that presses or pulls and, on a slope, the part of g normal to the base; without
+    `friction_deg` they are omitted. A wall has one colour and marker in both panels.
     """
     walls = dict.fromkeys(name.split(".")[1] for name in history if name.startswith("force."))
     walls.pop(FLOOR, None)
