@@ -213,7 +213,7 @@ def measure_stop_time(history: Mapping[str, np.ndarray], spacing: float, fall_ti
     """Time after release from which on the front stays within one cell of its final position, in sqrt(h_i / g).
 
     history: columns "stage", "time" (s) and "front_height" (m); spacing in m, fall_time sqrt(h_i / g) in s. None if the
-    front has not stopped before the last row.
+    front has not stopped before the last row, or has moved by less than a cell.
     """
     collapse = history["stage"] == "collapse"
     stop = stop_time(history["time"][collapse], history["front_height"][collapse], spacing)

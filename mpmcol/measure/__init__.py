@@ -194,11 +194,11 @@ def stop_time(time: Array, front: Array, tolerance: float) -> float | None:
         tolerance: m.
 
     Returns:
-        the first such time, s; None if it is the last one, since the front may still move.
+        the first such time, s; None if it is the last one, since the front may still move, or the first one, since the
+        front has then not moved measurably.
     """
     away = np.flatnonzero(np.abs(front - front[-1:]) > tolerance)
-    first = away[-1] + 1 if away.size else 0
-    return float(time[first]) if first < len(time) - 1 else None
+    return float(time[away[-1] + 1]) if away.size and away[-1] + 2 < len(time) else None
 
 
 def _ranges(found: Array, shape: ColumnShape) -> dict[str, Range] | None:

@@ -133,8 +133,8 @@ def _common_experiment(runs: Sequence[Results]) -> Experiment:
     shape = runs[0].shape
     if len(found) == 1 and all(np.isclose(run.shape.a, shape.a, rtol=0.01) for run in runs):
         return found[0]
-    without = [one for one in found if not one.laws]
-    return without[0] if without else without_laws("no experiment drawn: these runs are compared with different values")
+    reasons = [one.title for one in found if not one.laws]
+    return without_laws("; ".join(reasons) or "no experiment drawn: these runs are compared with different values")
 
 
 def _profiles(

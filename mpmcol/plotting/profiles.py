@@ -97,14 +97,14 @@ def draw_walls(axes: Axes, walls: Sequence[tuple[float, float, float]], factor: 
         axes.add_patch(Rectangle((factor * low, 0.0), factor * (high - low), factor * height, **(WALL_STYLE | style)))
 
 
-def draw_gate(axes: Axes, position: float, lean: float = 0.0) -> None:
+def draw_gate(axes: Axes, position: float, lean: float = 0.0, size: float | str = "small") -> None:
     """A thin line from r_i on the base over the height of the axes, with its name; lean: as of the column."""
     height = axes.get_ylim()[1]
     top = position - lean * height
     axes.plot([position, top], [0.0, height], label="gate", **GATE_STYLE)
     axes.annotate(
         "gate", (top, 1.0), (3.0, -3.0), xycoords=axes.get_xaxis_transform(), textcoords="offset points",
-        ha="left", va="top", fontsize="small", color=GATE_STYLE["color"],
+        ha="left", va="top", fontsize=size, color=GATE_STYLE["color"],
     )  # fmt: skip
 
 

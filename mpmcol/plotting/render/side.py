@@ -17,7 +17,7 @@ from mpmcol.case.geometry import GeometryTable
 from mpmcol.experiments import OUTLINE
 from mpmcol.io.snapshot import Snapshot
 from mpmcol.plotting.captions import geometry_of_snapshot, tables_of_snapshot
-from mpmcol.plotting.profiles import draw_gravity, draw_walls, with_walls
+from mpmcol.plotting.profiles import draw_gate, draw_gravity, draw_walls, with_walls
 from mpmcol.plotting.render.coloring import Coloring, widest
 from mpmcol.plotting.render.frame import (
     BASE_COLOR,
@@ -31,7 +31,6 @@ from mpmcol.plotting.render.frame import (
     read_for_rendering,
 )
 from mpmcol.plotting.render.walls import walls_on_grid
-from mpmcol.plotting.styles import GATE_STYLE
 from mpmcol.units import length_scale
 
 MARGIN = 0.02  # of width and height, left of the wall, below the base, and beyond the front
@@ -80,9 +79,7 @@ class SideView(View):
         axes.plot([0, 0], [0, top], linestyle="dashdot" if symmetric else "solid", **EDGE)
         draw_gravity(axes, float(self.meta.get("slope_deg", 0.0)), SMALL_SIZE)
         if self._case.get("stages", {}).get("gate", True):
-            upper = r_i - self._geometry.lean * top
-            axes.plot([r_i, upper], [0, top], **GATE_STYLE)
-            axes.text(upper, top, " gate", size=SMALL_SIZE, color=GATE_STYLE["color"], va="top")
+            draw_gate(axes, r_i, self._geometry.lean, SMALL_SIZE)
         draw_walls(axes, list(self._walls()))
         self._add_ticks(axes)
 

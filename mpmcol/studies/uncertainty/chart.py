@@ -85,21 +85,29 @@ def _draw_histogram(axes: Axes, one: Quantity, passes: Sequence[Passing]) -> Non
     axes.axvline(statistics.quantiles["median"], **MEDIAN)
     for name in ("p5", "p95"):
         axes.axvline(statistics.quantiles[name], **TAILS)
-    low, high = axes.get_xlim()
-    for passing in passes:
-        if not low - (high - low) < passing.distance < high + (high - low):
-            continue  # the histogram would be narrow beside a line far from it
-        axes.axvline(passing.distance, color=RUN_COLOURS[6], linewidth=1.6, linestyle=":")
-        is_right = passing.distance > 0.5 * (low + high)
-        axes.annotate(
-            f" P = {passing.probability.value:.2g} ", (passing.distance, 0.97), xycoords=("data", "axes fraction"),
-            fontsize=LABEL_SIZE, color=RUN_COLOURS[6], va="top", ha="right" if is_right else "left",
-        )  # fmt: skip
+    _draw_passes(axes, passes)
     axes.set_xlabel(LABELS.get(one.name, label(one)))
     text = f"mean {statistics.mean:.4g}, standard deviation {statistics.standard_deviation:.2g}"
     axes.set_title(text, fontsize=LABEL_SIZE)
     axes.xaxis.set_major_locator(MaxNLocator(4))
     axes.yaxis.set_major_locator(MaxNLocator(4, integer=True))
+
+
+def _draw_passes(axes: Axes, passes: Sequence[Passing]) -> None:
+    """A line with the probability at each distance; beside a line far away the histogram would be narrow."""
+    low, high = axes.get_xlim()
+    style: dict[str, Any] = {"fontsize": LABEL_SIZE, "color": RUN_COLOURS[6], "va": "top"}
+    far = []
+    for passing in passes:
+        distance, probability = passing.distance, f"P = {passing.probability.value:.2g}"
+        is_right = distance > 0.5 * (low + high)
+        if not low - (high - low) < distance < high + (high - low):
+            far.append(f"{probability} at {distance:g} m")
+            continue
+        axes.axvline(distance, color=RUN_COLOURS[6], linewidth=1.6, linestyle=":")
+        position, side = (distance, 0.97), "right" if is_right else "left"
+        axes.annotate(f" {probability} ", position, xycoords=("data", "axes fraction"), ha=side, **style)
+    axes.annotate("\n".join(far), (0.98, 0.87), xycoords="axes fraction", ha="right", **style)
 
 
 def _statistics_handles() -> dict[str, Any]:

@@ -210,6 +210,12 @@ def test_the_stop_time_is_none_while_the_front_moves() -> None:
     assert stop_time(time, time, 1e-3) is None
 
 
+def test_a_front_that_moves_by_less_than_a_cell_has_no_stop_time() -> None:
+    time = np.linspace(0.0, 1.0, 11)
+    assert stop_time(time, 1.0 + 0.9e-3 * time, 1e-3) is None
+    assert stop_time(time, np.minimum(1.0 + 3e-3 * time, 1.0 + 1.5e-3), 1e-3) == pytest.approx(0.2)
+
+
 @pytest.mark.parametrize("model", ["plane", "axisymmetric"])
 def test_the_height_of_an_outline_away_from_the_wall_is_that_of_its_crest(model: str) -> None:
     ridge = ((0.1, 0.0), (0.3, 0.0), (0.2, 0.1))

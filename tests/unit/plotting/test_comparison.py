@@ -78,6 +78,14 @@ def test_each_chart_has_a_line_for_each_run(tmp_path: Path, saved: list[Figure])
     assert "Lube et al. 2007: front, height (unverified), scatter" in legend(saved[0])
 
 
+def test_each_reason_why_no_experiment_is_drawn_is_given(tmp_path: Path, figures: list[Figure]) -> None:
+    runs = [run_in(tmp_path, name, f"material.{name}") for name in ("friction_deg=8", "cohesion=500")]
+    chart_comparison(runs, out=tmp_path / "charts")
+    text = " ".join(figures[0].axes[0].get_title(loc="left").split())
+    text += " ".join(note.get_text() for note in figures[0].axes[0].texts)
+    assert "here it is 8 deg" in text and "grains without cohesion" in text
+
+
 def test_runs_are_named_by_what_differs_or_by_their_folders(tmp_path: Path) -> None:
     def names(*replaced: tuple[str, ...]) -> list[str]:
         return run_names([run_in(tmp_path, f"run-{i}", *values) for i, values in enumerate(replaced)])

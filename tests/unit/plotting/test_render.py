@@ -319,7 +319,7 @@ def test_the_gate_is_a_vertical_line(folder: Path):
     _, lines, page = drawn_lines(folder)
     (gate,) = [line for line in lines if set(line.get_xdata()) == {META["r_i"]}]
     assert max(gate.get_ydata()) > META["h_i"] > min(gate.get_ydata()) == 0
-    assert " gate" in [text.get_text() for text in page.axes[0].texts]
+    assert "gate" in [text.get_text() for text in page.axes[0].texts]
 
 
 def test_the_heading_has_the_aspect_ratio_of_the_column(folder: Path):

@@ -10,13 +10,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from scipy.stats import spearmanr
 
 from mpmcol.errors import CaseError, UsageError
 from mpmcol.report.uncertainty import uncertainty_sections
 from mpmcol.studies.pareto.recommend import recommend
-from mpmcol.studies.uncertainty.analysis import analyse
-from mpmcol.studies.uncertainty.chart import bar_label
+from mpmcol.studies.uncertainty.analysis import Passing, analyse
+from mpmcol.studies.uncertainty.chart import _draw_passes, bar_label
 from mpmcol.studies.uncertainty.inputs import parse_inputs
 from mpmcol.studies.uncertainty.plan import plan_study, study_name
 from mpmcol.studies.uncertainty.record import as_record, summary_lines
@@ -408,3 +409,12 @@ def test_failed_runs_are_in_no_statistics(tmp_path: Path) -> None:
     nothing = analyse(plan, failed + failed[:2], distances=[0.2])
     assert (nothing.done, list(nothing.quantities), list(nothing.passes)) == (0, [], [])
     assert [path.name for path in write_report(nothing, tmp_path).files] == ["uncertainty.json"]
+
+
+def test_probabilities_at_distances_far_from_the_histogram_are_written_into_it() -> None:
+    axes = Figure().add_subplot()
+    axes.hist([0.20, 0.21, 0.22])
+    none, half = (probability_of(np.array(met)) for met in ([False, False], [True, False]))
+    _draw_passes(axes, [Passing(2.0, none), Passing(0.21, half)])
+    assert [text.get_text().strip() for text in axes.texts] == ["P = 0.5", "P = 0 at 2 m"]
+    assert [line.get_xdata()[0] for line in axes.lines] == [0.21] and axes.get_xlim()[1] < 0.25
