@@ -107,6 +107,9 @@ def _quality(summary: dict[str, Any], at_release: float) -> Iterator[str]:
             f"pressures, relative to the weight of the deposit at its foot: 99 % below {stress['pressure_p99']:.2f}, "
             f"at most {stress['pressure_max']:.2f}; points inside without stress: {100.0 * stress['stress_free']:.1f} %"
         )
+        if "local_pressure_p1" in stress:  # results of earlier versions do not have it
+            low, high = stress["local_pressure_p1"], stress["local_pressure_p99"]
+            yield f"pressures inside, relative to the weight above them: 98 % between {low:.2f} and {high:.2f}"
 
 
 def energy_line(shares: Mapping[str, float], at_release: float, unit: str) -> str:

@@ -10,6 +10,8 @@ STRESS_NAMES = {
     "pressure_p1": ("", "percentile 1 of the pressure over weight_at_foot"),
     "pressure_p99": ("", "percentile 99 of the pressure over weight_at_foot"),
     "pressure_max": ("", "largest pressure over weight_at_foot"),
+    "local_pressure_p1": ("", "percentile 1 of the pressure over the weight above the point, inside the deposit"),
+    "local_pressure_p99": ("", "percentile 99 of the pressure over the weight above the point, inside the deposit"),
     "scatter": ("", "standard deviation of the pressure from the mean of its cell, over weight_at_foot"),
 }
 EROSION = ("", "erosion of a granular bed; null without one")

@@ -20,13 +20,15 @@ STRESS_FREE = 1e-3  # of the weight at the foot: points with a smaller pressure 
 
 @dataclass(frozen=True)
 class StressQuality:
-    """Pressures of points, as multiples of the largest weight at the foot of the deposit."""
+    """Pressures of points, as multiples of the largest weight at the foot of the deposit if not stated otherwise."""
 
     weight_at_foot: float  # Pa, largest of all columns of cells
     stress_free: float  # share of the points inside the deposit without stress
     pressure_p1: float  # percentiles of the pressure of all points
     pressure_p99: float
     pressure_max: float
+    local_pressure_p1: float  # percentiles of the pressure over the weight above the point, inside the deposit
+    local_pressure_p99: float
     scatter: float  # standard deviation of the pressure from the mean of its cell, inside the deposit
 
 
@@ -55,12 +57,15 @@ def stress_quality(
     pressure = -stress[:, :3].mean(axis=1) / foot
     difference = pressure - cell_means(x, pressure, volume, h)
     p1, p99 = np.percentile(pressure, (1.0, 99.0))
+    local_p1, local_p99 = np.percentile(pressure[inside] * foot / above[inside], (1.0, 99.0))
     return StressQuality(
         weight_at_foot=foot,
         stress_free=float(np.mean(np.abs(pressure[inside]) < STRESS_FREE)),
         pressure_p1=float(p1),
         pressure_p99=float(p99),
         pressure_max=float(pressure.max()),
+        local_pressure_p1=float(local_p1),
+        local_pressure_p99=float(local_p99),
         scatter=float(np.sqrt(np.mean(difference[inside] ** 2))),
     )
 

@@ -100,6 +100,13 @@ def energy_measures(results: Results) -> list[Measure]:
         Measure(
             "Pressure that 99 % of the points do not exceed, over this weight", _percent(stress.get("pressure_p99"))
         ),
+        *(
+            Measure(
+                f"Percentile {p} of the pressure inside, over the weight above",
+                _percent(stress.get(f"local_pressure_p{p}")),
+            )
+            for p in (1, 99)
+        ),
         Measure("Points inside the deposit without stress", _percent(stress.get("stress_free"))),
     ]
 

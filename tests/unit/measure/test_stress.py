@@ -42,11 +42,15 @@ def test_a_geostatic_pressure_is_quiet(model: str) -> None:
     assert found.weight_at_foot == pytest.approx(FOOT, rel=0.5 * SIZE / HEIGHT + 1e-3)
     assert found.stress_free == 0.0
     assert found.pressure_max == pytest.approx(1.0, abs=0.01) and found.pressure_p1 == pytest.approx(0.0, abs=0.02)
+    # points count others of their row as above them: up to half a row of at least four
+    assert (found.local_pressure_p1, found.local_pressure_p99) == pytest.approx((1.0, 1.0), abs=0.15)
     assert found.scatter == pytest.approx(0.5 * SIZE / HEIGHT, rel=0.05)  # of the gradient within a cell
 
 
 def test_points_without_stress_are_counted_inside_the_block() -> None:
-    assert quality(free=0.3).stress_free == pytest.approx(0.3, abs=0.03)
+    found = quality(free=0.3)
+    assert found.stress_free == pytest.approx(0.3, abs=0.03)
+    assert found.local_pressure_p1 == 0.0 and found.local_pressure_p99 == pytest.approx(1.0, abs=0.15)
 
 
 def test_noise_appears_in_scatter_and_percentiles() -> None:
