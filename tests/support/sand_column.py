@@ -26,7 +26,7 @@ from mpmcol.failure_modes.toolkit import (
 from mpmcol.mpm.kernels.loop import L_DAMPING, L_FILTER, L_GRID, L_NODE_WORK, L_WALLS, L_WORK
 from mpmcol.mpm.particles import COLUMN
 from mpmcol.mpm.settings import PAPER, Scheme, Settings
-from mpmcol.mpm.solver import Solver
+from mpmcol.mpm.solver import Body, Solver
 from mpmcol.simulation.summary import state_checksum
 
 WIDTH, HEIGHT, BASE = 0.08, 0.16, 0.02
@@ -34,13 +34,21 @@ LENGTH, SPACING = {2: 0.5, 3: 0.24}, {2: 0.01, 3: 0.02}
 YOUNG = 1e6
 DAMPED = PLAIN._replace(alpha_d=0.05)
 SAND = sand_body(youngs_modulus=YOUNG)
-FILTERED = DAMPED._replace(
-    filter_rate=0.5 * SAND.wave_speed2**0.5 / SPACING[2],
-    filter_shear_rate=0.3 * G / SAND.wave_speed2**0.5,
-    filter_modulus=SAND.params.bulk_modulus,
-)
 STEPS = 400  # of a state digest
 OTHER_SCHEME = Scheme(stress_order="musl", affine=True, basis="cubic", volumetric_strain="cell")
+
+
+def filtered(settings: Settings, sand: Body, h: float) -> Settings:
+    """The settings with the stress filter of a case at the spacing h (m)."""
+    wave_speed = sand.wave_speed2**0.5
+    return settings._replace(
+        filter_rate=0.5 * wave_speed / h,
+        filter_shear_rate=0.3 * G / wave_speed,
+        filter_modulus=sand.params.bulk_modulus,
+    )
+
+
+FILTERED = filtered(DAMPED, SAND, SPACING[2])
 
 
 def collapse(settings: Settings, d: int = 2, h: float | None = None, scheme: Scheme = PAPER, margin: int = 0) -> Solver:
