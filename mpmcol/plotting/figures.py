@@ -45,12 +45,14 @@ class Heading(NamedTuple):
 
 
 class EndLabel(NamedTuple):
-    """Text beside the axes for a line that ends at x, y (data coordinates)."""
+    """Text for a line that ends at x, y (data coordinates): beside the axes; along the line from `start` to there if
+    it ends within the axes and `start` is given."""
 
     x: float
     y: float
     text: str
     colour: Any
+    start: tuple[float, float] | None = None
 
 
 def add_heading(axes: Axes, heading: Heading) -> None:
@@ -119,30 +121,58 @@ def use_plain_ticks(axis: Axis) -> None:
 def label_ends(labels_of: Mapping[Axes, Sequence[EndLabel]]) -> None:
     """Write labels of lines that end at the right edge of axes beside these, moved apart where they would overlap, and
     others next to the end of their line. The layout of the figure is final after it."""
-    beside = {axes: _annotated(axes, labels) for axes, labels in labels_of.items()}
+    for axes in labels_of:
+        axes.autoscale_view()  # otherwise limits are adapted to the lines only when the figure is drawn
+    beside = {
+        axes: [_write_beside(axes, label) for label in labels if _ends_at_edge(axes, label)]
+        for axes, labels in labels_of.items()
+    }
     for axes, notes in beside.items():
         figure: Any = axes.figure
-        lay_out(figure)  # for the height of the axes
+        lay_out(figure)  # for the size of the axes
+        for label in labels_of[axes]:
+            if not _ends_at_edge(axes, label):
+                _write_within(axes, label)
         height = axes.get_window_extent().height * 72.0 / figure.dpi
         levels = _apart(np.array([note.xyann[1] for note in notes]), 1.35 * LABEL_SIZE / height)
         for note, level in zip(notes, levels, strict=True):
             note.xyann = (note.xyann[0], float(level))
 
 
-def _annotated(axes: Axes, labels: Sequence[EndLabel]) -> list[Annotation]:
-    """Write labels at the height of the ends of their lines; returns those beside the axes."""
-    text: dict[str, Any] = {"fontsize": LABEL_SIZE, "va": "center", "annotation_clip": False}
-    beside = []
-    axes.autoscale_view()  # otherwise limits are adapted to the lines only when the figure is drawn
-    for label in labels:
-        x, y = axes.transAxes.inverted().transform(axes.transData.transform((label.x, label.y)))
-        place: dict[str, Any] = {"xytext": (6.0, 7.0), "textcoords": "offset points", "path_effects": [HALO]}
-        if x > RIGHT_EDGE:
-            connector = _CONNECTOR | {"color": label.colour}
-            place = {"xytext": (1.025, y), "textcoords": "axes fraction", "arrowprops": connector}
-        note = axes.annotate(label.text, (label.x, label.y), color=label.colour, **text, **place)
-        beside += [note] if x > RIGHT_EDGE else []
-    return beside
+def _end_in_axes(axes: Axes, label: EndLabel) -> np.ndarray:
+    """The end of a line in fractions of the axes, (2,)."""
+    return axes.transAxes.inverted().transform(axes.transData.transform(label[:2]))
+
+
+def _ends_at_edge(axes: Axes, label: EndLabel) -> bool:
+    return bool(_end_in_axes(axes, label)[0] > RIGHT_EDGE)
+
+
+def _write_beside(axes: Axes, label: EndLabel) -> Annotation:
+    """Write a label beside the axes at the height of the end of its line."""
+    return axes.annotate(
+        label.text,
+        label[:2],
+        xytext=(1.025, _end_in_axes(axes, label)[1]),
+        textcoords="axes fraction",
+        arrowprops=_CONNECTOR | {"color": label.colour},
+        va="center",
+        annotation_clip=False,
+        color=label.colour,
+        fontsize=LABEL_SIZE,
+    )
+
+
+def _write_within(axes: Axes, label: EndLabel) -> None:
+    """Write a label along its line, above it and up to its end, or next to the end; the size of the axes must be
+    final."""
+    place: dict[str, Any] = {"xytext": (6.0, 7.0), "va": "center"}
+    if label.start:
+        across, up = axes.transData.transform(label[:2]) - axes.transData.transform(label.start)
+        place = {"xytext": (0.0, 3.0), "va": "bottom", "ha": "right", "rotation_mode": "anchor"}
+        place["rotation"] = float(np.degrees(np.arctan2(up, across)))
+    text: dict[str, Any] = {"color": label.colour, "fontsize": LABEL_SIZE, "path_effects": [HALO]}
+    axes.annotate(label.text, label[:2], textcoords="offset points", **text, **place)
 
 
 def lay_out(figure: Figure) -> None:

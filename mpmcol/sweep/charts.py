@@ -132,7 +132,7 @@ def _draw_laws(
         curves = _curves(own, low, high)
         for a, value in curves:
             axes.plot(a, value, marker=marker, markevery=[-1], **line)
-        ends += [EndLabel(a[-1], value[-1], name, style.colour) for a, value in curves[-1:]]
+        ends += [EndLabel(a[-1], value[-1], name, style.colour, (a[0], value[0])) for a, value in curves[-1:]]
     return ends
 
 

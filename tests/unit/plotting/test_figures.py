@@ -52,6 +52,23 @@ def test_labels_of_lines_that_end_together_are_moved_apart(axes: Axes) -> None:
     assert max(levels(axes)) <= 1.0
 
 
+@pytest.mark.parametrize(("start", "end"), [((1.0, 1.0), (2.0, 4.0)), ((1.0, 4.0), (2.0, 1.0))])
+def test_a_label_within_the_axes_is_written_along_its_line(
+    axes: Axes, start: tuple[float, float], end: tuple[float, float]
+) -> None:
+    """Parallel to the line and above it, whether it rises or falls."""
+    axes.set(xscale="log", yscale="log", xlim=(0.5, 10.0), ylim=(0.1, 20.0))
+    label_ends({axes: [EndLabel(*end, "law", "black", start)]})
+    (note,) = axes.texts
+    last, first = (axes.transData.transform(point) for point in (end, start))
+    assert note.get_rotation() == pytest.approx(np.degrees(np.arctan2(*(last - first)[::-1])) % 360.0)
+    box = note.get_window_extent()
+    middle = np.array([(box.x0 + box.x1) / 2.0, (box.y0 + box.y1) / 2.0])
+    assert middle[0] < last[0]
+    line = first[1] + (middle[0] - first[0]) * (last - first)[1] / (last - first)[0]
+    assert middle[1] > line
+
+
 @pytest.mark.parametrize("layout", ["constrained", None])
 def test_a_picture_shows_everything_with_a_margin(tmp_path: Path, layout: Literal["constrained"] | None) -> None:
     """Without a layout a text is beyond the figure. The box of a text is up to a few pixels larger than its ink."""
