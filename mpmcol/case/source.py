@@ -26,6 +26,7 @@ _MOST_NAMED = 3  # files of a folder in a hint
 _LIST_HINT = "(mpmcol cases lists the shipped cases)"
 
 _YAML = (".yaml", ".yml", ".json")
+_PATH_HINT = "write paths with / or in single quotes"
 _OTHER_FORMAT = "a case file is TOML: [table], then key = value"
 # what the line of a syntax error is likely to mean, before the hints by the parser's message
 _LINE_HINTS = {
@@ -33,7 +34,7 @@ _LINE_HINTS = {
     r"[^=]*=\s*[-+]?\.\d": "write a digit before the decimal point",
     r"[^=]*=\s*[-+]?\d+\.(?!\d)": "write a digit after the decimal point",
     r'\s*(- |---|\{|(- )?"?[\w-]+"?\s*:(\s|$))': _OTHER_FORMAT,
-    r'[^=]*=\s*"[^"]*\\': "write paths with / or in single quotes",
+    r'[^=]*=\s*"[^"]*\\': _PATH_HINT,
     r'[^="]*=\s*"[^"]*$': "close the quotes at the end of the value",
     r"(?i)[^=]*=\s*(yes|no|on|off|true|false)\b": "write true or false, in small letters",
 }
@@ -143,10 +144,10 @@ def _read_outline(given: CaseInput) -> None:
     try:
         given.tables["geometry"]["outline"] = read_outline(path)
     except ValueError as wrong:
-        message = f"[geometry] outline = {shown(name)}: {wrong}"
+        message, hint = f"[geometry] outline = {shown(name)}: {wrong}", _escape_hint(name)
         if override:
-            raise _error(set_option(override.argument), message, key="geometry.outline") from None
-        raise _error(source.name, message, *source.location(OUTLINE), key="geometry.outline") from None
+            raise _error(set_option(override.argument), message, hint=hint, key="geometry.outline") from None
+        raise _error(source.name, message, *source.location(OUTLINE), hint, "geometry.outline") from None
 
 
 def _has(tables: dict[str, Any], key: KeyPath) -> bool:
@@ -189,7 +190,13 @@ def _find_parent(child: Source) -> tuple[str, Path]:
     shipped = shipped_cases()
     if parent in shipped:
         return parent + ".toml", shipped[parent]
-    raise _extends_error(child, "no such case file", _suggestion(Path(parent), child.path.parent, shipped))
+    hint = _escape_hint(parent) or _suggestion(Path(parent), child.path.parent, shipped)
+    raise _extends_error(child, "no such case file", hint)
+
+
+def _escape_hint(path: str) -> str:
+    r"""Hint for a path with a line break, a tab and the like: in double quotes, TOML reads "data\new.csv" so."""
+    return _PATH_HINT if any(letter < " " for letter in path) else ""
 
 
 def _extends_error(child: Source, message: str, hint: str = "") -> CaseError:

@@ -179,6 +179,13 @@ def test_the_hint_at_a_syntax_error_names_its_cause(write: Write, line: str, hin
     assert only_problem(write(f"schema = 1\n{line}\n")).hint == hint
 
 
+@pytest.mark.parametrize("name", [r"data\new", r"my\table", r"my\box", r"my\form", r"my\red"])
+@pytest.mark.parametrize("key", ['extends = "{}.toml"', '[geometry]\noutline = "{}.csv"'])
+def test_a_path_with_an_escape_sequence_gets_a_hint(write: Write, key: str, name: str) -> None:
+    """TOML reads the backslash and the letter after it as one character, and the file is not found."""
+    assert only_problem(write(f"{key.format(name)}\n")).hint == "write paths with / or in single quotes"
+
+
 def test_other_formats_and_folders_are_recognised(write: Write) -> None:
     write("schema: 1\n", "case.yaml")
     assert only_problem("case.yaml").hint == "a case file is TOML: [table], then key = value"
