@@ -69,3 +69,14 @@ def endless_flow(case: Any) -> str:
         f"geometry.slope_deg = {slope:g}: {moving} not stop on this slope, since the {friction} "
         f"{limits[weakest]:.3g} degrees{law}"
     )
+
+
+def remedy_of_motion(case: Any) -> str:
+    """What lets a column come to rest that still moved at the end of a run, with the cost; "" if its end was a time."""
+    if case.stages.collapse.end == "time":
+        return ""
+    if cause := endless_flow(case):
+        return f"{cause}; {ENDLESS_REMEDY}"
+    return (
+        f"stages.collapse.max_time_factor = {2.0 * case.stages.collapse.max_time_factor:g} allows twice as many steps"
+    )

@@ -39,8 +39,11 @@ class Entry:
 
 
 def explain_name(name: str) -> str:
-    """Meaning, unit and occurrence of a name in results; "" if there is none."""
-    return "\n".join(map(str, find_entries(name)))
+    """Meaning, unit and occurrence of a name in results or of a term of the summary; "" if there is none.
+
+    Spaces may stand for the underscores of a name.
+    """
+    return "\n".join(map(str, find_entries(name) or find_entries(name.replace(" ", "_"))))
 
 
 def explain_word(name: str) -> str:

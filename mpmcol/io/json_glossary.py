@@ -10,6 +10,7 @@ from mpmcol.io.accuracy_glossary import ACCURACY, ERROR_BARS
 from mpmcol.io.file_glossary import FILES, SNAPSHOT
 from mpmcol.io.fit_glossary import FIT
 from mpmcol.io.glossary import MEASURE, NAMES, RESULT, SLOPES, TABLE, Names
+from mpmcol.io.term_glossary import TERMS
 from mpmcol.io.uncertainty_glossary import RECORD_NAMES
 from mpmcol.provenance import DEPENDENCIES
 
@@ -298,4 +299,4 @@ CONTENTS = {  # command -> its key -> table whose names that key holds; "": it p
     "measure --json": {"": MEASURE},
     "sweep --json": {"runs": TABLE, "slopes": SLOPES},
 }
-ALL_NAMES = {**NAMES, "snapshots": SNAPSHOT, "the folder of a run": FILES, **OUTPUTS}
+ALL_NAMES = {**NAMES, "snapshots": SNAPSHOT, "the folder of a run": FILES, "the output of mpmcol run": TERMS, **OUTPUTS}

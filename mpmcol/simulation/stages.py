@@ -7,7 +7,7 @@ from math import ceil, inf, log
 
 import numpy as np
 
-from mpmcol.case.slope import ENDLESS_REMEDY, case_slope_factor, endless_flow
+from mpmcol.case.slope import ENDLESS_REMEDY, case_slope_factor, endless_flow, remedy_of_motion
 from mpmcol.errors import NumericalFailure
 from mpmcol.mpm.kernels import loop
 from mpmcol.mpm.lanes import ID, X
@@ -147,13 +147,10 @@ class Stages:
         ending = "at rest" if self.simulation.progress.at_rest else "ended"
         self._notify_stage("collapse", f"{ending} after {self.solver.time / self.fall_time:.2f} sqrt(h_i/g)")
         options = self.case.stages.collapse
-        if options.end == "rest" and not self.simulation.progress.at_rest:
-            advice = f"stages.collapse.max_time_factor = {2.0 * options.max_time_factor:g} allows twice as many steps"
-            if cause := endless_flow(self.case):
-                advice = f"{cause}; {ENDLESS_REMEDY}"
+        if (remedy := remedy_of_motion(self.case)) and not self.simulation.progress.at_rest:
             self.simulation.warn(
                 f"the column still moved at the time limit, {options.max_time_factor:g} sqrt(h_i/g): runout and height "
-                f"are not final; {advice}"
+                f"are not final; {remedy}"
             )
         if count := len(self._arrested_points()):
             noun = "particle was" if count == 1 else "particles were"

@@ -7,6 +7,7 @@ from math import hypot
 from typing import Any
 
 from mpmcol.case import Case, compared_experiment
+from mpmcol.case.slope import remedy_of_motion
 from mpmcol.experiments import Experiment, mark
 from mpmcol.io.results import Results
 from mpmcol.studies.model_error import IN_STUDY, difference_in_study
@@ -28,7 +29,7 @@ def judge(results: Results, with_grid: bool = True) -> list[str]:
     error = studied_error(results.case)
     experiment, reason = experiment_or_reason(results.case)
     if not results.summary["at_rest"]:
-        experiment, reason = None, STILL_MOVING
+        experiment, reason = None, "; ".join(filter(None, [STILL_MOVING, remedy_of_motion(results.case)]))
     lines = [
         _quantity_line(results.summary, quantity, results.case, experiment, error, with_grid) for quantity in NAMES
     ]

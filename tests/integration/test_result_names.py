@@ -14,13 +14,15 @@ import pytest
 
 import mpmcol
 from mpmcol.case import key_names, load_case
-from mpmcol.cli import COMMANDS, accuracy, main, paper
+from mpmcol.cli import COMMANDS, accuracy, main, paper, run_summary
 from mpmcol.errors import NumericalFailure
 from mpmcol.io.columns import explain_name, unit_of, with_unit, without_unit
 from mpmcol.io.glossary import HISTORY, MEASURE, RESULT, SLOPES, TABLE
 from mpmcol.io.json_glossary import ALL_NAMES, CONTENTS, OUTPUTS
 from mpmcol.io.results import Results, read_history
+from mpmcol.io.term_glossary import TERMS
 from mpmcol.provenance import environment
+from mpmcol.studies import judgement
 from mpmcol.studies.frame import StudyResult
 from mpmcol.studies.paper.report import Comparison, FigureResult
 from mpmcol.studies.pareto.certify import ErrorBar
@@ -196,6 +198,9 @@ def test_every_key_of_json_files_of_sweeps_and_studies_is_explained() -> None:
         ("from_order", ["lowest and highest order"]),
         ("findings", ["problems", "verify --json"]),
         ("time", ["[time]", "time.cfl", "time since release", "unit s"]),
+        ("worst J", ["worst_J", "volume ratio"]),
+        ("energy residual", ["the output of mpmcol run", "per metre of width"]),
+        ("agrees within the scatter", ["at most its scatter"]),
     ],
 )
 def test_names_are_explained_by_the_command(name: str, parts: list[str]) -> None:
@@ -216,6 +221,12 @@ def test_keys_of_a_case_come_before_words_of_names(name: str, message: str | Non
     explained = invoke("explain", name)
     assert message in explained.stderr if message else "grid.spacing" in explained.stdout
     assert explained.exit_code == (2 if message else 0)
+
+
+def test_terms_are_those_that_a_run_prints() -> None:
+    """Terms of the glossary occur in the modules that print summary and judgement."""
+    printed = "".join(Path(module.__file__ or "").read_text() for module in (judgement, run_summary))
+    assert {term for term in TERMS if term not in printed} == set()
 
 
 def test_all_names_are_listed() -> None:

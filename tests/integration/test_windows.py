@@ -6,7 +6,7 @@ import json
 import os
 import subprocess
 import sys
-from pathlib import Path
+from pathlib import Path, PureWindowsPath
 from typing import Any
 
 import pytest
@@ -73,6 +73,14 @@ def test_all_commands_work(done: tuple[Path, dict[str, Any]]) -> None:
     for name in ("run", "sweep"):
         assert "</html>" in (folder / name / "report.html").read_text("utf-8")
     assert "\x1b" not in "".join(output for _, output in commands.values())
+
+
+def test_all_files_have_names_that_windows_allows(done: tuple[Path, dict[str, Any]]) -> None:
+    folder, _ = done
+    names = {path.name for path in folder.rglob("*")}
+    refused = {name for name in names if set(name) & set('<>:"|?*\\') or name.endswith((".", " "))}
+    reserved = {name for name in names if PureWindowsPath(name).is_reserved()}
+    assert len(names) > 20 and not refused | reserved
 
 
 def test_a_run_has_the_bits_of_one_in_any_other_system(done: tuple[Path, dict[str, Any]], finished: Path) -> None:

@@ -159,6 +159,8 @@ def test_the_error_of_the_model_is_that_of_grid_converged_values() -> None:
 def test_a_column_that_still_moves_is_not_compared() -> None:
     runout, height, why, _ = lines("coarse-channel", 1.6, 1.0, at_rest=False)
     assert "against" not in runout + height and why.startswith("the column still moved at the end")
+    assert why.endswith("stages.collapse.max_time_factor = 20 allows twice as many steps")
+    assert "max_time_factor" not in lines("coarse-channel", 1.6, 1.0, 'stages.collapse.end="time"', at_rest=False)[2]
 
 
 def test_another_experiment_with_a_similar_material_is_found() -> None:
