@@ -14,7 +14,6 @@ from pathlib import Path
 import pytest
 
 from mpmcol.mpm import jit
-from mpmcol.mpm.spin_count import spin_count
 
 PACKAGE = Path(jit.__file__).parents[1]
 KERNELS = sorted((PACKAGE / "mpm/kernels").glob("*.py"))
@@ -183,17 +182,6 @@ def test_a_loop_linked_with_a_phase_from_the_cache_starts_threads_when_it_is_loa
         command = [sys.executable, str(tmp_path / "apart.py"), *arguments]
         child = subprocess.run(command, env=environment, capture_output=True, text=True)
         assert (child.returncode, child.stdout.strip()) == (0, printed), child.stderr
-
-
-@pytest.mark.parametrize(
-    ("load", "cores", "expected"), [(0.0, 2, 10_000), (0.9, 2, 1_000), (3.9, 16, 10_000), (9.0, 16, 1_000)]
-)
-def test_threads_wait_longer_on_an_idle_machine(
-    monkeypatch: pytest.MonkeyPatch, load: float, cores: int, expected: int
-) -> None:
-    monkeypatch.setattr(os, "getloadavg", lambda: (load, 0.0, 0.0))
-    monkeypatch.setattr(os, "cpu_count", lambda: cores)
-    assert spin_count() == expected
 
 
 HELPED = """
