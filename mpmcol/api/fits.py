@@ -11,7 +11,7 @@ from typing import Any
 from mpmcol.api.arguments import NOTE, Notify, warn
 from mpmcol.api.sweeps import name_of, source_of
 from mpmcol.case import Case
-from mpmcol.case.overrides import split_setting
+from mpmcol.case.overrides import Overrides, assignments, split_setting
 from mpmcol.errors import UsageError
 from mpmcol.io.html import html_table
 from mpmcol.studies.fit import REPEATS, Fit, carry_out_fit
@@ -55,7 +55,7 @@ def fit(
     vary: Mapping[str, Sequence[float]],
     *,
     profile: Path | str | None = None,
-    overrides: Sequence[str] = (),
+    overrides: Overrides = (),
     accuracy: float | None = None,
     repeats: int = REPEATS,
     out: Path | str | None = None,
@@ -75,7 +75,7 @@ def fit(
             profile.
         vary: unknown keys with the ends of their ranges, for example {"material.friction_deg": (20, 45)}.
         profile: CSV file of the measured profile, with the columns "r" and "z" in m.
-        overrides: further values of the case, as "KEY=VALUE".
+        overrides: further values of the case, as of `load_case`.
         accuracy: relative error of runout and height, for which the answer gets a configuration of the shipped study
             and the search a coarser one (default: the grid of the case).
         repeats: runs for each set of values, 2 to 20.
@@ -95,10 +95,11 @@ def fit(
     with tempfile.TemporaryDirectory() as temporary:
         source = source_of(case, Path(temporary))
         targets = [*targets_of(to), *([] if profile is None else [read_profile(Path(profile))])]
-        unknowns = unknowns_of(vary, source, overrides)
-        folder = Path(out) if out is not None else default_folder(name_of(case), unknowns, overrides, accuracy)
+        fixed = assignments(overrides)
+        unknowns = unknowns_of(vary, source, fixed)
+        folder = Path(out) if out is not None else default_folder(name_of(case), unknowns, fixed, accuracy)
         found = carry_out_fit(
-            source, overrides, unknowns, targets, folder,
+            source, fixed, unknowns, targets, folder,
             accuracy=accuracy, repeats=repeats, jobs=jobs, threads=threads, fresh=fresh, observer=observer,
         )  # fmt: skip
         results = _results(found)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -12,7 +12,7 @@ import tomli_w
 from pydantic import ValidationError
 
 from mpmcol.case.diagnostics import find_problems, problem_of
-from mpmcol.case.overrides import Override, parse_override
+from mpmcol.case.overrides import Override, Overrides, assignments, parse_override
 from mpmcol.case.problem import Problem, case_error, set_option
 from mpmcol.case.schema import Case
 from mpmcol.case.source import read_case, read_chain
@@ -22,15 +22,16 @@ from mpmcol.case.unknown_laws import errors_beside_law
 from mpmcol.errors import UnfitCase
 
 
-def load_case(source: str | Path, overrides: Sequence[str] = ()) -> Case:
+def load_case(source: str | Path, overrides: Overrides = ()) -> Case:
     """Load and check a case.
 
     Args:
         source: path of a TOML file, or name of a shipped case.
-        overrides: assignments such as "geometry.aspect=3"; the value is TOML or a bare string. An override of
-            geometry.height removes geometry.aspect of the file, and vice versa.
+        overrides: assignments such as "geometry.aspect=3", whose values are TOML or bare strings, or a mapping such as
+            {"geometry.aspect": 3}. An override of geometry.height removes geometry.aspect of the file, and vice versa.
 
     Raises:
+        TypeError: a value of the mapping is none of TOML.
         CaseError: the case is invalid; lists all problems with file, line, key and remedy.
     """
     parsed, problems = _parsed(overrides)
@@ -46,7 +47,7 @@ def load_case(source: str | Path, overrides: Sequence[str] = ()) -> Case:
 
 
 @contextmanager
-def located(source: str | Path, overrides: Sequence[str]) -> Iterator[None]:
+def located(source: str | Path, overrides: Overrides) -> Iterator[None]:
     """Raise each UnfitCase of the block as a CaseError, with file and line; arguments as of `load_case`."""
     try:
         yield
@@ -55,10 +56,10 @@ def located(source: str | Path, overrides: Sequence[str]) -> Iterator[None]:
         raise case_error([problem_of(given, key, unfit.message, unfit.remedy, key)]) from None
 
 
-def _parsed(overrides: Sequence[str]) -> tuple[dict[KeyPath, Override], list[Problem]]:
+def _parsed(overrides: Overrides) -> tuple[dict[KeyPath, Override], list[Problem]]:
     parsed: dict[KeyPath, Override] = {}
     problems: list[Problem] = []
-    for argument in overrides:
+    for argument in assignments(overrides):
         try:
             override = parse_override(argument)
             parsed[override.key] = override

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
+
+import tomli_w
 
 from mpmcol.case.fields import shortened
 from mpmcol.case.problem import Problem, case_error, set_option
 from mpmcol.case.toml_lines import KeyPath, TomlError, parse
 from mpmcol.errors import CaseError
 
+Overrides = Sequence[str] | str | Mapping[str, Any]  # see `assignments`
 # a key of `geometry` that is given -> keys that are removed, since it replaces them
 _ALTERNATIVES: dict[KeyPath, tuple[str, ...]] = {
     ("geometry", "height"): ("aspect",),
@@ -27,6 +30,31 @@ class Override:
     key: KeyPath
     value: Any
     argument: str
+
+
+def assignments(overrides: Overrides) -> list[str]:
+    """Overrides as "key=value": a sequence of such assignments, a single one, or a mapping from keys to values.
+
+    Raises TypeError for a value that TOML does not have.
+    """
+    if isinstance(overrides, str):
+        return [overrides]
+    if isinstance(overrides, Mapping):
+        return [text for key, value in overrides.items() for text in _assignments(key, value)]
+    return list(overrides)
+
+
+def _assignments(key: str, value: Any) -> Iterator[str]:
+    """Assignments of a value of Python or NumPy; of a mapping, those of its keys."""
+    plain = value.tolist() if hasattr(value, "tolist") else value
+    if isinstance(plain, Mapping):
+        for name, inner in plain.items():
+            yield from _assignments(f"{key}.{name}", inner)
+        return
+    try:
+        yield f"{key}={tomli_w.dumps({'value': plain}).removeprefix('value = ').strip()}"
+    except TypeError:
+        raise TypeError(f"{key}: expected a number, a text, true or false, or a list of them, not {value!r}") from None
 
 
 def parse_override(argument: str) -> Override:

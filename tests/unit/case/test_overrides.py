@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+import numpy as np
 import pytest
 
 from mpmcol.case import load_case
@@ -18,6 +21,30 @@ def test_overrides_replace_values_of_the_file(write: Write) -> None:
         0.0,
         0.001,
     )
+
+
+@pytest.mark.parametrize(
+    ("values", "texts"),
+    [
+        ({"geometry.aspect": 5, "title": 'a "b"'}, ["geometry.aspect=5", 'title=a "b"']),
+        ({"grid.spacing": "1 mm", "method.wall_impulse": True}, ["grid.spacing=1 mm", "method.wall_impulse=true"]),
+        ({"grid.spacing": np.float64(0.001), "time.cfl": np.array(0.3)}, ["grid.spacing=0.001", "time.cfl=0.3"]),
+        ({"output.times": [0.1, 0.2]}, ["output.times=[0.1, 0.2]"]),
+        ({"stages.collapse": {"damping": 0.1}}, ["stages.collapse.damping=0.1"]),
+        ({}, []),
+    ],
+)
+def test_overrides_as_a_mapping_are_those_as_texts(write: Write, values: dict[str, Any], texts: list[str]) -> None:
+    assert load_case(write(GOOD), values) == load_case(write(GOOD), texts)
+
+
+def test_a_single_override_needs_no_list(write: Write) -> None:
+    assert load_case(write(GOOD), "geometry.aspect=5").geometry.a == 5.0
+
+
+def test_a_value_that_toml_does_not_have_is_refused(write: Write) -> None:
+    with pytest.raises(TypeError, match="title: expected a number"):
+        load_case(write(GOOD), {"title": None})
 
 
 def test_an_override_of_the_height_removes_the_aspect_ratio(write: Write) -> None:
