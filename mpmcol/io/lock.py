@@ -8,9 +8,11 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
+import portalocker
+from portalocker import AlreadyLocked, LockException, LockFlags
+
 from mpmcol.errors import OutputError
 from mpmcol.io.atomic import cannot_write, make_folder, remove, temporary_files
-from mpmcol.io.file_lock import try_lock, unlock
 from mpmcol.io.names import LOCK_FILE
 
 PATIENCE = 0.5  # s to wait for the lock: `is_locked` in another process holds it for a moment
@@ -56,8 +58,8 @@ def locked(folder: Path) -> Iterator[Lock]:
             yield Lock(path, descriptor)
         finally:
             if os.getpid() == process:  # not in a child that was forked meanwhile
-                with contextlib.suppress(OSError):
-                    unlock(descriptor)
+                with contextlib.suppress(LockException, OSError):
+                    portalocker.unlock(descriptor)  # also for forked children, which have inherited it
     finally:
         os.close(descriptor)
 
@@ -69,25 +71,32 @@ def is_locked(folder: Path) -> bool:
     except OSError:
         return False
     try:
-        return not try_lock(descriptor, shared=True)
-    except OSError:  # this file system has no locks: no run can have started
+        portalocker.lock(descriptor, LockFlags.SHARED | LockFlags.NON_BLOCKING)  # a file open for reading has no other
+    except AlreadyLocked:
+        return True
+    except LockException:  # this file system has no locks: no run can have started
         return False
     finally:
         os.close(descriptor)
+    return False
 
 
 def _acquire(descriptor: int, folder: Path) -> None:
     """Acquire the lock; raise OutputError if another process holds it for longer than PATIENCE."""
     deadline = time.monotonic() + PATIENCE
-    try:
-        while not try_lock(descriptor):
+    while True:
+        try:
+            portalocker.lock(descriptor, LockFlags.EXCLUSIVE | LockFlags.NON_BLOCKING)
+        except AlreadyLocked:
             if time.monotonic() > deadline:
                 raise OutputError(
                     f"{folder}: another run is writing here; wait until it ends, or choose another folder"
-                )
+                ) from None
             time.sleep(PATIENCE / 10.0)
-    except OSError as error:
-        raise OutputError(
-            f"{folder}: this file system has no file locks ({error.strerror}), which keep two runs apart; choose a "
-            "folder on another disk"
-        ) from error
+        except LockException as error:
+            raise OutputError(
+                f"{folder}: this file system has no file locks ({error.strerror}), which keep two runs apart; choose a "
+                "folder on another disk"
+            ) from error
+        else:
+            return

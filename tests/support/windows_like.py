@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import builtins
 import errno
-import fcntl
 import importlib
 import os
 import signal
@@ -75,7 +74,6 @@ def _stand_ins() -> dict[str, Any]:
     found["psutil"].Process = lambda: SimpleNamespace(
         memory_info=lambda: SimpleNamespace(peak_wset=psutil.Process().memory_info().rss)
     )
-    found["msvcrt"] = SimpleNamespace(locking=_locking, LK_NBLCK=2, LK_UNLCK=0)
     _replace_files(found["os"])
     return found
 
@@ -102,14 +100,6 @@ class _StandIn(ModuleType):
         if name in self._hidden:
             raise AttributeError(f"module {self.__name__!r} has no attribute {name!r}")
         return getattr(self._real, name)
-
-
-def _locking(descriptor: int, mode: int, size: int) -> None:
-    """`msvcrt.locking`: an exclusive lock of some bytes."""
-    try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB if mode == 2 else fcntl.LOCK_UN)
-    except BlockingIOError:
-        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES)) from None
 
 
 def _replace_files(stand_in: Any) -> None:

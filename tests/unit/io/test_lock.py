@@ -9,11 +9,11 @@ import subprocess
 import sys
 from pathlib import Path
 
+import portalocker
 import pytest
 
 import mpmcol
 from mpmcol.errors import OutputError
-from mpmcol.io import file_lock
 from mpmcol.io.lock import is_locked, locked
 from mpmcol.io.names import LOCK_FILE
 
@@ -121,7 +121,7 @@ def test_a_file_system_without_locks_is_refused_in_words(tmp_path: Path, monkeyp
     def fail(*arguments: object) -> None:
         raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
 
-    monkeypatch.setattr(file_lock, "_lock", fail)
+    monkeypatch.setattr(portalocker.portalocker, "LOCKER", fail)
     (tmp_path / LOCK_FILE).touch()
     assert not is_locked(tmp_path)
     with pytest.raises(OutputError, match="has no file locks .*choose a folder on another disk"), locked(tmp_path):
