@@ -109,7 +109,7 @@ def _quality(summary: dict[str, Any], at_release: float) -> Iterator[str]:
         )
         if "local_pressure_p1" in stress:  # results of earlier versions do not have it
             low, high = stress["local_pressure_p1"], stress["local_pressure_p99"]
-            yield f"pressures inside, relative to the weight above them: 98 % between {low:.2f} and {high:.2f}"
+            yield f"pressures inside, relative to the weight above them: 98 % between {low:z.2f} and {high:.2f}"
 
 
 def energy_line(shares: Mapping[str, float], at_release: float, unit: str) -> str:

@@ -191,7 +191,7 @@ def _time(name: str, over_tau: float | None, tau: float) -> Measure:
 
 
 def _percent(share: float | None) -> str:
-    return "" if share is None else f"{100.0 * share:.1f} %"
+    return "" if share is None else f"{100.0 * share:z.1f} %"
 
 
 def _compared(one: Measure, first: Measure) -> str:

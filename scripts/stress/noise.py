@@ -92,7 +92,7 @@ def row_of(name: str, results: Results) -> Iterator[str]:
     yield f"{100 * shares['transfer']:.1f}, {100 * shares['walls']:.1f}, {100 * shares['filter']:.1f}"
     yield f"{100 * stress['stress_free']:.0f}"
     yield f"{stress['pressure_p99']:.2f} / {stress['pressure_max']:.2f}"
-    yield f"{stress['local_pressure_p1']:.2f} to {stress['local_pressure_p99']:.2f}"
+    yield f"{stress['local_pressure_p1']:z.2f} to {stress['local_pressure_p99']:.2f}"
     yield f"{stress['scatter']:.3f}"
     yield f"{summary['worst_J'][0]:.4f} to {summary['worst_J'][1]:.4f}"
     yield str(int(history["step"][loading][-1]))
