@@ -11,10 +11,12 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+from mpmcol.case.small_file import read_small
 from mpmcol.errors import UsageError
 from mpmcol.provenance import cpu_name
 
 SCHEMA = 4
+LARGEST_FILE = 1_000_000  # bytes
 EXPECTED = "expected a report that `mpmcol bench --out` wrote"
 SLOWDOWN = 1.5
 
@@ -107,12 +109,14 @@ def make_report(cases: list[BenchmarkCase]) -> Report:
 def load_report(path: Path) -> Report:
     """Read a report written by `--json`; raises UsageError if the file is not one."""
     try:
-        data = json.loads(path.read_text("utf-8"))
+        content = read_small(path, LARGEST_FILE, "a report")
+    except (OSError, ValueError) as error:
+        raise UsageError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}; {EXPECTED}") from None
+    try:
+        data = json.loads(content)
         if data["schema"] != SCHEMA:
             raise ValueError(f"schema {data['schema']}, expected {SCHEMA}")
         return Report(data["date"], data["machine"], tuple(_read_case(case) for case in data["cases"]))
-    except OSError as error:
-        raise UsageError(f"{path}: cannot be read: {error.strerror or error}; {EXPECTED}") from None
     except (ValueError, KeyError, TypeError, AttributeError):
         raise UsageError(f"{path}: is damaged, or no such report; {EXPECTED}") from None
 

@@ -12,6 +12,7 @@ import numpy as np
 from pydantic_core import PydanticCustomError
 
 from mpmcol.case.fields import shortened, shown
+from mpmcol.case.small_file import read_small
 from mpmcol.units import Number
 
 Point = tuple[float, float]
@@ -65,12 +66,9 @@ def read_outline(path: Path) -> list[list[Any]]:
     Raises ValueError with line and reason.
     """
     try:
-        with path.open("rb") as file:
-            content = file.read(LARGEST_FILE + 1)
+        content = read_small(path, LARGEST_FILE, "an outline")
     except OSError as error:
         raise ValueError(f"cannot be read: {error.strerror}") from None
-    if len(content) > LARGEST_FILE:
-        raise ValueError(f"larger than {LARGEST_FILE // 1000} kB, the limit of an outline")
     try:
         lines = content.decode("utf-8-sig").splitlines()
     except UnicodeDecodeError:

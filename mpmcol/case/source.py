@@ -15,6 +15,7 @@ from mpmcol.case.fields import nearest, shortened, shown
 from mpmcol.case.outline import read_outline
 from mpmcol.case.overrides import Override, apply_overrides, merge_cases
 from mpmcol.case.problem import Problem, case_error, set_option
+from mpmcol.case.small_file import read_small
 from mpmcol.case.toml_lines import GIVEN_TWICE, SYNTAX_ERROR, KeyPath, TomlError, locate, parse, value_at
 from mpmcol.errors import CaseError
 
@@ -213,14 +214,13 @@ def _error(
 def read_source(name: str, path: Path) -> Source:
     """Read a TOML file; `name` is its name in messages. Raises CaseError if it cannot be read."""
     try:
-        with path.open("rb") as file:
-            content = file.read(MAX_FILE_SIZE + 1)
+        content = read_small(path, MAX_FILE_SIZE, "a case or study")
+    except ValueError as too_large:
+        raise _error(name, str(too_large)) from None
     except OSError as failure:
         if path.is_dir():  # Windows reports a lack of permission
             raise _error(name, "is a folder; expected a case file", hint=_file_in(path)) from failure
         raise _error(name, f"cannot be read: {failure.strerror}") from failure
-    if len(content) > MAX_FILE_SIZE:
-        raise _error(name, f"larger than {MAX_FILE_SIZE // 1000} kB, the limit of a case or study")
     try:
         text = content.decode("utf-16" if content.startswith(UTF_16) else "utf-8-sig")
     except UnicodeDecodeError as failure:

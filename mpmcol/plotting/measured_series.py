@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mpmcol.case.small_file import read_small
 from mpmcol.errors import UsageError
 from mpmcol.measure import Array
 from mpmcol.units import DECIMAL_COMMA, FACTORS
@@ -19,6 +20,7 @@ from mpmcol.units import DECIMAL_COMMA, FACTORS
 EXPECTED = 'expected columns "r" and "z" in m, or with a unit such as "r [mm]", and possibly "series" or "t"'
 _HEADER = re.compile(r"\s*(\w+)\s*(?:[\[(]\s*([^\])\s]*)\s*[\])])?\s*")
 _LARGEST = 1e9
+LARGEST_FILE = 10_000_000  # bytes
 MOST_SERIES = 7
 ALIASES = {"x": "r", "y": "z"}  # as in the file of an outline
 BASE_UNITS = {"r": "m", "z": "m", "series": "", "t": "s"}
@@ -55,10 +57,11 @@ def read_points(path: Path) -> list[MeasuredSeries]:
         UsageError: with the line, if the file cannot be read or a value is not a number.
     """
     try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "it is not a text file"
-        raise UsageError(f"{path}: cannot be read ({reason}); {EXPECTED}") from None
+        lines = read_small(path, LARGEST_FILE, "measured profiles").decode("utf-8-sig").splitlines()
+    except UnicodeDecodeError:
+        raise UsageError(f"{path}: cannot be read (it is not a text file); {EXPECTED}") from None
+    except (OSError, ValueError) as error:
+        raise UsageError(f"{path}: cannot be read ({getattr(error, 'strerror', None) or error}); {EXPECTED}") from None
     rows = list(_rows(path, lines))
     if not rows:
         raise UsageError(f"{path}: the file is empty; {EXPECTED}")

@@ -149,8 +149,31 @@ def test_studies_are_parsed_like_cases(text: str) -> None:
     assert find_failure(load) is None
 
 
-def test_an_endless_study_file_is_refused() -> None:
-    assert "larger than" in invoke("pareto", "/dev/zero").stderr
+FIT = ("fit", "quickstart", "--to", "zeta=1", "--vary", "material.friction_deg=20:40", "--dry-run")
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("run",), ("check",), ("plan",), ("sweep", "--aspect", "1,2"), ("pareto",), ("stability", "--map"),
+        ("check", "quickstart", "--set", "geometry.outline=large"), (*FIT, "--profile"), ("bench", "--against"),
+    ],
+    ids=" ".join,
+)  # fmt: skip
+def test_no_file_of_a_user_is_read_without_limit(command: tuple[str, ...]) -> None:
+    """It may be a device that has no end."""
+    with Path("large").open("wb") as file:
+        file.truncate(20_000_000)
+    assert "larger than" in invoke(*command, *([] if "large" in command[-1] else ["large"])).stderr
+
+
+def test_measurements_are_not_read_without_limit(finished: Path) -> None:
+    with Path("large").open("wb") as file:
+        file.truncate(20_000_000)
+    assert "larger than" in invoke("plot", str(finished), "--points", "large").stderr
+
+
+def test_an_unknown_study_is_refused() -> None:
     assert "no such study" in invoke("pareto", "x" * 5000).stderr
 
 
