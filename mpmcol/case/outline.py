@@ -23,7 +23,7 @@ FEWEST, MOST = 3, 500  # points
 LARGEST_FILE = 200_000  # bytes
 THINNEST = 1e-6  # of the area of the bounding box
 RECTANGLE = 1.0 - 1e-12  # of that rectangle: a larger part is all of it
-_HEADER = re.compile(r"\s*([a-z]\w*)\s*(?:[\[(]\s*(\S*?)\s*[\])])?\s*", re.IGNORECASE)
+_HEADER = re.compile(r"\s*+([a-z]\w*+)\s*+(?:[\[(]\s*+(\S*?)\s*+[\])])?\s*+", re.IGNORECASE)
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import re
 from mpmcol.case.schema import Case
 
 MODELS = {"plane": "plane strain", "axisymmetric": "axisymmetric", "quarter": "3D quarter model", "full": "3D model"}
-_ASPECT = re.compile(r",? *\ba = (\d+(?:\.\d+)?)")
+_ASPECT = re.compile(r"(?:, *+|(?<![ ,]) ++)?\ba = (\d++(?:\.\d++)?)")
 
 
 def title_of(case: Case) -> str:

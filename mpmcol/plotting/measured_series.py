@@ -18,7 +18,7 @@ from mpmcol.measure import Array
 from mpmcol.units import DECIMAL_COMMA, FACTORS
 
 EXPECTED = 'expected columns "r" and "z" in m, or with a unit such as "r [mm]", and possibly "series" or "t"'
-_HEADER = re.compile(r"\s*(\w+)\s*(?:[\[(]\s*([^\])\s]*)\s*[\])])?\s*")
+_HEADER = re.compile(r"\s*+(\w++)\s*+(?:[\[(]\s*+([^\])\s]*+)\s*+[\])])?\s*+")
 _LARGEST = 1e9
 LARGEST_FILE = 10_000_000  # bytes
 MOST_SERIES = 7
