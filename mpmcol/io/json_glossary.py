@@ -10,12 +10,11 @@ from mpmcol.io.accuracy_glossary import ACCURACY, ERROR_BARS
 from mpmcol.io.file_glossary import FILES, SNAPSHOT
 from mpmcol.io.fit_glossary import FIT
 from mpmcol.io.glossary import MEASURE, NAMES, RESULT, SLOPES, TABLE, Names
+from mpmcol.io.study_glossary import MAP, PAPER, PARETO, PLAN, SCHEMA, STABILITY, VALIDATE, WRITTEN
 from mpmcol.io.term_glossary import TERMS
 from mpmcol.io.uncertainty_glossary import RECORD_NAMES
 from mpmcol.provenance import DEPENDENCIES
 
-_SCHEMA: Names = {"schema": ("", "version of the format")}
-_FILES: Names = {"files": ("", "files that were written")}
 _RUNS: Names = {
     "runs.folder": ("", "folder of the run in that of the sweep"),
     "runs.inputs": ("", "values of the keys that vary; of a single run empty"),
@@ -35,7 +34,7 @@ _SPREAD: Names = {
     "max": ("ns", "longest of them"),
 }
 _ESTIMATE: Names = {
-    **_SCHEMA,
+    **SCHEMA,
     **{name: NAMES[RESULT][name] for name in ("points", "column_points", "dt", "warnings")},
     "nodes": ("", "number of grid nodes near material at the start"),
     "tiles_of_group": ("", "occupied tiles of each group; those of a group are processed in parallel"),
@@ -49,7 +48,7 @@ _ESTIMATE: Names = {
     "compile_seconds": ("s", "time to compile the kernels, or to load them from the cache"),
 }
 _FORECAST: Names = {
-    **_SCHEMA,
+    **SCHEMA,
     "jobs": ("", "runs at a time"),
     "threads": ("", "threads of each run"),
     "seconds": ("s", "time of all runs that are not finished, estimated"),
@@ -60,7 +59,7 @@ _FORECAST: Names = {
     "runs.seconds": ("s", "time of the run, estimated; null if it is finished"),
 }
 _PLAN_FILE: Names = {
-    **_SCHEMA,
+    **SCHEMA,
     "title": ("", "title of the case"),
     "version": ("", "version of mpmcol that planned the runs"),
     "jobs": ("", "runs at a time"),
@@ -71,7 +70,7 @@ _PLAN_FILE: Names = {
     "runs.end": ("s", "time since release at the end of the collapse, estimated"),
 }
 _STATUS: Names = {
-    **_SCHEMA,
+    **SCHEMA,
     "folder": ("", "folder of the sweep or of the run"),
     "version": ("", "version of mpmcol that planned the runs, or that ended a single run; null before its end"),
     "counts.STATUS": ("", "number of runs with a status"),
@@ -84,15 +83,15 @@ _STATUS: Names = {
     "runs.message": ("", "cause and remedy of a failure"),
 }
 _SWEEP: Names = {
-    **_SCHEMA,
+    **SCHEMA,
     "folder": ("", "folder of the sweep"),
     "runs": ("", "rows of table.csv, which have also the values of the keys that vary"),
     "slopes": ("", "rows of slopes.csv"),
     "notes": ("", "warnings in the results, each once, with the number of its runs"),
-    **_FILES,
+    **WRITTEN,
 }
 _VERIFY: Names = {
-    **_SCHEMA,
+    **SCHEMA,
     "intact": ("", "whether no file is damaged or missing"),
     "folders": ("", "one entry for each folder"),
     "folders.folder": ("", "path of the folder"),
@@ -106,7 +105,7 @@ _VERIFY: Names = {
     "folders.findings.is_damage": ("", "whether the file is damaged or missing; otherwise a note"),
 }
 _BENCH: Names = {
-    **_SCHEMA,
+    **SCHEMA,
     "date": ("", "date and time of the measurement, UTC"),
     "machine.NAME": ("", "processor, cores, system, and versions of the software that generates machine code"),
     "cases": ("", "one entry for each model, size and number of threads"),
@@ -146,131 +145,6 @@ _SCALING: Names = {
     "cases.rows.mean_tiles": ("", "mean number of tiles in a group"),
     "cases.rows.fewest_tiles": ("", "tiles in the smallest group"),
 }
-_PAPER: Names = {
-    **_SCHEMA,
-    "comparisons": ("", "one entry for each number that the paper states"),
-    "comparisons.figure": ("", "figure of the paper"),
-    "comparisons.name": ("", "quantity that is compared"),
-    "comparisons.computed": ("", "computed number, in `unit`; with the unit % a ratio: 0.036 is 3.6 %"),
-    "comparisons.stated": ("", "number that the paper states, in the same form; null without one"),
-    "comparisons.limit": ("", "largest magnitude with which the statement of the paper is met; null without one"),
-    "comparisons.unit": ("", "unit of these numbers"),
-    "comparisons.comment": ("", "how the number was computed"),
-    "comparisons.is_met": ("", "whether the computed number is within the limit; null without one"),
-    **_FILES,
-}
-_VALIDATE: Names = {
-    **_SCHEMA,
-    "passed": ("", "whether all checks have passed"),
-    "checks": ("", "rows of validation.csv: one for each check and for each of its negative controls"),
-    "checks.check": ("", "name of the check"),
-    "checks.experiment": ("", "name of the experiment"),
-    "checks.quantity": ("", "quantity that is compared"),
-    "checks.unit": ("", "unit of the value and of the band"),
-    "checks.control": ("", "error that the negative control makes; empty for the check itself"),
-    "checks.value": ("", "mean of the runs"),
-    "checks.standard_error": ("", "standard error of that mean"),
-    "checks.runs": ("", "number of runs"),
-    "checks.lo": ("", "lower end of the band, from experiments"),
-    "checks.hi": ("", "upper end of the band"),
-    "checks.inside": ("", "whether the value is in the band"),
-    "checks.verdict": ("", "verdict of the check"),
-    "checks.at_rest": ("", "whether all runs ended at rest"),
-    "checks.h_m": ("m", "node spacing"),
-    "checks.source": ("", "source of the band"),
-    "others": ("", "comparison with laws of other experiments, for information"),
-    "others.case": ("", "shipped case"),
-    "others.a": ("", "aspect ratio h_i / r_i"),
-    "others.experiment": ("", "name of the experiment"),
-    "others.quantity": ("", "quantity that is compared"),
-    "others.value": ("", "value of the run"),
-    "others.error": ("", "value over that of the law, minus one"),
-    "others.material": ("", "material of the experiment"),
-    **_FILES,
-}
-_PARETO: Names = {
-    **_SCHEMA,
-    "rows": ("", "rows of pareto.csv, one for each configuration and case"),
-    "rows.case": ("", "case of the study"),
-    "rows.extends": ("", "shipped case that it extends"),
-    "rows.a": ("", "aspect ratio h_i / r_i"),
-    "rows.variant": ("", "variant of the method"),
-    "rows.cells": ("", "r_i / h"),
-    "rows.runs": ("", "number of runs that are done"),
-    "rows.failed": ("", "number of runs that diverged"),
-    "rows.core_seconds": ("s", "processor time without compilation, least of the runs"),
-    "rows.point_steps": ("", "material points times steps"),
-    "rows.peak_memory_bytes": ("bytes", "peak resident memory"),
-    "rows.written_bytes": ("bytes", "size of the results"),
-    "rows.QUANTITY bias": ("", "relative error of the mean of the runs"),
-    "rows.QUANTITY scatter": ("", "relative standard deviation of one run"),
-    "rows.QUANTITY p90": ("", "relative error that about 90 % of the runs do not exceed"),
-    "rows.QUANTITY bound": ("", "largest p90 of the configuration on this and finer grids"),
-    "rows.QUANTITY reference": ("", "grid-converged value of the case"),
-    "rows.QUANTITY reference uncertainty": ("", "relative uncertainty of the grid-converged value"),
-    "rows.QUANTITY pareto-optimal": ("", "whether no cheaper configuration has a smaller bound"),
-    "rows.message": ("", "why runs are not done"),
-    **_FILES,
-}
-_PLAN: Names = {
-    **_SCHEMA,
-    "changes": ("", "changes of the case that save time, each alone"),
-    "changes.name": ("", "description of the change"),
-    "changes.values": ("", "keys that change"),
-    "changes.values.NAME": ("", "new value of a key"),
-    "changes.cost_ratio": ("", "core-seconds over those of the unchanged case"),
-    "changes.effect": ("", "relative change of each quantity in the study; null if it was not measured"),
-    "changes.effect.QUANTITY": ("", "relative change of the quantity"),
-    "recommended": ("", "cheapest configuration within the accuracy"),
-    "recommended.variant": ("", "variant of the method in the study"),
-    "recommended.cells": ("", "r_i / h"),
-    "recommended.studied": ("", "r_i / h up to which all neighbouring cases were studied; its errors also hold beyond"),
-    "recommended.values": ("", "keys that change"),
-    "recommended.values.NAME": ("", "new value of a key"),
-    "recommended.errors.QUANTITY": ("", "relative error that 90 % of the runs of the study do not exceed"),
-    "recommended.intervals.QUANTITY": ("", "interval of 90 % of the relative error of a run, with its sign"),
-    "recommended.intervals.QUANTITY.low": ("", "lower end of the interval"),
-    "recommended.intervals.QUANTITY.high": ("", "upper end of the interval"),
-    "recommended.cases": ("", "cases of the study between which the case lies"),
-    "recommended.core_seconds": ("s", "processor time on the machine of the study"),
-    "recommended.differences": ("", "how the case differs from those of the study, whose errors may not apply to it"),
-}
-_STABILITY: Names = {
-    **_SCHEMA,
-    "passed": ("", "whether all methods had the expected outcome"),
-    "rows": ("", "one entry for each method of a scenario, and for each quantity with a known value"),
-    "rows.scenario": ("", "name of the scenario"),
-    "rows.unit": ("", "unit of the value"),
-    "rows.method": ("", "options of the method; empty for a quantity with a known value"),
-    "rows.default": ("", "whether it is the default method"),
-    "rows.metric": ("", "quantity that is measured"),
-    "rows.value": ("", "value of the quantity"),
-    "rows.bound": ("", "bound within which a method passes"),
-    "rows.theory": ("", "known value"),
-    "rows.expected": ("", "expected outcome"),
-    "rows.outcome": ("", "outcome, or the relative error to the known value"),
-    "rows.verdict": ("", "whether the outcome is as expected"),
-    "rows.source": ("", "source of the expectation"),
-    "rows.note": ("", "remark on the run"),
-    "seconds.SCENARIO": ("s", "time of a scenario"),
-    **_FILES,
-}
-_MAP: Names = {
-    **_SCHEMA,
-    "rows": ("", "rows of map.csv, one for each combination of options, which have also their keys"),
-    "rows.block": ("", "block of the map"),
-    "rows.panel": ("", "panel of the chart"),
-    "rows.case": ("", "case of the map"),
-    "rows.default": ("", "whether all options have their default"),
-    "rows.rating": ("", "passes, degrades or fails"),
-    "rows.exceeded": ("", "metrics that exceed their limit"),
-    "rows.cause": ("", "why the run failed"),
-    "rows.METRIC.metric": ("", "metric of the run, over its limit"),
-    **{f"rows.zeta.{name}": NAMES[TABLE][f"zeta.{name}"] for name in ("front_height", "front_max")},
-    **{f"rows.{name}": NAMES[TABLE][name] for name in ("beta", "at_rest", "time_over_tau", "steps", "core_seconds")},
-    "rows.folder": ("", "folder of the run; null if it was not run"),
-    **_FILES,
-}
 
 OUTPUTS: dict[str, Names] = {  # command or file -> its names
     "run --json": ERROR_BARS | ACCURACY,
@@ -278,18 +152,18 @@ OUTPUTS: dict[str, Names] = {  # command or file -> its names
     "sweep --json": _SWEEP,
     "sweep --dry-run --json": _FORECAST,
     "fit --dry-run --json": _FORECAST,
-    "sweep --uncertain --json": {**RECORD_NAMES, **{name: _SWEEP[name] for name in ("folder", "notes")}, **_FILES},
+    "sweep --uncertain --json": {**RECORD_NAMES, **{name: _SWEEP[name] for name in ("folder", "notes")}, **WRITTEN},
     "uncertainty.json": RECORD_NAMES,
     "sweep.json": _PLAN_FILE,
     "fit --json": FIT,
     "status --json": _STATUS,
     "verify --json": _VERIFY,
-    "paper --json": _PAPER,
-    "validate --json": _VALIDATE,
-    "stability --json": _STABILITY,
-    "stability --map --json": _MAP,
-    "pareto --json": _PARETO,
-    "plan --json": _PLAN,
+    "paper --json": PAPER,
+    "validate --json": VALIDATE,
+    "stability --json": STABILITY,
+    "stability --map --json": MAP,
+    "pareto --json": PARETO,
+    "plan --json": PLAN,
     "bench --json": _BENCH,
     "bench --scaling --json": _SCALING,
     "environment.json": _MACHINE,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mpmcol.io.glossary import Names
+from mpmcol.io.glossary import NAMES, RESULT, Names
 
 TERMS: Names = {
     "judgement": (
@@ -19,7 +19,7 @@ TERMS: Names = {
     ),
     "finer grids": ("", "the result without the error of the grid"),
     "error of the model": ("", "difference of the study's values at zero spacing from the experiment"),
-    "spread of zeta": ("", "largest minus smallest zeta of the three definitions of the front"),
+    "spread of zeta": NAMES[RESULT]["spread"],
     "particle-steps": ("", "material points times time steps"),
     "energy residual": ("J", "change of all energies that their ledger does not explain; 0 except for rounding"),
     "energy released": ("J", "potential energy at release minus that at the end, and what took it"),
